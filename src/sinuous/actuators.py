@@ -1,0 +1,113 @@
+"""What drives a segment: tendons and pneumatic chambers, linear in its bending vector.
+
+A line that runs parallel to the backbone at distance `radius`, on the side at angle `a` about it, has through one segment of
+length `l` and bending vector `u` the length `l - radius (ux cos a + uy sin a)`: shorter on the side bent to (Webster & Jones
+2010, section 3). A tendon that ends at segment k runs through segments 1 to k and adds up what each of them does to it.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+
+MOST_LINES = 64
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Lines:
+    """Lines parallel to the backbone of a segment.
+
+    Parameters
+    ----------
+    count : int, optional
+        Number of lines, spread evenly from `angle` on.
+    angle : float
+        Angle of the first of `count` lines about the segment's z axis, rad, from its x axis.
+    angles : array_like (m,), optional
+        The angles one by one, instead of `count` and `angle`.
+    radius : float
+        Distance of the lines from the backbone, in the length unit.
+    """
+
+    angles: Floats
+    radius: float
+
+    def __init__(self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None) -> None:
+        if (count is None) == (angles is None):
+            raise InputError("count", "must say where the lines are", count, "either count (and angle) or angles")
+        if angles is None:
+            number = checks.integer("count", count, 1, MOST_LINES)
+            first = checks.number("angle", 0.0 if angle is None else angle)
+            values = first + 2.0 * math.pi * np.arange(number) / number
+        else:
+            if angle is not None:
+                raise InputError("angle", "stands beside angles", angle, "either count and angle, or angles")
+            values = checks.array("angles", angles, (None,))
+            checks.integer("angles", len(values), 1, MOST_LINES)
+        object.__setattr__(self, "angles", values)
+        object.__setattr__(self, "radius", checks.number("radius", radius, above=0.0))
+
+    @property
+    def arms(self) -> Floats:
+        """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
+        result: Floats = self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
+        return result
+
+    @property
+    def spans_plane(self) -> bool:
+        """Whether the lines determine the bending vector: at least two that are not opposite or the same."""
+        return int(np.linalg.matrix_rank(self.arms, tol=1e-9 * self.radius)) == 2
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Tendons(Lines):
+    """Tendons that end at the end of one segment; parameters as `Lines`, and `displacement`.
+
+    Parameters
+    ----------
+    displacement : (float, float), optional
+        Least and largest displacement that the drive allows, in the length unit; 0, the straight robot, must lie
+        between. Positive is pulled: the tendon is shorter than the backbone it runs along.
+    """
+
+    displacement: tuple[float, float]
+
+    def __init__(
+        self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None, displacement: Any = None
+    ) -> None:
+        super().__init__(count, radius, angle, angles=angles)
+        object.__setattr__(self, "displacement", _limits_about_zero("displacement", displacement))
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Chambers(Lines):
+    """Pneumatic or bellows chambers along one segment; parameters as `Lines`, and `length`.
+
+    Parameters
+    ----------
+    length : (float, float), optional
+        Shortest and longest that a chamber may be, in the length unit.
+    """
+
+    length: tuple[float, float]
+
+    def __init__(
+        self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None, length: Any = None
+    ) -> None:
+        super().__init__(count, radius, angle, angles=angles)
+        pair = (-math.inf, math.inf) if length is None else checks.interval("length", length, low=0.0)
+        object.__setattr__(self, "length", pair)
+
+
+def _limits_about_zero(key: str, value: Any) -> tuple[float, float]:
+    if value is None:
+        return -math.inf, math.inf
+    pair = checks.interval(key, value)
+    if not pair[0] <= 0.0 <= pair[1]:
+        raise InputError(key, "excludes the straight robot", value, "[low, high] with low <= 0 <= high")
+    return pair

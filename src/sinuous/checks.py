@@ -1,0 +1,115 @@
+"""Checks of input at the surface: each returns a clean value or raises one `InputError`."""
+
+import math
+import numbers
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.errors import InputError
+
+Floats = NDArray[np.float64]
+
+
+@contextmanager
+def inside(key: str) -> Iterator[None]:
+    """Put `key` in front of the key of whatever is refused within."""
+    try:
+        yield
+    except InputError as error:
+        raise error.within(key) from None
+
+
+def number(
+    key: str,
+    value: Any,
+    *,
+    low: float = -math.inf,
+    above: float = -math.inf,
+    high: float = math.inf,
+    infinite: bool = False,
+) -> float:
+    """Check one real number, at least `low`, greater than `above`, at most `high`; NaN never, infinity only where allowed."""
+    expected = "a finite number"
+    if above > -math.inf:
+        expected = f"a number greater than {above:g}"
+    elif low > -math.inf:
+        expected = f"a number of at least {low:g}"
+    if high < math.inf:
+        expected += f", at most {high:g}"
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
+        raise InputError(key, "not a number", value, expected)
+    try:
+        result = float(value)
+    except OverflowError:
+        raise InputError(key, "too large", value, expected) from None
+    if math.isnan(result) or (math.isinf(result) and not infinite):
+        raise InputError(key, "not finite", value, expected)
+    if result < low or result <= above or result > high:
+        raise InputError(key, "out of range", value, expected)
+    return result
+
+
+def integer(key: str, value: Any, low: int, high: int) -> int:
+    """Check a whole number between `low` and `high`, both allowed."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral) or not low <= value <= high:
+        raise InputError(key, "not usable as a count", value, f"a whole number from {low} to {high}")
+    return int(value)
+
+
+def array(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
+    """Check an array of finite numbers; `None` in `shape` stands for any extent. Returns a new read-only array."""
+    expected = "finite numbers of shape (" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
+    try:
+        result = np.array(value, order="C")
+    except (ValueError, TypeError, OverflowError):
+        raise InputError(key, "not an array of numbers", value, expected) from None
+    if result.dtype.kind not in "iuf":
+        raise InputError(key, "not numbers", value, expected)
+    if result.ndim != len(shape) or any(s is not None and s != d for s, d in zip(shape, result.shape, strict=True)):
+        raise InputError(key, f"wrong shape {result.shape}", value, expected)
+    result = result.astype(np.float64)
+    if not np.isfinite(result).all():
+        raise InputError(key, "not finite", value, expected)
+    result.flags.writeable = False
+    return result
+
+
+def vector(key: str, value: Any) -> Floats:
+    """Check three finite numbers."""
+    return array(key, value, (3,))
+
+
+def direction(key: str, value: Any) -> Floats:
+    """Check three finite numbers that are not all zero; return the unit vector."""
+    v = vector(key, value)
+    largest = float(np.abs(v).max())
+    if largest == 0.0:
+        raise InputError(key, "has no direction", value, "a vector that is not zero")
+    scaled = v / largest
+    result: Floats = scaled / np.linalg.norm(scaled)
+    return result
+
+
+def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, float]:
+    """Check a number, or a pair [low, high] in this order."""
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        single = number(key, value, low=low)
+        return single, single
+    if isinstance(value, (str, bytes, dict)) or not np.iterable(value) or len(list(value)) != 2:
+        raise InputError(key, "not a range", value, "a number or [low, high]")
+    first, second = value
+    pair = number(f"{key}[0]", first, low=low), number(f"{key}[1]", second, low=low)
+    if pair[0] > pair[1]:
+        raise InputError(key, "lower limit above the upper one", value, "[low, high] with low <= high")
+    return pair
+
+
+def text(key: str, value: Any) -> str:
+    """Check a piece of text that is not empty."""
+    if not isinstance(value, str) or not value:
+        raise InputError(key, "not a text", value, "a text")
+    return value

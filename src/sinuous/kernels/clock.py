@@ -1,0 +1,36 @@
+"""The monotonic clock of the operating system, readable from within a kernel."""
+
+import sys
+
+from numba import types
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.vectors import Array
+
+_WINDOWS = sys.platform == "win32"
+_MONOTONIC = 6 if sys.platform == "darwin" else 1
+
+if _WINDOWS:
+    _read = types.ExternalFunction("QueryPerformanceCounter", types.int32(types.CPointer(types.int64)))
+    _read_rate = types.ExternalFunction("QueryPerformanceFrequency", types.int32(types.CPointer(types.int64)))
+
+    @kernel
+    def _seconds(buffer: Array) -> float:
+        _read(buffer.ctypes)
+        ticks = buffer[0]
+        _read_rate(buffer.ctypes)
+        return float(ticks / buffer[0])
+
+else:
+    _read = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.CPointer(types.int64)))
+
+    @kernel
+    def _seconds(buffer: Array) -> float:
+        _read(_MONOTONIC, buffer.ctypes)
+        return float(buffer[0] + 1e-9 * buffer[1])
+
+
+@kernel
+def now(buffer: Array) -> float:
+    """Seconds of `time.monotonic`; `buffer` (2,) int64 is scratch."""
+    return _seconds(buffer)

@@ -1,0 +1,60 @@
+"""Algorithms for inverse kinematics, one file each, all called the same way.
+
+A method is prepared once for a robot, a scene and tolerances; `run` then tries a range of starts on one table of targets
+and returns the best that it found.
+"""
+
+from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+
+if TYPE_CHECKING:
+    from sinuous.problem import Preferences, Tolerance
+    from sinuous.robot import Robot
+    from sinuous.scene.scene import Scene
+
+
+class Outcome(NamedTuple):
+    """What a run found: the best configuration and how far it is from solved."""
+
+    q: Floats
+    code: int
+    iterations: int
+    starts: int
+    kind: int
+    position_error: float
+    angle_error: float
+    clearance: float
+    bound: bool
+    merit: float
+
+
+CODES = ("solved", "unproved", "failed", "late", "out_of_reach", "target_blocked")
+SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED = range(6)
+KINDS = ("given", "arc", "random")
+
+
+class Method(Protocol):
+    """A prepared algorithm."""
+
+    def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
+        """Try starts number `first` up to, without it, `last`; stop at the first that is solved, or after `seconds`.
+
+        Starts are counted: those of `given` (g, n, 3), then the method's own.
+        """
+        ...
+
+
+METHODS = ("newton",)
+
+
+def prepare(
+    name: str, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences"
+) -> Method:
+    """Prepare the method called `name`."""
+    if name == "newton":
+        from sinuous.methods.newton import Newton  # noqa: PLC0415
+
+        return Newton(robot, scene, tolerance, preferences)
+    raise InputError("method", "is not known", name, "one of " + ", ".join(METHODS))

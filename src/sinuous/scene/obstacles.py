@@ -1,0 +1,206 @@
+"""Exact obstacles: sphere, box, capsule, cylinder, half-space. `inside=True` turns one inside out: the body must stay in it."""
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.poses import least_rotation, rotation_matrix
+
+IDENTITY = np.eye(3)
+SPHERE, BOX, CYLINDER, HALF_SPACE = 0, 1, 2, 3
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Obstacle(ABC):
+    """Something the body must not touch."""
+
+    name: str | None
+
+    @property
+    @abstractmethod
+    def row(self) -> Floats:
+        """One row of the table that the kernels read; layout of `sinuous.kernels.distances`."""
+
+    def _keep(self, name: Any, **values: Any) -> None:
+        values["name"] = None if name is None else checks.text("name", name)
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+
+def _row(kind: int, inside: bool, center: Floats, rotation: Floats, half: Any, rounding: float) -> Floats:
+    sign = -1.0 if inside else 1.0
+    return np.concatenate([[kind, sign], center, np.asarray(rotation).ravel(), half, [rounding]])
+
+
+def _flag(value: Any) -> bool:
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError("inside", "not a truth value", value, "true or false")
+    return bool(value)
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Sphere(Obstacle):
+    """A ball.
+
+    Parameters
+    ----------
+    center : array_like (3,)
+    radius : float
+    inside : bool
+        The body must stay within it.
+    name : str, optional
+    """
+
+    center: Floats
+    radius: float
+    inside: bool
+
+    def __init__(self, center: Any, radius: Any, inside: Any = False, name: Any = None) -> None:
+        self._keep(
+            name,
+            center=checks.vector("center", center),
+            radius=checks.number("radius", radius, above=0.0),
+            inside=_flag(inside),
+        )
+
+    @property
+    def row(self) -> Floats:
+        return _row(SPHERE, self.inside, self.center, IDENTITY, np.zeros(3), self.radius)
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Box(Obstacle):
+    """A box with flat faces.
+
+    Parameters
+    ----------
+    center : array_like (3,)
+    size : array_like (3,)
+        Full extents along its own axes, each greater than 0.
+    rotation : array_like (3, 3) or (4,), optional
+        Its axes in the world, a matrix or a quaternion wxyz.
+    inside : bool
+        The body must stay within it.
+    name : str, optional
+    """
+
+    center: Floats
+    size: Floats
+    rotation: Floats
+    inside: bool
+
+    def __init__(self, center: Any, size: Any, rotation: Any = None, inside: Any = False, name: Any = None) -> None:
+        extents = checks.vector("size", size)
+        if not (extents > 0.0).all():
+            raise InputError("size", "has no volume", extents.tolist(), "three extents greater than 0")
+        self._keep(
+            name,
+            center=checks.vector("center", center),
+            size=extents,
+            rotation=IDENTITY if rotation is None else rotation_matrix("rotation", rotation),
+            inside=_flag(inside),
+        )
+
+    @property
+    def row(self) -> Floats:
+        return _row(BOX, self.inside, self.center, self.rotation, 0.5 * self.size, 0.0)
+
+
+def _axis(start: Floats, end: Floats) -> tuple[Floats, Floats, float]:
+    """Center, rotation with z along the axis, and half length."""
+    span = end - start
+    length = math.hypot(*span.tolist())
+    rotation = IDENTITY if length == 0.0 else least_rotation(checks.direction("end", span))
+    return 0.5 * (start + end), rotation, 0.5 * length
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Capsule(Obstacle):
+    """All points within `radius` of the line from `start` to `end`.
+
+    Parameters
+    ----------
+    start, end : array_like (3,)
+    radius : float
+    name : str, optional
+    """
+
+    start: Floats
+    end: Floats
+    radius: float
+
+    def __init__(self, start: Any, end: Any, radius: Any, name: Any = None) -> None:
+        self._keep(
+            name,
+            start=checks.vector("start", start),
+            end=checks.vector("end", end),
+            radius=checks.number("radius", radius, above=0.0),
+        )
+
+    @property
+    def row(self) -> Floats:
+        center, rotation, half = _axis(self.start, self.end)
+        return _row(BOX, False, center, rotation, [0.0, 0.0, half], self.radius)
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Cylinder(Obstacle):
+    """A cylinder with flat ends.
+
+    Parameters
+    ----------
+    start, end : array_like (3,)
+        Centers of the two ends; they must differ.
+    radius : float
+    inside : bool
+        The body must stay within it.
+    name : str, optional
+    """
+
+    start: Floats
+    end: Floats
+    radius: float
+    inside: bool
+
+    def __init__(self, start: Any, end: Any, radius: Any, inside: Any = False, name: Any = None) -> None:
+        first, last = checks.vector("start", start), checks.vector("end", end)
+        if np.array_equal(first, last):
+            raise InputError("end", "is where the cylinder starts", last.tolist(), "another point than start")
+        self._keep(
+            name, start=first, end=last, radius=checks.number("radius", radius, above=0.0), inside=_flag(inside)
+        )
+
+    @property
+    def row(self) -> Floats:
+        center, rotation, half = _axis(self.start, self.end)
+        return _row(CYLINDER, self.inside, center, rotation, [self.radius, self.radius, half], 0.0)
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class HalfSpace(Obstacle):
+    """Everything behind a plane; free is the side that `normal` points to.
+
+    Parameters
+    ----------
+    point : array_like (3,)
+        A point of the plane.
+    normal : array_like (3,)
+        Any length but zero.
+    name : str, optional
+    """
+
+    point: Floats
+    normal: Floats
+
+    def __init__(self, point: Any, normal: Any, name: Any = None) -> None:
+        self._keep(name, point=checks.vector("point", point), normal=checks.direction("normal", normal))
+
+    @property
+    def row(self) -> Floats:
+        return _row(HALF_SPACE, False, self.point, least_rotation(self.normal), np.zeros(3), 0.0)

@@ -1,0 +1,211 @@
+"""The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.errors import NotSolvedError
+
+if TYPE_CHECKING:
+    from sinuous.problem import Problem
+    from sinuous.verification import Verification
+
+
+class Status(StrEnum):
+    """How a solve ended. Where it says proved, one counterexample is a defect."""
+
+    SOLVED = "solved"
+    OUT_OF_REACH = "out_of_reach"
+    TARGET_BLOCKED = "target_blocked"
+    BASE_BLOCKED = "base_blocked"
+    NO_ROUTE = "no_route"
+    UNPROVED = "unproved"
+    BLOCKED = "blocked"
+    LIMIT_BOUND = "limit_bound"
+    STALLED = "stalled"
+    TIME_LIMIT = "time_limit"
+
+    @property
+    def sentence(self) -> str:
+        """What the status means."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    Status.SOLVED: "all within tolerance and limits, whole body proved clear",
+    Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
+    Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
+    Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
+    Status.NO_ROUTE: "proved at the stated resolution: no way through free space wide enough for the body",
+    Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
+    Status.BLOCKED: "not solved: the best found overlaps an obstacle",
+    Status.LIMIT_BOUND: "not solved: limits stop the best found",
+    Status.STALLED: "not solved: no progress from any start",
+    Status.TIME_LIMIT: "not solved within the time budget",
+}
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The constraint that is farthest from being met.
+
+    Attributes
+    ----------
+    constraint : str
+        `position`, `angle`, `clearance` or `reach`.
+    segment : int or None
+        Segment where it is, 1 = first.
+    obstacle : str or None
+        Name of the obstacle, for `clearance`.
+    amount : float
+        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad), the depth of overlap for
+        `clearance`, what is missing for `reach`.
+    """
+
+    constraint: str
+    segment: int | None
+    obstacle: str | None
+    amount: float
+
+    def __str__(self) -> str:
+        where = "" if self.segment is None else f" of segment {self.segment}"
+        what = "" if self.obstacle is None else f" at {self.obstacle}"
+        return f"{self.constraint}{where}{what} by {self.amount:.3g}"
+
+
+class Solution:
+    """What a solve found; frozen. On failure it holds the best configuration found, which keeps all limits.
+
+    Attributes
+    ----------
+    status : Status
+    q : ndarray (n, 3)
+        Configuration: bend_x, bend_y (rad), length of every segment.
+    position_error, angle_error : float or None
+        Largest distance (length unit) and angle (rad) to a target; `None` where no target asks for it.
+    clearance : float or None
+        Proved lower bound of the distance between body and obstacles; `None` without obstacles, or without a proof.
+    iterations, starts : int
+        Newton iterations in all, and how many starts they came from.
+    start : str
+        Which kind of start won: given, arc, route, random.
+    seconds : float
+        Time of the solve alone.
+    method : str
+    seed : int
+    problem : Problem
+        What was asked.
+    """
+
+    __slots__ = ("__dict__", "_angle", "_clearance", "_position", "iterations", "method", "problem", "q", "seconds", "seed", "start", "starts", "status")
+
+    def __init__(
+        self,
+        problem: "Problem",
+        status: Status,
+        q: Floats,
+        errors: tuple[float, float],
+        clearance: float,
+        effort: tuple[int, int, str],
+        seconds: float,
+        method: str,
+        seed: int,
+    ) -> None:
+        self.problem = problem
+        self.status = status
+        self.q = q
+        self._position, self._angle = errors
+        self._clearance = clearance
+        self.iterations, self.starts, self.start = effort
+        self.seconds = seconds
+        self.method = method
+        self.seed = seed
+
+    @property
+    def solved(self) -> bool:
+        """Whether the status is `solved`."""
+        return self.status is Status.SOLVED
+
+    @property
+    def position_error(self) -> float | None:
+        """Largest distance of an end to its target position; `None` where none is asked for."""
+        return self._position if any(t.position is not None for t in self.problem.targets) else None
+
+    @property
+    def angle_error(self) -> float | None:
+        """Largest angle (rad) of an end to its target orientation; `None` where none is asked for."""
+        return self._angle if any(t.direction is not None or t.rotation is not None for t in self.problem.targets) else None
+
+    @property
+    def clearance(self) -> float | None:
+        """Proved lower bound of the distance between body and obstacles."""
+        return self._clearance if self.solved and len(self.problem.scene) else None
+
+    @property
+    def base(self) -> Floats:
+        """Pose (4, 4) of the robot's base."""
+        return self.problem.robot.base
+
+    @cached_property
+    def worst(self) -> Worst | None:
+        """The constraint farthest from being met; `None` when solved."""
+        from sinuous.verification import find_worst  # noqa: PLC0415
+
+        return None if self.solved else find_worst(self)
+
+    def verify(self) -> "Verification":
+        """Recompute everything by an independent, slow path; see `sinuous.verification`."""
+        from sinuous.verification import verify  # noqa: PLC0415
+
+        return verify(self.problem, self.q)
+
+    def raise_for_status(self) -> "Solution":
+        """Return this solution when it is solved.
+
+        Raises
+        ------
+        NotSolvedError
+            When it is not.
+        """
+        if not self.solved:
+            raise NotSolvedError(str(self), self)
+        return self
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain values, in the order of the file format."""
+        worst = self.worst
+        return {
+            "status": str(self.status),
+            "q": self.q.tolist(),
+            "base": self.base.tolist(),
+            "position_error": self.position_error,
+            "angle_error": self.angle_error,
+            "clearance": None if self.clearance is None or np.isinf(self.clearance) else self.clearance,
+            "worst": None if worst is None else {
+                "constraint": worst.constraint,
+                "segment": worst.segment,
+                "obstacle": worst.obstacle,
+                "amount": worst.amount,
+            },
+            "iterations": self.iterations,
+            "starts": self.starts,
+            "start": self.start,
+            "seconds": self.seconds,
+            "method": self.method,
+            "seed": self.seed,
+        }
+
+    def __repr__(self) -> str:
+        parts = [f"Solution: {self.status} ({self.status.sentence})"]
+        if self.worst is not None:
+            parts.append(f"  worst      {self.worst}")
+        for label, value in (("position", self.position_error), ("angle", self.angle_error), ("clearance", self.clearance)):
+            if value is not None:
+                parts.append(f"  {label:<10} {value:.3g}")
+        parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us")
+        parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
+        return "\n".join(parts)

@@ -1,0 +1,205 @@
+"""Solve one target: starts in order, one time budget over all of them, an honest status at the end."""
+
+import math
+import time as clock
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks, methods
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.methods import Outcome
+from sinuous.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance
+from sinuous.robot import Robot
+from sinuous.scene.scene import Scene
+from sinuous.solution import Solution, Status
+from sinuous.target import Target, Targets, target_list
+
+TIME = 1.0
+"""Default budget of a solve, in seconds."""
+
+STARTS = 1000
+"""Default for the most starts of a solve."""
+
+FIRST_CHUNK = 16
+"""Starts in the first call of a method; later calls take more, but never much longer than `SLICE`."""
+
+SLICE = 0.1
+"""Seconds after which a method returns to Python, so that an interrupt is seen."""
+
+_STATUS = {
+    methods.SOLVED: Status.SOLVED,
+    methods.UNPROVED: Status.UNPROVED,
+    methods.LATE: Status.TIME_LIMIT,
+    methods.OUT_OF_REACH: Status.OUT_OF_REACH,
+    methods.TARGET_BLOCKED: Status.TARGET_BLOCKED,
+}
+
+
+class Solver:
+    """A robot in a scene, prepared once for many targets; safe to share between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene or list of obstacles, optional
+    tolerance : Tolerance, optional
+        Default: 1e-4 of the robot's mean length, and 1e-3 rad.
+    method : str
+        Name of the algorithm.
+    prefer : Preferences, optional
+        What to like better among solutions.
+    time : float
+        Budget of one solve over all its starts, in seconds.
+    starts : int
+        Most starts of one solve.
+    seed : int
+        Of the low-discrepancy starts; the same seed gives the same answer, unless the time runs out.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        scene: Any = None,
+        *,
+        tolerance: Tolerance | None = None,
+        method: str = "newton",
+        prefer: Preferences | None = None,
+        time: float = TIME,
+        starts: int = STARTS,
+        seed: int = 0,
+    ) -> None:
+        if not isinstance(robot, Robot):
+            raise InputError("robot", "of the wrong kind", robot, "a Robot")
+        if prefer is not None and not isinstance(prefer, Preferences):
+            raise InputError("prefer", "of the wrong kind", prefer, "Preferences")
+        self.robot = robot
+        self.scene: Scene = as_scene(scene)
+        self.tolerance = as_tolerance(tolerance).for_robot(robot)
+        self.prefer = prefer or Preferences()
+        self.method = method
+        self.time = checks.number("time", time, low=0.0)
+        self.starts = checks.integer("starts", starts, 1, 10**9)
+        self.seed = checks.integer("seed", seed, 0, 2**31 - 1)
+        self._prepared = methods.prepare(method, robot, self.scene, self.tolerance, self.prefer)
+        self._no_start: Floats = np.empty((0, len(robot), 3))
+        self._base_blocked = _base_blocked(robot, self.scene)
+
+    def solve(self, target: Targets, start: "Solution | Any" = None) -> Solution:
+        """Find a configuration that meets the target, or several targets at once.
+
+        Parameters
+        ----------
+        target : Target or list of Target
+        start : Solution or array_like (n, 3), optional
+            Where to begin, before anything else is tried.
+
+        Returns
+        -------
+        Solution
+            Always; look at its status.
+
+        Raises
+        ------
+        InputError
+            When target or start is not what it should be.
+        """
+        began = clock.perf_counter()
+        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        problem = Problem.prepared(self.robot, targets, self.scene, self.tolerance)
+        given = self._no_start if start is None else self._given(start)
+        outcome, starts, iterations = self._search(problem.rows, given, began)
+        return Solution(
+            problem,
+            self._status(outcome),
+            outcome.q,
+            (outcome.position_error, outcome.angle_error),
+            outcome.clearance,
+            (iterations, starts, methods.KINDS[outcome.kind]),
+            clock.perf_counter() - began,
+            self.method,
+            self.seed,
+        )
+
+    def _given(self, start: Any) -> Floats:
+        if isinstance(start, Solution):
+            start = start.q
+        given = checks.array("start", start, (len(self.robot), 3))
+        return given.reshape(1, len(self.robot), 3).copy()
+
+    def _search(self, rows: Floats, given: Floats, began: float) -> tuple[Outcome, int, int]:
+        """Run the method in chunks of starts until something is decided; the best of all chunks counts."""
+        last = min(self.starts, FIRST_CHUNK)
+        best = self._prepared.run(rows, given, 0, last, self.seed, self.time)
+        starts, iterations = best.starts, best.iterations
+        while best.code in (methods.FAILED, methods.UNPROVED) and starts < self.starts:
+            used = clock.perf_counter() - began
+            if used >= self.time:
+                best = best._replace(code=methods.LATE if best.code == methods.FAILED else best.code)
+                break
+            chunk = max(1, min(starts, math.floor(SLICE * starts / used)))
+            last = min(self.starts, starts + chunk)
+            found = self._prepared.run(rows, given, starts, last, self.seed, self.time - used)
+            starts, iterations = starts + found.starts, iterations + found.iterations
+            if found.code == methods.SOLVED or found.merit < best.merit:
+                best = found
+            elif found.code == methods.LATE and best.code == methods.FAILED:
+                best = best._replace(code=methods.LATE)
+        return best, starts, iterations
+
+    def _status(self, outcome: Outcome) -> Status:
+        if self._base_blocked:
+            return Status.BASE_BLOCKED
+        status = _STATUS.get(outcome.code)
+        if status is not None:
+            return status
+        if outcome.clearance < 0.0:
+            return Status.BLOCKED
+        return Status.LIMIT_BOUND if outcome.bound else Status.STALLED
+
+
+def _base_blocked(robot: Robot, scene: Scene) -> bool:
+    """Prove that the body overlaps an obstacle where it leaves its mount, whatever the configuration.
+
+    The backbone at arc length `mount` is within `mount * bend / 2` of the straight line, where `bend` is the most that it can
+    have turned till there.
+    """
+    if len(scene) == 0:
+        return False
+    turned, reached, radius = 0.0, 0.0, robot.radii[0]
+    for segment, own in zip(robot.segments, robot.radii, strict=True):
+        radius = own
+        if reached > robot.mount or (reached == robot.mount and segment.length[1] > 0.0):
+            break
+        turned += min(segment.max_bend, segment.max_curvature * segment.length[1])
+        reached += segment.length[0]
+    if robot.mount == 0.0:
+        turned, radius = 0.0, robot.radii[0]
+    sway = robot.mount * min(2.0, 0.5 * turned)
+    leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
+    return bool(scene.distance(leaves) + sway < radius)
+
+
+def solve(
+    robot: Robot,
+    target: Targets,
+    scene: Any = None,
+    *,
+    start: "Solution | Any" = None,
+    tolerance: Tolerance | None = None,
+    method: str = "newton",
+    prefer: Preferences | None = None,
+    time: float = TIME,
+    starts: int = STARTS,
+    seed: int = 0,
+) -> Solution:
+    """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
+    solver = Solver(robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, starts=starts, seed=seed)
+    return solver.solve(target, start)
+

@@ -43,7 +43,7 @@ class Lines:
         if angles is None:
             number = checks.integer("count", count, 1, MOST_LINES)
             first = checks.number("angle", 0.0 if angle is None else angle)
-            values = first + 2.0 * math.pi * np.arange(number) / number
+            values = checks.array("angles", first + 2.0 * math.pi * np.arange(number) / number, (number,))
         else:
             if angle is not None:
                 raise InputError("angle", "stands beside angles", angle, "either count and angle, or angles")

@@ -4,6 +4,7 @@ import math
 import numbers
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,7 @@ def number(
     high: float = math.inf,
     infinite: bool = False,
 ) -> float:
-    """Check one real number, at least `low`, greater than `above`, at most `high`; NaN never, infinity only where allowed."""
+    """Check a number: at least `low`, greater than `above`, at most `high`; never NaN, infinite only where allowed."""
     expected = "a finite number"
     if above > -math.inf:
         expected = f"a number greater than {above:g}"
@@ -55,7 +56,7 @@ def number(
 
 def integer(key: str, value: Any, low: int, high: int) -> int:
     """Check a whole number between `low` and `high`, both allowed."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral) or not low <= value <= high:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral) or not low <= int(value) <= high:
         raise InputError(key, "not usable as a count", value, f"a whole number from {low} to {high}")
     return int(value)
 
@@ -67,7 +68,7 @@ def array(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
         result = np.array(value, order="C")
     except (ValueError, TypeError, OverflowError):
         raise InputError(key, "not an array of numbers", value, expected) from None
-    if result.dtype.kind not in "iuf":
+    if result.dtype.kind not in "iuf" or _has_truth_value(value):
         raise InputError(key, "not numbers", value, expected)
     if result.ndim != len(shape) or any(s is not None and s != d for s, d in zip(shape, result.shape, strict=True)):
         raise InputError(key, f"wrong shape {result.shape}", value, expected)
@@ -78,19 +79,39 @@ def array(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
     return result
 
 
+def _has_truth_value(value: Any) -> bool:
+    """Whether a nested list hides true or false among its numbers; NumPy would count them as 1 and 0."""
+    if isinstance(value, (list, tuple)):
+        return any(map(_has_truth_value, value))
+    return isinstance(value, (bool, np.bool_))
+
+
+def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
+    """Check an array of finite numbers whose last axes have this shape, with any axes in front of them."""
+    try:
+        lead = np.ndim(value) - len(shape)
+    except ValueError:  # rows of different lengths; `array` says so
+        lead = 0
+    if lead < 0:
+        expected = ", ".join("any" if s is None else str(s) for s in shape)
+        raise InputError(key, "too few axes", value, f"finite numbers of shape (..., {expected})")
+    return array(key, value, (*([None] * lead), *shape))
+
+
 def vector(key: str, value: Any) -> Floats:
     """Check three finite numbers."""
     return array(key, value, (3,))
 
 
-def direction(key: str, value: Any) -> Floats:
-    """Check three finite numbers that are not all zero; return the unit vector."""
-    v = vector(key, value)
+def direction(key: str, value: Any, size: int = 3) -> Floats:
+    """Check finite numbers, three by default, that are not all zero; return the unit vector."""
+    v = array(key, value, (size,))
     largest = float(np.abs(v).max())
     if largest == 0.0:
         raise InputError(key, "has no direction", value, "a vector that is not zero")
     scaled = v / largest
     result: Floats = scaled / np.linalg.norm(scaled)
+    result.flags.writeable = False
     return result
 
 
@@ -99,10 +120,10 @@ def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, fl
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
         single = number(key, value, low=low)
         return single, single
-    if isinstance(value, (str, bytes, dict)) or not np.iterable(value) or len(list(value)) != 2:
+    ends = [] if isinstance(value, (str, bytes, dict)) or not np.iterable(value) else list(islice(value, 3))
+    if len(ends) != 2:
         raise InputError(key, "not a range", value, "a number or [low, high]")
-    first, second = value
-    pair = number(f"{key}[0]", first, low=low), number(f"{key}[1]", second, low=low)
+    pair = number(f"{key}[0]", ends[0], low=low), number(f"{key}[1]", ends[1], low=low)
     if pair[0] > pair[1]:
         raise InputError(key, "lower limit above the upper one", value, "[low, high] with low <= high")
     return pair

@@ -3,11 +3,17 @@
 import reprlib
 from typing import Any
 
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = 60
+_SHORT.maxlist = _SHORT.maxtuple = 6
+
 
 def shown(value: Any) -> str:
     """Text of a value, short enough for one line."""
-    short = reprlib.Repr(maxstring=60, maxother=60, maxlist=6, maxtuple=6, maxdict=4)
-    return " ".join(short.repr(value).split())
+    try:
+        return " ".join(_SHORT.repr(value).split())
+    except ValueError:  # whole numbers of more than 4300 digits have no text
+        return f"{type(value).__name__} without a text"
 
 
 class InputError(ValueError):
@@ -23,22 +29,34 @@ class InputError(ValueError):
         The value as it was given.
     expected : str
         What would have been right.
+    file : str or None
+        The file that holds the key, when it came from one.
     """
 
-    def __init__(self, key: str, problem: str, value: Any, expected: str) -> None:
-        super().__init__(f"{key}: {problem} (got {shown(value)}), expected {expected}")
+    def __init__(self, key: str, problem: str, value: Any, expected: str, file: str | None = None) -> None:
+        place = key if file is None else f"{file}: {key}"
+        super().__init__(f"{place}: {problem} (got {shown(value)}), expected {expected}")
         self.key = key
         self.problem = problem
         self.value = value
         self.expected = expected
+        self.file = file
 
     def within(self, outer: str) -> "InputError":
-        """Return the same error, seen from the key that contains this one."""
+        """Return the same error, seen from the key that contains this one; a file's keys stay that file's."""
+        if self.file is not None or not outer:
+            return self
         inner = self.key if self.key.startswith("[") or not self.key else f".{self.key}"
-        return InputError(f"{outer}{inner}" if outer else self.key, self.problem, self.value, self.expected)
+        return InputError(f"{outer}{inner}", self.problem, self.value, self.expected)
+
+    def in_file(self, file: object) -> "InputError":
+        """Return the same error with the name of the file it is in, unless it names one already."""
+        if self.file is not None:
+            return self
+        return InputError(self.key, self.problem, self.value, self.expected, str(file))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return InputError, (self.key, self.problem, self.value, self.expected)
+        return InputError, (self.key, self.problem, self.value, self.expected, self.file)
 
 
 class NotSolvedError(RuntimeError):

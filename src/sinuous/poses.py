@@ -19,18 +19,18 @@ def rotation_matrix(key: str, value: Any) -> Floats:
         shape = np.shape(value)
     except ValueError:
         shape = ()
-    if shape == (4,):
-        return _from_quaternion(key, checks.array(key, value, (4,)))
-    if shape != (3, 3):
+    if shape not in ((4,), (3, 3)):
         raise InputError(key, "not a rotation", value, "a 3x3 rotation matrix or a quaternion [w, x, y, z]")
-    return _nearest_rotation(key, checks.array(key, value, (3, 3)))
+    if shape == (4,):
+        result = _from_quaternion(checks.direction(key, value, 4))
+    else:
+        result = _nearest_rotation(key, checks.array(key, value, (3, 3)))
+    result.flags.writeable = False
+    return result
 
 
-def _from_quaternion(key: str, value: Floats) -> Floats:
-    length = float(np.linalg.norm(value))
-    if not 0.0 < length < math.inf:
-        raise InputError(key, "is not a rotation", value.tolist(), "a quaternion [w, x, y, z] that is not zero")
-    w, x, y, z = (value / length).tolist()
+def _from_quaternion(unit: Floats) -> Floats:
+    w, x, y, z = unit.tolist()
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -41,8 +41,8 @@ def _from_quaternion(key: str, value: Floats) -> Floats:
 
 
 def _nearest_rotation(key: str, matrix: Floats) -> Floats:
-    error = float(np.abs(matrix @ matrix.T - np.eye(3)).max())
-    if error > ROTATION_SLACK or np.linalg.det(matrix) < 0.0:
+    close = np.abs(matrix).max() < 2.0 and np.abs(matrix @ matrix.T - np.eye(3)).max() <= ROTATION_SLACK
+    if not close or np.linalg.det(matrix) < 0.0:
         raise InputError(key, "is not a rotation", matrix.tolist(), "orthonormal rows and determinant 1")
     u, _, vt = np.linalg.svd(matrix)
     result: Floats = u @ vt
@@ -52,7 +52,7 @@ def _nearest_rotation(key: str, matrix: Floats) -> Floats:
 def least_rotation(direction: Floats) -> Floats:
     """Return the rotation that takes +z to a unit vector the shortest way; for -z, half a turn about x."""
     x, y, z = direction.tolist()
-    if x == 0.0 and y == 0.0:
+    if math.hypot(x, y) < 1e-100:
         return np.diag([1.0, 1.0, 1.0]) if z > 0.0 else np.diag([1.0, -1.0, -1.0])
     # Rodrigues with axis (-y, x, 0); (1 - z) / (x^2 + y^2) without cancellation on either side.
     side = x * x + y * y
@@ -60,15 +60,13 @@ def least_rotation(direction: Floats) -> Floats:
     return np.array([[1.0 - c * x * x, -c * x * y, x], [-c * x * y, 1.0 - c * y * y, y], [-x, -y, z]])
 
 
-def pose(
-    position: Any = (0.0, 0.0, 0.0), *, direction: Any = None, rotation: Any = None, matrix: Any = None
-) -> Floats:
+def pose(position: Any = None, *, direction: Any = None, rotation: Any = None, matrix: Any = None) -> Floats:
     """Make a pose, a 4x4 matrix.
 
     Parameters
     ----------
-    position : array_like (3,)
-        Where, in the world.
+    position : array_like (3,), optional
+        Where, in the world; default the origin.
     direction : array_like (3,), optional
         Where its z axis points; x and y follow by the least rotation from +z (for -z: half a turn about x).
     rotation : array_like (3, 3) or (4,), optional
@@ -81,11 +79,17 @@ def pose(
     InputError
         When something is not finite, has the wrong shape, is no rotation, or says the same thing twice.
     """
-    given = [name for name, value in (("direction", direction), ("rotation", rotation), ("matrix", matrix)) if value is not None]
+    given = [
+        name
+        for name, value in (("direction", direction), ("rotation", rotation), ("matrix", matrix))
+        if value is not None
+    ]
     if len(given) > 1:
         raise InputError(given[1], "stands beside another orientation", given, "one of direction, rotation, matrix")
     result = np.eye(4)
     if matrix is not None:
+        if position is not None:
+            raise InputError("position", "stands beside matrix", position, "one of position, matrix")
         whole = checks.array("matrix", matrix, (4, 4))
         if not np.array_equal(whole[3], [0.0, 0.0, 0.0, 1.0]):
             raise InputError("matrix", "last row is wrong", whole[3].tolist(), "[0, 0, 0, 1]")
@@ -95,7 +99,8 @@ def pose(
         result[:3, :3] = least_rotation(checks.direction("direction", direction))
     elif rotation is not None:
         result[:3, :3] = rotation_matrix("rotation", rotation)
-    result[:3, 3] = checks.vector("position", position)
+    if position is not None:
+        result[:3, 3] = checks.vector("position", position)
     result.flags.writeable = False
     return result
 
@@ -107,5 +112,5 @@ def as_pose(key: str, value: Any) -> Floats:
 
 
 def as_row(matrix: Floats) -> Floats:
-    """The layout of the kernels: rotation, row by row, and position, as one row (1, 12)."""
+    """Return the layout of the kernels: rotation, row by row, and position, as one row (1, 12)."""
     return np.concatenate([matrix[:3, :3].ravel(), matrix[:3, 3]])[None, :].copy()

@@ -30,7 +30,9 @@ class Tolerance:
     angle: float
 
     def __init__(self, position: Any = None, angle: Any = ANGLE) -> None:
-        object.__setattr__(self, "position", None if position is None else checks.number("position", position, above=0.0))
+        object.__setattr__(
+            self, "position", None if position is None else checks.number("position", position, above=0.0)
+        )
         object.__setattr__(self, "angle", checks.number("angle", angle, above=0.0))
 
     def for_robot(self, robot: Robot) -> "Tolerance":
@@ -72,7 +74,9 @@ class Problem:
 
     __slots__ = ("robot", "rows", "scene", "targets", "tolerance")
 
-    def __init__(self, robot: Robot, targets: Any, scene: Scene | None = None, tolerance: Tolerance | None = None) -> None:
+    def __init__(
+        self, robot: Robot, targets: Any, scene: Scene | None = None, tolerance: Tolerance | None = None
+    ) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "of the wrong kind", robot, "a Robot")
         self.robot = robot

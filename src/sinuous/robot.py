@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,9 @@ class Segment:
         if chambers is not None:
             low, high = max(low, chambers.length[0]), min(high, chambers.length[1])
             if low > high:
-                raise InputError("chambers.length", "excludes the straight segment", chambers.length, f"overlap with {length}")
+                raise InputError(
+                    "chambers.length", "excludes the straight segment", chambers.length, f"overlap with {length}"
+                )
         object.__setattr__(self, "length", (low, high))
         object.__setattr__(self, "max_bend", checks.number("max_bend", max_bend, low=0.0))
         object.__setattr__(self, "max_curvature", curvature)
@@ -106,13 +109,17 @@ class Robot:
     def __init__(
         self, segments: Iterable[Segment], *, radius: Any = None, mount: Any = 0.0, base: Any = None, tool: Any = None
     ) -> None:
+        if not isinstance(segments, Iterable):
+            raise InputError("segments", "of the wrong kind", segments, "a list of Segment")
         self.segments: tuple[Segment, ...] = tuple(segments)
         checks.integer("segments", len(self.segments), 1, MOST_SEGMENTS)
         for k, segment in enumerate(self.segments):
             if not isinstance(segment, Segment):
                 raise InputError(f"segments[{k}]", "of the wrong kind", segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in self.segments):
-            raise InputError("segments", "have no length", self.segments, "at least one segment that can be longer than 0")
+            raise InputError(
+                "segments", "have no length", self.segments, "at least one segment that can be longer than 0"
+            )
         self.mount = checks.number("mount", mount, low=0.0)
         self.base = as_pose("base", base)
         self.tool = as_pose("tool", tool)
@@ -161,10 +168,7 @@ class Robot:
 
     def configuration(self, key: str, q: Any) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
-        shape = np.shape(q)
-        if len(shape) < 2:
-            raise InputError(key, f"wrong shape {shape}", q, f"an array (..., {len(self)}, 3)")
-        return checks.array(key, q, (*([None] * (len(shape) - 2)), len(self), 3))
+        return checks.stack(key, q, (len(self), 3))
 
     def forward(self, q: Any) -> Floats:
         """Poses (..., n, 4, 4) of the ends of all segments in the world; the tool is not applied."""
@@ -226,11 +230,11 @@ class Robot:
         low, high, max_bend, max_curvature = self.limits[:, :4].T
         with np.errstate(invalid="ignore"):
             cap = np.fmin(max_bend, np.where(np.isinf(max_curvature), np.inf, max_curvature * lengths))
-        worst = max(float((low - lengths).max()), float((lengths - high).max()), float((bends - cap).max()), 0.0)
-        for first, last, ax, ay, al, lowest, highest in self.actuation[:, :7].tolist():
+        beyond = [low - lengths, lengths - high, bends - cap]
+        for first, last, ax, ay, al, lowest, highest in self.actuation.tolist():
             value = x[..., int(first) : int(last) + 1, :].sum(axis=-2) @ np.array([ax, ay, al])
-            worst = max(worst, float((lowest - value).max()), float((value - highest).max()))
-        return worst
+            beyond += [lowest - value, value - highest]
+        return max(float(np.max(part, initial=0.0)) for part in beyond)
 
     def tendon_displacements(self, q: Any) -> list[Floats]:
         """Displacement of every tendon, per segment an array (..., m); positive is pulled, of the bends alone."""
@@ -253,7 +257,7 @@ class Robot:
         Every segment needs tendons that are not all in one plane with the backbone; without extension the known length of a segment
         is used, otherwise the lengths of its tendons determine it.
         """
-        return _from_lines(self, "tendons", lengths)
+        return _undo_lines(self, "tendons", _per_segment(self, "lengths", lengths, "tendons"))
 
     def from_tendon_displacements(self, displacements: list[Any], length: Any = None) -> Floats:
         """Configuration (..., n, 3) from displacements per segment (..., m), with segment lengths (..., n).
@@ -262,10 +266,11 @@ class Robot:
         """
         if length is None and any(s.length[0] != s.length[1] for s in self.segments):
             raise InputError("length", "is missing", length, "segment lengths, because segments can stretch")
-        own = np.array([s.length[0] for s in self.segments]) if length is None else np.asarray(length, np.float64)
+        own = checks.stack("length", [s.length[0] for s in self.segments] if length is None else length, (len(self),))
         reach = np.cumsum(own, axis=-1)
         values = _per_segment(self, "displacements", displacements, "tendons")
-        return _from_lines(self, "tendons", [reach[..., k, None] - v for k, v in enumerate(values)], own)
+        _broadcast("length", length, own[..., 0], values[0][..., 0])
+        return _undo_lines(self, "tendons", [reach[..., k, None] - v for k, v in enumerate(values)], own)
 
     def chamber_lengths(self, q: Any) -> list[Floats]:
         """Length of every chamber, per segment an array (..., m)."""
@@ -277,7 +282,7 @@ class Robot:
 
     def from_chamber_lengths(self, lengths: list[Any]) -> Floats:
         """Configuration (..., n, 3) of a robot whose chambers have these lengths (least squares where they are too many)."""
-        return _from_lines(self, "chambers", lengths)
+        return _undo_lines(self, "chambers", _per_segment(self, "lengths", lengths, "chambers"))
 
 
 def _limits_table(segments: tuple[Segment, ...], radii: list[float]) -> Floats:
@@ -303,31 +308,54 @@ def _actuation_table(segments: tuple[Segment, ...]) -> Floats:
     return np.array(rows, np.float64).reshape(-1, 7)
 
 
+def _broadcast(key: str, value: Any, *arrays: Floats) -> list[Floats]:
+    """Bring arrays to one shape."""
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = " and ".join(str(a.shape) for a in arrays)
+        raise InputError(key, "does not fit the rest", value, f"shapes that broadcast, not {shapes}") from None
+
+
 def _per_segment(robot: Robot, key: str, values: list[Any], kind: str) -> list[Floats]:
-    checks.integer(f"len({key})", len(values), len(robot), len(robot))
+    """Check one array (..., lines) a segment; their axes in front are broadcast."""
+    listed = (
+        []
+        if isinstance(values, (str, bytes, dict)) or not np.iterable(values)
+        else list(islice(values, len(robot) + 1))
+    )
+    if len(listed) != len(robot):
+        raise InputError(key, "wrong kind or number", values, f"a list of {len(robot)} arrays, one a segment")
     result = []
-    for k, (segment, value) in enumerate(zip(robot.segments, values, strict=True)):
+    for k, (segment, value) in enumerate(zip(robot.segments, listed, strict=True)):
         lines = getattr(segment, kind)
         if lines is None or not lines.spans_plane:
-            raise InputError(f"segments[{k}].{kind}", "do not determine the bend", lines, "at least two, not in one plane")
-        lead = max(0, np.ndim(value) - 1)
-        result.append(checks.array(f"{key}[{k}]", value, (*([None] * lead), len(lines.angles))))
-    return result
+            raise InputError(
+                f"segments[{k}].{kind}", "do not determine the bend", lines, "at least two, not in one plane"
+            )
+        result.append(checks.stack(f"{key}[{k}]", value, (len(lines.angles),)))
+    lead = _broadcast(key, values, *(v[..., 0] for v in result))[0].shape
+    return [np.broadcast_to(v, (*lead, v.shape[-1])) for v in result]
 
 
-def _from_lines(robot: Robot, kind: str, lengths: list[Any], known: Floats | None = None) -> Floats:
+def _undo_lines(robot: Robot, kind: str, values: list[Floats], known: Floats | None = None) -> Floats:
     """Undo `length = reach - arms . bend`, segment by segment; tendons of a later segment run through the earlier ones."""
-    values = _per_segment(robot, "lengths", lengths, kind)
     before = np.zeros((*values[0].shape[:-1], 3))
     out = []
     for k, (segment, value) in enumerate(zip(robot.segments, values, strict=True)):
         arms = getattr(segment, kind).arms
         system = np.concatenate([-arms, np.ones((len(arms), 1))], axis=1)
-        fixed = known[..., k] if known is not None else (segment.length[0] if segment.length[0] == segment.length[1] else None)
+        fixed = (
+            known[..., k]
+            if known is not None
+            else (segment.length[0] if segment.length[0] == segment.length[1] else None)
+        )
         rest = value - (before @ system.T if kind == "tendons" else 0.0)
         if fixed is None:
             if np.linalg.matrix_rank(system, tol=1e-9) < 3:
-                raise InputError(f"segments[{k}].{kind}", "do not determine the length", len(arms), "three lines or more")
+                raise InputError(
+                    f"segments[{k}].{kind}", "do not determine the length", len(arms), "three lines or more"
+                )
             own = rest @ np.linalg.pinv(system).T
         else:
             stretch = np.broadcast_to(np.asarray(fixed, np.float64), rest.shape[:-1])[..., None]
@@ -342,10 +370,9 @@ def from_arc_parameters(curvature: Any, plane_angle: Any, length: Any) -> Floats
 
     Webster & Jones 2010: (kappa, phi, l). The arrays broadcast; `(n,)` arrays make one configuration (n, 3).
     """
-    parts = [np.asarray(v, np.float64) for v in (curvature, plane_angle, length)]
-    for key, part in zip(("curvature", "plane_angle", "length"), parts, strict=True):
-        checks.array(key, part, (None,) * part.ndim)
-    kappa, phi, l = np.broadcast_arrays(*parts)
+    given = (("curvature", curvature), ("plane_angle", plane_angle), ("length", length))
+    parts = [checks.stack(key, value, ()) for key, value in given]
+    kappa, phi, l = _broadcast("curvature", curvature, *parts)
     return np.stack([kappa * l * np.cos(phi), kappa * l * np.sin(phi), l], axis=-1)
 
 
@@ -354,11 +381,12 @@ def arc_parameters(q: Any) -> tuple[Floats, Floats, Floats]:
 
     A segment of length 0 has no curvature unless it is straight (then 0).
     """
-    x = np.asarray(q, np.float64)
-    checks.array("q", x, (None,) * max(0, x.ndim - 1) + (3,))
+    x = checks.stack("q", q, (3,))
     bend = np.hypot(x[..., 0], x[..., 1])
     with np.errstate(divide="ignore", invalid="ignore"):
         curvature = np.where(bend == 0.0, 0.0, bend / x[..., 2])
     if not np.isfinite(curvature).all():
-        raise InputError("q", "has a bent segment of length 0", x.tolist(), "a length greater than 0 where there is a bend")
+        raise InputError(
+            "q", "has a bent segment of length 0", x.tolist(), "a length greater than 0 where there is a bend"
+        )
     return curvature, np.arctan2(x[..., 1], x[..., 0]), x[..., 2].copy()

@@ -101,7 +101,21 @@ class Solution:
         What was asked.
     """
 
-    __slots__ = ("__dict__", "_angle", "_clearance", "_position", "iterations", "method", "problem", "q", "seconds", "seed", "start", "starts", "status")
+    __slots__ = (
+        "__dict__",
+        "_angle",
+        "_clearance",
+        "_position",
+        "iterations",
+        "method",
+        "problem",
+        "q",
+        "seconds",
+        "seed",
+        "start",
+        "starts",
+        "status",
+    )
 
     def __init__(
         self,
@@ -138,7 +152,11 @@ class Solution:
     @property
     def angle_error(self) -> float | None:
         """Largest angle (rad) of an end to its target orientation; `None` where none is asked for."""
-        return self._angle if any(t.direction is not None or t.rotation is not None for t in self.problem.targets) else None
+        return (
+            self._angle
+            if any(t.direction is not None or t.rotation is not None for t in self.problem.targets)
+            else None
+        )
 
     @property
     def clearance(self) -> float | None:
@@ -185,7 +203,9 @@ class Solution:
             "position_error": self.position_error,
             "angle_error": self.angle_error,
             "clearance": None if self.clearance is None or np.isinf(self.clearance) else self.clearance,
-            "worst": None if worst is None else {
+            "worst": None
+            if worst is None
+            else {
                 "constraint": worst.constraint,
                 "segment": worst.segment,
                 "obstacle": worst.obstacle,
@@ -203,9 +223,15 @@ class Solution:
         parts = [f"Solution: {self.status} ({self.status.sentence})"]
         if self.worst is not None:
             parts.append(f"  worst      {self.worst}")
-        for label, value in (("position", self.position_error), ("angle", self.angle_error), ("clearance", self.clearance)):
+        for label, value in (
+            ("position", self.position_error),
+            ("angle", self.angle_error),
+            ("clearance", self.clearance),
+        ):
             if value is not None:
                 parts.append(f"  {label:<10} {value:.3g}")
-        parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us")
+        parts.append(
+            f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us"
+        )
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
         return "\n".join(parts)

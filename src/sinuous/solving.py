@@ -22,6 +22,9 @@ TIME = 1.0
 STARTS = 1000
 """Default for the most starts of a solve."""
 
+CANDIDATES = 4
+"""Distinct solutions that `solve_all` gathers for each one that it returns."""
+
 FIRST_CHUNK = 16
 """Starts in the first call of a method; later calls take more, but never much longer than `SLICE`."""
 
@@ -55,7 +58,7 @@ class Solver:
     starts : int
         Most starts of one solve.
     seed : int
-        Of the low-discrepancy starts; the same seed gives the same answer, unless the time runs out.
+        Of the scattered starts; the same seed gives the same answer, unless the time runs out.
 
     Raises
     ------
@@ -115,6 +118,64 @@ class Solver:
         problem = Problem.prepared(self.robot, targets, self.scene, self.tolerance)
         given = self._no_start if start is None else self._given(start)
         outcome, starts, iterations = self._search(problem.rows, given, began)
+        return self._solution(problem, outcome, iterations, starts, began)
+
+    def solve_all(
+        self, target: Targets, start: "Solution | Any" = None, *, count: int = 8, apart: float = 0.02
+    ) -> list[Solution]:
+        """Find several distinct solutions, best first.
+
+        Every start in its order is followed to its own solution. Two solutions are the same when no point of the backbone is farther
+        from its counterpart than `apart`. The search ends with the starts, the time, or `CANDIDATES * count` distinct
+        ones. Their order: less bending first (sum of squared bends), with a start, less distance to it (bends in rad, lengths
+        relative to the mean length of a segment).
+
+        Parameters
+        ----------
+        target : Target or list of Target
+        start : Solution or array_like (n, 3), optional
+        count : int
+            Most solutions to return.
+        apart : float
+            Relative to the robot's mean length.
+
+        Returns
+        -------
+        list of Solution
+            All solved; empty when none was found.
+        """
+        wanted = checks.integer("count", count, 1, 10_000)
+        separation = checks.number("apart", apart, low=0.0) * self.robot.mean_length
+        began = clock.perf_counter()
+        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        problem = Problem.prepared(self.robot, targets, self.scene, self.tolerance)
+        given = self._no_start if start is None else self._given(start)
+        found: list[Solution] = []
+        shapes: list[Floats] = []
+        for index in range(self.starts):
+            left = self.time - (clock.perf_counter() - began)
+            if left <= 0.0 or len(found) >= CANDIDATES * wanted or self._base_blocked:
+                break
+            outcome = self._prepared.run(problem.rows, given, index, index + 1, self.seed, left)
+            if outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
+                break
+            if outcome.code != methods.SOLVED:
+                continue
+            shape = self.robot.backbone(outcome.q, 8)
+            if all(np.linalg.norm(shape - other, axis=-1).max() > separation for other in shapes):
+                shapes.append(shape)
+                found.append(self._solution(problem, outcome, outcome.iterations, index + 1, began))
+        reference = None if start is None else given[0]
+        return sorted(found, key=lambda solution: self._dislike(solution.q, reference))[:wanted]
+
+    def _dislike(self, q: Floats, reference: Floats | None) -> float:
+        """By what `solve_all` orders."""
+        if reference is None:
+            return float((q[:, :2] ** 2).sum())
+        unit = self.robot.mean_length / len(self.robot)
+        return float((((q - reference) / [1.0, 1.0, unit]) ** 2).sum())
+
+    def _solution(self, problem: Problem, outcome: Outcome, iterations: int, starts: int, began: float) -> Solution:
         return Solution(
             problem,
             self._status(outcome),
@@ -200,6 +261,29 @@ def solve(
     seed: int = 0,
 ) -> Solution:
     """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
-    solver = Solver(robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, starts=starts, seed=seed)
+    solver = Solver(
+        robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, starts=starts, seed=seed
+    )
     return solver.solve(target, start)
 
+
+def solve_all(
+    robot: Robot,
+    target: Targets,
+    scene: Any = None,
+    *,
+    start: "Solution | Any" = None,
+    count: int = 8,
+    apart: float = 0.02,
+    tolerance: Tolerance | None = None,
+    method: str = "newton",
+    prefer: Preferences | None = None,
+    time: float = TIME,
+    starts: int = STARTS,
+    seed: int = 0,
+) -> list[Solution]:
+    """Find several distinct solutions, ranked; parameters as for `Solver` and `Solver.solve_all`."""
+    solver = Solver(
+        robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, starts=starts, seed=seed
+    )
+    return solver.solve_all(target, start, count=count, apart=apart)

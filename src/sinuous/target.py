@@ -44,7 +44,9 @@ class Target:
     segment: int | None
     row: Floats
 
-    def __init__(self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None) -> None:
+    def __init__(
+        self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None
+    ) -> None:
         if position is None and direction is None and rotation is None:
             raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
         if direction is not None and rotation is not None:
@@ -69,8 +71,7 @@ class Target:
             row[0, 5], row[0, 6:9] = DIRECTION, self.direction
         elif self.rotation is not None:
             row[0, 5], row[0, 6:15] = ROTATION, self.rotation.ravel()
-        row.flags.writeable = False
-        return row
+        return row  # writable: the kernels are compiled for one type of array
 
     def __repr__(self) -> str:
         parts = [

@@ -16,18 +16,27 @@ from sinuous.kernels.vectors import Mat, Vec, add, cross, mat_vec, sub
 
 Twist = tuple[Vec, Vec]
 
+SERIES_END = 10.0
+TERMS = 15
+SERIES_G = tuple((-1) ** k / math.factorial(2 * k + 2) for k in range(TERMS))
+SERIES_H = tuple((-1) ** k / math.factorial(2 * k + 3) for k in range(TERMS))
+SERIES_D = tuple((-1) ** (k + 1) * (2 * k + 2) / math.factorial(2 * k + 4) for k in range(TERMS))
+
+
+@kernel
+def _series(x: float, terms: tuple[float, ...]) -> float:
+    total = terms[-1]
+    for k in range(len(terms) - 2, -1, -1):
+        total = terms[k] + x * total
+    return total
+
 
 @kernel
 def coefficients(x: float) -> tuple[float, float, float, float]:
-    """S, G, H and D at `x = t^2`: power series up to t = 1/2, where the closed forms begin to cancel."""
-    if x < 0.25:
-        G = 1 - x * (1 / 90) * (1 - x * (1 / 132) * (1 - x * (1 / 182)))
-        G = 0.5 - x * (1 / 24) * (1 - x * (1 / 30) * (1 - x * (1 / 56) * G))
-        H = 1 - x * (1 / 110) * (1 - x * (1 / 156))
-        H = 1 / 6 - x * (1 / 120) * (1 - x * (1 / 42) * (1 - x * (1 / 72) * H))
-        D = 1 - x * (2 / 135) * (1 - x * (5 / 528) * (1 - x * (6 / 910) * (1 - x * (7 / 1440))))
-        D = x * (1 / 180) * (1 - x * (3 / 112) * D) - 1 / 12
-        return 1 - x * H, G, H, D
+    """S, G, H and D at `x = t^2`: power series up to a little beyond t = pi, faster than sines there; closed forms above."""
+    if x < SERIES_END:
+        H = _series(x, SERIES_H)
+        return 1.0 - x * H, _series(x, SERIES_G), H, _series(x, SERIES_D)
     t = math.sqrt(x)
     sine = math.sin(t)
     half = math.sin(0.5 * t) / t
@@ -41,6 +50,11 @@ def pose(ux: float, uy: float, length: float) -> tuple[Mat, Vec]:
     """Rotation and position of the end of an arc in the frame of its beginning."""
     x = ux * ux + uy * uy
     S, G, _, _ = coefficients(x)
+    return _pose(ux, uy, length, x, S, G)
+
+
+@kernel
+def _pose(ux: float, uy: float, length: float, x: float, S: float, G: float) -> tuple[Mat, Vec]:
     xy = -G * ux * uy
     rotation = (
         (1.0 - G * ux * ux, xy, S * ux),
@@ -51,14 +65,26 @@ def pose(ux: float, uy: float, length: float) -> tuple[Mat, Vec]:
 
 
 @kernel
-def columns(ux: float, uy: float, length: float) -> tuple[Twist, Twist, Vec]:
-    """What a change of `ux`, `uy` and `length` does to the end: twists about the beginning of the arc.
+def point(ux: float, uy: float, length: float) -> Vec:
+    """Position of the end of an arc in the frame of its beginning."""
+    x = ux * ux + uy * uy
+    if x < SERIES_END:
+        G = length * _series(x, SERIES_G)
+        return G * ux, G * uy, length * (1.0 - x * _series(x, SERIES_H))
+    S, G, _, _ = coefficients(x)
+    return length * G * ux, length * G * uy, length * S
+
+
+@kernel
+def pose_and_columns(ux: float, uy: float, length: float) -> tuple[Mat, Vec, Twist, Twist, Vec]:
+    """The pose of the end, and what a change of `ux`, `uy` and `length` does to it: twists about the beginning of the arc.
 
     The twist `(omega, v)` moves a point `p` by `v + omega x p`. A change of length turns nothing, so its third column
     is the velocity alone.
     """
-    S, G, H, D = coefficients(ux * ux + uy * uy)
-    end = (length * G * ux, length * G * uy, length * S)
+    x = ux * ux + uy * uy
+    S, G, H, D = coefficients(x)
+    rotation, end = _pose(ux, uy, length, x, S, G)
     turn_x = (-H * ux * uy, 1.0 - H * uy * uy, -G * uy)
     turn_y = (H * ux * ux - 1.0, H * ux * uy, G * ux)
     shift = length * (H - G)
@@ -66,6 +92,8 @@ def columns(ux: float, uy: float, length: float) -> tuple[Twist, Twist, Vec]:
     move_x = (length * G + bow * ux * ux, bow * ux * uy, shift * ux)
     move_y = (bow * ux * uy, length * G + bow * uy * uy, shift * uy)
     return (
+        rotation,
+        end,
         (turn_x, sub(move_x, cross(turn_x, end))),
         (turn_y, sub(move_y, cross(turn_y, end))),
         (G * ux, G * uy, S),

@@ -1,6 +1,6 @@
 """Kinematics of many configurations at once: what `Robot` offers, compiled."""
 
-from sinuous.kernels.chain import body_pose, forward, frame, put_frame, spatial_columns
+from sinuous.kernels.chain import body_point, forward, forward_with_columns, frame, put_frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.vectors import Array, add, cross, get_vec, mat_vec, put_vec, sub
 
@@ -21,8 +21,7 @@ def points_of(q: Array, frames: Array, samples: int, out: Array) -> None:
         put_vec(out[i], 0, 0, frame(frames[i], 0)[1])
         for k in range(q.shape[1]):
             for j in range(samples):
-                _, position = body_pose(q[i], frames[i], k, (j + 1) / samples)
-                put_vec(out[i], k * samples + j + 1, 0, position)
+                put_vec(out[i], k * samples + j + 1, 0, body_point(q[i], frames[i], k, (j + 1) / samples))
 
 
 @kernel
@@ -31,7 +30,7 @@ def jacobians_of(q: Array, frames: Array, tool: Array, segment: int, columns: Ar
     n = q.shape[1]
     for i in range(q.shape[0]):
         origin = frame(frames[i], 0)[1]
-        spatial_columns(q[i], frames[i], origin, columns)
+        forward_with_columns(q[i], frames[i], columns)
         rotation, point = frame(frames[i], segment + 1)
         if segment == n - 1:
             point = add(point, mat_vec(rotation, get_vec(tool, 0, 9)))

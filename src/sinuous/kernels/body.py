@@ -11,11 +11,14 @@ from sinuous.kernels.chain import body_columns, body_point
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.distances import distance, obstacle
 from sinuous.kernels.limits import RADIUS
-from sinuous.kernels.sweeps import INNER, Rows
+from sinuous.kernels.sweeps import INNER, SOFT, Rows
 from sinuous.kernels.vectors import Array, Vec, cross, dot, put_vec, scale, sub
 
 PER_SEGMENT = 32
 """Most contacts of one segment that enter a step."""
+
+SOFTNESS = 1e-4
+"""Scale of rows that are only wished for; with the least damping, 1e-10, they weigh 100 times a radian."""
 
 CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 
@@ -45,6 +48,29 @@ def near(scene: Array, p: Vec, reach: float, among: Array) -> tuple[int, float]:
 
 
 @kernel
+def following(level: int, piece: int) -> tuple[int, int]:
+    """Piece that comes after this one, as large as its place allows; (0, 1) when there is none.
+
+    Piece number `piece` of level `level` is one of `2 ** level` equal parts of the segment.
+    """
+    piece += 1
+    while level > 0 and piece & 1 == 0:
+        level, piece = level - 1, piece >> 1
+    return level, piece
+
+
+@kernel
+def closest(scene: Array, among: Array, count: int, p: Vec) -> tuple[float, int]:
+    """Least distance of `p` to the first `count` obstacles that `among` lists, and the obstacle."""
+    least, which = math.inf, -1
+    for j in range(count):
+        d = distance(scene, among[j], p)
+        if d < least:
+            least, which = d, among[j]
+    return least, which
+
+
+@kernel
 def contacts(
     limits: Array,
     q: Array,
@@ -53,6 +79,7 @@ def contacts(
     k: int,
     mount: float,
     margin: float,
+    wish: float,
     depth: int,
     origin: Vec,
     unit: float,
@@ -62,7 +89,7 @@ def contacts(
 ) -> tuple[int, float]:
     """Write a row for every place of segment `k` that is closer than `margin` to an obstacle, from row `at` on.
 
-    The segment is halved `depth` times where it may be too close. Returns the next free row and the least clearance
+    Between `margin` and `wish` the row is SOFT. The segment is halved `depth` times where it may be too close. Returns the next free row and the least clearance
     that was seen at a place (infinite: none was looked at closely).
     """
     start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
@@ -71,30 +98,25 @@ def contacts(
     if part <= 0.0:
         return at, least
     half = 0.5 * length * part
-    reach = radius + margin + half
+    near_by = radius + max(margin, wish)
+    reach = near_by + half
     count, _ = near(scene, body_point(q, frames, k, start + 0.5 * part), reach, among)
     last = at + PER_SEGMENT
     level, piece = 0, 0
-    while count > 0:
+    while count > 0 and piece < 1 << level:
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)
-        closest = math.inf
-        for j in range(count):
-            closest = min(closest, distance(scene, among[j], p))
-        if level < depth and closest < radius + margin + 0.5 * length * width:
+        d, _ = closest(scene, among, count, p)
+        if level < depth and d < near_by + 0.5 * length * width:
             level, piece = level + 1, 2 * piece
             continue
-        least = min(least, closest - radius)
-        if closest < radius + margin:
+        level, piece = following(level, piece)
+        least = min(least, d - radius)
+        if d < near_by:
             for j in range(count):
                 if at < last:
-                    at = _contact(q, frames, scene, among[j], k, s, p, radius + margin, origin, unit, rows, at)
-        piece += 1
-        while level > 0 and piece & 1 == 0:
-            level, piece = level - 1, piece >> 1
-        if level == 0:
-            break
+                    at = _contact(q, frames, scene, among[j], k, s, p, radius + margin, near_by, origin, unit, rows, at)
     return at, least
 
 
@@ -107,16 +129,19 @@ def _contact(
     k: int,
     s: float,
     p: Vec,
-    wanted: float,
+    needed: float,
+    wished: float,
     origin: Vec,
     unit: float,
     rows: Rows,
     at: int,
 ) -> int:
     d, g = obstacle(scene, i, p)
-    if d >= wanted:
+    if d >= wished:
         return at
-    force = scale(1.0 / unit, g)
+    soft = d >= needed
+    weight = (SOFTNESS if soft else 1.0) / unit
+    force = scale(weight, g)
     torque = cross(sub(p, origin), force)
     x, y, z = body_columns(q, frames, origin, k, s)
     end = body_columns(q, frames, origin, k, 1.0)
@@ -125,8 +150,8 @@ def _contact(
     rows.inner[at, 0] = s * (dot(torque, x[0]) + dot(force, x[1])) - dot(torque, end[0][0]) - dot(force, end[0][1])
     rows.inner[at, 1] = s * (dot(torque, y[0]) + dot(force, y[1])) - dot(torque, end[1][0]) - dot(force, end[1][1])
     rows.inner[at, 2] = s * dot(force, z[1]) - dot(force, end[2][1])
-    rows.kind[at] = INNER
-    rows.value[at] = (wanted - d) / unit
+    rows.kind[at] = SOFT if soft else INNER
+    rows.value[at] = weight * ((wished if soft else needed) - d)
     return at + 1
 
 
@@ -149,41 +174,28 @@ def prove(
         part = 1.0 - start
         if part <= 0.0:
             continue
-        p = body_point(q, frames, k, start + 0.5 * part)
-        half = 0.5 * length * part
         # Whoever is farther than the best clearance so far cannot matter to any piece of this segment.
-        count, rest = near(scene, p, half + radius + max(0.0, least), among)
-        bound = min(bound, max(rest - half - radius, -math.inf))
+        reach = 0.5 * length * part + radius
+        count, rest = near(scene, body_point(q, frames, k, start + 0.5 * part), reach + max(0.0, least), among)
+        bound = min(bound, rest - reach)
         level, piece = 0, 0
-        while count > 0:
+        while count > 0 and piece < 1 << level:
             width = part / (1 << level)
             s = start + (piece + 0.5) * width
-            p = body_point(q, frames, k, s)
             half = 0.5 * length * width
-            closest, closest_which = math.inf, -1
-            for j in range(count):
-                d = distance(scene, among[j], p)
-                if d < closest:
-                    closest, closest_which = d, among[j]
-            seen = closest - radius
+            d, nearest_one = closest(scene, among, count, body_point(q, frames, k, s))
+            seen = d - radius
             if seen < least:
-                least, where, fraction, which = seen, k, s, closest_which
+                least, where, fraction, which = seen, k, s, nearest_one
             if least < 0.0:
                 return TOUCHING, least, where, fraction, which
-            if seen - half < (1.0 - slack) * least or seen - half <= 0.0:
-                if 2.0 * half > finest:
-                    level, piece = level + 1, 2 * piece
-                    continue
-                if seen - half <= 0.0:
-                    undecided = True
-            bound = min(bound, seen - half)
-            piece += 1
-            while level > 0 and piece & 1 == 0:
-                level, piece = level - 1, piece >> 1
-            if level == 0:
-                break
+            sure = seen - half
+            if 2.0 * half > finest and (sure <= 0.0 or sure < (1.0 - slack) * least):
+                level, piece = level + 1, 2 * piece
+                continue
+            undecided = undecided or sure <= 0.0
+            bound = min(bound, sure)
+            level, piece = following(level, piece)
     if undecided:
         return UNDECIDED, least, where, fraction, which
     return CLEAR, bound, where, fraction, which
-
-

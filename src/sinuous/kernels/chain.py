@@ -5,12 +5,25 @@ Layouts, all float64 and C-contiguous:
 - `q` (n, 3): bend_x, bend_y, length of every segment;
 - `frames` (n + 1, 12): rotation (row by row) and position of the base and of every segment's end, in the world;
 - `columns` (n, 18): three twists `(omega, v)` a segment, one for each coordinate: how the world beyond the segment
-  moves, in world axes, about `origin`.
+  moves, in world axes, about the base (`origin`).
 """
 
-from sinuous.kernels.arc import Twist, carry, columns, pose
+from sinuous.kernels.arc import Twist, carry, point, pose, pose_and_columns
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.vectors import ZERO, Array, Mat, Vec, add, get_mat, get_vec, mat_mat, mat_vec, put_mat, put_vec, sub
+from sinuous.kernels.vectors import (
+    ZERO,
+    Array,
+    Mat,
+    Vec,
+    add,
+    get_mat,
+    get_vec,
+    mat_mat,
+    mat_vec,
+    put_mat,
+    put_vec,
+    sub,
+)
 
 
 @kernel
@@ -53,8 +66,7 @@ def body_pose(q: Array, frames: Array, k: int, s: float) -> tuple[Mat, Vec]:
 def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
     """Position of the backbone at the fraction `s` of segment `k`."""
     rotation, position = frame(frames, k)
-    _, shift = pose(s * q[k, 0], s * q[k, 1], s * q[k, 2])
-    return add(position, mat_vec(rotation, shift))
+    return add(position, mat_vec(rotation, point(s * q[k, 0], s * q[k, 1], s * q[k, 2])))
 
 
 @kernel
@@ -64,7 +76,7 @@ def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tupl
     A fraction of an arc is the arc of the scaled twist, so its columns are those of `s q`, times `s`.
     """
     rotation, position = frame(frames, k)
-    x, y, stretch = columns(s * q[k, 0], s * q[k, 1], s * q[k, 2])
+    _, _, x, y, stretch = pose_and_columns(s * q[k, 0], s * q[k, 1], s * q[k, 2])
     arm = sub(position, origin)
     return (
         carry(rotation, arm, x[0], x[1]),
@@ -74,13 +86,19 @@ def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tupl
 
 
 @kernel
-def spatial_columns(q: Array, frames: Array, origin: Vec, out: Array) -> None:
-    """Fill `columns` (n, 18) for the ends of all segments."""
+def forward_with_columns(q: Array, frames: Array, columns: Array) -> None:
+    """Fill rows 1 to n of `frames`, and `columns` for the ends of all segments, about the base."""
+    rotation, position = frame(frames, 0)
+    origin = position
     for k in range(q.shape[0]):
-        x, y, stretch = body_columns(q, frames, origin, k, 1.0)
-        put_vec(out, k, 0, x[0])
-        put_vec(out, k, 3, x[1])
-        put_vec(out, k, 6, y[0])
-        put_vec(out, k, 9, y[1])
-        put_vec(out, k, 12, stretch[0])
-        put_vec(out, k, 15, stretch[1])
+        turn, shift, x, y, stretch = pose_and_columns(q[k, 0], q[k, 1], q[k, 2])
+        arm = sub(position, origin)
+        x, y = carry(rotation, arm, x[0], x[1]), carry(rotation, arm, y[0], y[1])
+        put_vec(columns, k, 0, x[0])
+        put_vec(columns, k, 3, x[1])
+        put_vec(columns, k, 6, y[0])
+        put_vec(columns, k, 9, y[1])
+        put_vec(columns, k, 12, ZERO)
+        put_vec(columns, k, 15, mat_vec(rotation, stretch))
+        rotation, position = compose(rotation, position, turn, shift)
+        put_frame(frames, k + 1, rotation, position)

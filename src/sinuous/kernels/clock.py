@@ -1,6 +1,7 @@
 """The monotonic clock of the operating system, readable from within a kernel."""
 
 import sys
+from typing import Any
 
 from numba import types
 
@@ -10,9 +11,11 @@ from sinuous.kernels.vectors import Array
 _WINDOWS = sys.platform == "win32"
 _MONOTONIC = 6 if sys.platform == "darwin" else 1
 
+_buffer: Any = types.CPointer(types.int64)  # type: ignore[no-untyped-call]
+_read: Any
 if _WINDOWS:
-    _read = types.ExternalFunction("QueryPerformanceCounter", types.int32(types.CPointer(types.int64)))
-    _read_rate = types.ExternalFunction("QueryPerformanceFrequency", types.int32(types.CPointer(types.int64)))
+    _read = types.ExternalFunction("QueryPerformanceCounter", types.int32(_buffer))
+    _read_rate: Any = types.ExternalFunction("QueryPerformanceFrequency", types.int32(_buffer))
 
     @kernel
     def _seconds(buffer: Array) -> float:
@@ -22,7 +25,7 @@ if _WINDOWS:
         return float(ticks / buffer[0])
 
 else:
-    _read = types.ExternalFunction("clock_gettime", types.int32(types.int32, types.CPointer(types.int64)))
+    _read = types.ExternalFunction("clock_gettime", types.int32(types.int32, _buffer))
 
     @kernel
     def _seconds(buffer: Array) -> float:

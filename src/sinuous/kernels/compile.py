@@ -13,6 +13,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
+from numba.core import config as numba_config
+
+config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -67,12 +70,12 @@ def kernel(function: Function) -> Function:
     Of the fast-math flags `contract` alone is on: it allows fused multiply-add and never changes what NaN does. Kernels own no
     memory (`_nrt=False`): counting references to arrays took longer than the arithmetic. Callers bring the workspace.
     """
-    configured = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(CACHE)
+    configured = config.CACHE_DIR
+    config.CACHE_DIR = str(CACHE)
     try:
         compiled: Function = numba.njit(**OPTIONS)(function)
     finally:
-        numba.config.CACHE_DIR = configured
+        config.CACHE_DIR = configured
     return compiled
 
 
@@ -80,3 +83,13 @@ def announce(entry: Callable[..., Any]) -> None:
     """Say on standard error that the kernels are about to be compiled, when `entry` is not in the cache yet."""
     if not any(CACHE.rglob(f"*.{entry.__name__}-*.nbi")):
         print("sinuous: compiling the kernels, once on this machine (about 20 s)", file=sys.stderr, flush=True)  # noqa: T201
+
+
+def inline(compiled: Function) -> Function:
+    """The same kernel, copied into its caller: for the one place of the innermost loop that calls it.
+
+    A call hands over every array by its parts, some hundred numbers; that took longer than the arithmetic.
+    """
+    options = {**OPTIONS, "cache": False, "forceinline": True}
+    copied: Function = numba.njit(**options)(compiled.py_func)  # type: ignore[attr-defined]
+    return copied

@@ -28,15 +28,15 @@ def box(p: Vec, half: Vec) -> tuple[float, Vec]:
     """Distance to an axis-aligned box about the origin and its gradient (Quilez)."""
     x, y, z = abs(p[0]) - half[0], abs(p[1]) - half[1], abs(p[2]) - half[2]
     sx, sy, sz = math.copysign(1.0, p[0]), math.copysign(1.0, p[1]), math.copysign(1.0, p[2])
-    if x <= 0.0 and y <= 0.0 and z <= 0.0:
-        if x >= y and x >= z:
-            return x, (sx, 0.0, 0.0)
-        if y >= z:
-            return y, (0.0, sy, 0.0)
-        return z, (0.0, 0.0, sz)
     outside = (max(x, 0.0), max(y, 0.0), max(z, 0.0))
     d = norm(outside)
-    return d, (sx * outside[0] / d, sy * outside[1] / d, sz * outside[2] / d)
+    if d > 0.0:
+        return d, (sx * outside[0] / d, sy * outside[1] / d, sz * outside[2] / d)
+    if x >= y and x >= z:
+        return x, (sx, 0.0, 0.0)
+    if y >= z:
+        return y, (0.0, sy, 0.0)
+    return z, (0.0, 0.0, sz)
 
 
 @kernel
@@ -104,5 +104,3 @@ def many(scene: Array, points: Array, values: Array, gradients: Array, which: Ar
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = g
         else:
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = 0.0, 0.0, 0.0
-
-

@@ -42,12 +42,11 @@ def move(limits: Array, q: Array, step: Array, out: Array) -> None:
 
 
 @kernel
-def release(limits: Array, root: Array, mean: Array, bound: Array) -> None:
+def release(limits: Array, root: Array, bound: Array) -> None:
     """Let every segment move in all its coordinates."""
     for k in range(limits.shape[0]):
         bend, stretch = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]
         put_mat(root, k, 0, ((bend, 0.0, 0.0), (0.0, bend, 0.0), (0.0, 0.0, stretch)))
-        put_vec(mean, k, 0, (0.0, 0.0, 0.0))
         bound[k] = 0
 
 

@@ -6,13 +6,13 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels import actuation, limits, sweeps
-from sinuous.kernels.body import CLEAR, PER_SEGMENT, contacts, prove
-from sinuous.kernels.chain import forward, frame, put_frame, spatial_columns
+from sinuous.kernels.body import CLEAR, PER_SEGMENT, SOFTNESS, contacts, prove
+from sinuous.kernels.chain import forward_with_columns, frame, put_frame
 from sinuous.kernels.clock import now
-from sinuous.kernels.compile import kernel
-from sinuous.kernels.sweeps import carve_rows, rows_size
+from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.sweeps import SOFT, carve_rows, rows_size
 from sinuous.kernels.targets import add_rows, end_segment
-from sinuous.kernels.vectors import Array, put_vec
+from sinuous.kernels.vectors import ZERO, Array, put_vec
 
 Problem = namedtuple(
     "Problem",
@@ -28,19 +28,36 @@ Problem = namedtuple(
         "margin",
         "position_tolerance",
         "angle_tolerance",
+        "coarse",
+        "depth",
     ],
 )
-"""What does not change during a solve: tables of robot, scene and targets; lengths that scale and bound."""
+"""What does not change during a solve: tables of robot, scene and targets; lengths that scale and bound; how often
+a segment is halved in the search for contacts, at a glance (`coarse`) and in a step (`depth`)."""
 
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
-"""A configuration and the problem linearised there. `norms`: merit, position error, angle error, least clearance seen."""
+"""A configuration and the problem linearised there. `norms`: merit, position error, angle error,
+least clearance seen, and how far wishes for clearance are from met."""
 
-Work = namedtuple("Work", ["root", "mean", "step", "bound", "among", "clock"])
+Work = namedtuple("Work", ["root", "mean", "step", "solved", "reference", "bound", "among", "clock"])
 """Scratch of one solve."""
 
-MERIT, POSITION, ANGLE, SEEN = 0, 1, 2, 3
+MISSED = -1
+MERIT, POSITION, ANGLE, SEEN, WISH = 0, 1, 2, 3, 4
 
-ROUNDS = 4
+SLACK = 0.1
+"""How far below the true clearance its proved bound may be, as a share of it."""
+
+FINEST = 1e-7
+"""Length of backbone, in robot lengths, below which a proof gives up."""
+
+EXACT = 1e-10
+"""Least damping, with which rows are met exactly."""
+
+PATIENCE = 6
+"""Steps in a row that gain little before a start is given up."""
+
+ROUNDS = 3
 """Most times that a step is taken back because it would leave a limit, and computed anew along that limit."""
 
 
@@ -54,7 +71,7 @@ def _capacity(problem: Problem) -> int:
 def state_size(problem: Problem) -> int:
     """Numbers that `carve_state` takes from a buffer."""
     n = problem.limits.shape[0]
-    return 33 * n + 16 + rows_size(n, _capacity(problem))
+    return 33 * n + 17 + rows_size(n, _capacity(problem))
 
 
 @kernel
@@ -68,15 +85,15 @@ def carve_state(buffer: Array, problem: Problem) -> State:
         buffer[: 3 * n].reshape((n, 3)),
         frames,
         buffer[15 * n + 12 : 33 * n + 12].reshape((n, 18)),
-        carve_rows(buffer[33 * n + 16 :], n, _capacity(problem)),
-        buffer[33 * n + 12 : 33 * n + 16],
+        carve_rows(buffer[33 * n + 17 :], n, _capacity(problem)),
+        buffer[33 * n + 12 : 33 * n + 17],
     )
 
 
 @kernel
 def work_size(problem: Problem) -> int:
     """Numbers that `carve_work` takes from a buffer."""
-    return 16 * problem.limits.shape[0] + problem.scene.shape[0] + 2
+    return 22 * problem.limits.shape[0] + problem.scene.shape[0] + 2
 
 
 @kernel
@@ -87,17 +104,19 @@ def carve_work(buffer: Array, problem: Problem) -> Work:
         buffer[: 9 * n].reshape((n, 9)),
         buffer[9 * n : 12 * n].reshape((n, 3)),
         buffer[12 * n : 15 * n].reshape((n, 3)),
-        buffer[15 * n : 16 * n].view(np.int64),
-        buffer[16 * n : 16 * n + m].view(np.int64),
-        buffer[16 * n + m : 16 * n + m + 2].view(np.int64),
+        buffer[15 * n : 18 * n].reshape((n, 3)),
+        buffer[18 * n : 21 * n].reshape((n, 3)),
+        buffer[21 * n : 22 * n].view(np.int64),
+        buffer[22 * n : 22 * n + m].view(np.int64),
+        buffer[22 * n + m : 22 * n + m + 2].view(np.int64),
     )
 
 
 @kernel
-def linearise(problem: Problem, state: State, work: Work, depth: int) -> None:
-    """Fill frames, rows and norms of `state` for its configuration."""
+def linearise(problem: Problem, state: State, work: Work, depth: int, wish: float) -> None:
+    """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows."""
     q, frames, rows = state.q, state.frames, state.rows
-    forward(q, frames)
+    forward_with_columns(q, frames, state.columns)
     origin = frame(frames, 0)[1]
     off = turn = 0.0
     seen = math.inf
@@ -115,6 +134,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int) -> None:
                 k,
                 mount,
                 problem.margin,
+                wish,
                 depth,
                 origin,
                 problem.unit,
@@ -129,17 +149,25 @@ def linearise(problem: Problem, state: State, work: Work, depth: int) -> None:
                 at, miss, angle = add_rows(problem.targets, i, frames, problem.tool, origin, problem.unit, rows, at)
                 off, turn = max(off, miss), max(turn, angle)
     rows.start[q.shape[0]] = at
-    merit = 0.0
+    merit = wished = 0.0
     for i in range(at):
-        merit += rows.value[i] * rows.value[i]  # idle rows hold 0
+        square = rows.value[i] * rows.value[i]  # idle rows hold 0
+        if rows.kind[i] == SOFT:
+            wished += square
+        else:
+            merit += square
     norms = state.norms
     norms[MERIT], norms[POSITION], norms[ANGLE], norms[SEEN] = merit, off, turn, seen
+    norms[WISH] = wished / (SOFTNESS * SOFTNESS)
 
 
 @kernel
 def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
-    """Fill `work.step` with the damped Newton step that keeps the limits; say whether limits bound it."""
-    limits.release(problem.limits, work.root, work.mean, work.bound)
+    """Fill `work.step` with the damped Newton step that keeps the limits; say whether limits bound it.
+
+    `work.mean` holds a motion that would be welcome for other reasons, or zero.
+    """
+    limits.release(problem.limits, work.root, work.bound)
     bound = False
     coupled = problem.actuation.shape[0] > 0
     if coupled:
@@ -154,6 +182,13 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
             break
         bound = True
     return bound
+
+
+@kernel
+def rest(work: Work) -> None:
+    """Wish for no motion."""
+    for k in range(work.mean.shape[0]):
+        put_vec(work.mean, k, 0, ZERO)
 
 
 @kernel
@@ -177,61 +212,61 @@ def met(problem: Problem, state: State) -> bool:
     """Targets within tolerance, and no overlap seen."""
     norms = state.norms
     return bool(
-        norms[POSITION] <= problem.position_tolerance
-        and norms[ANGLE] <= problem.angle_tolerance
-        and norms[SEEN] >= 0.0
+        norms[POSITION] <= problem.position_tolerance and norms[ANGLE] <= problem.angle_tolerance and norms[SEEN] >= 0.0
     )
 
 
 @kernel
-def descend(
-    problem: Problem, state: State, trial: State, work: Work, most: int, deadline: float
-) -> tuple[State, State, int, int, float, bool]:
-    """Iterate from `state.q` until solved and proved, stuck, or out of time.
+def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
+    """Verdict and clearance of the whole body at `state`; see `body.prove`."""
+    if problem.scene.shape[0] == 0:
+        return CLEAR, math.inf
+    verdict, clearance, _, _, _ = prove(
+        problem.limits, state.q, state.frames, problem.scene, problem.mount, SLACK, FINEST * problem.unit, work.among
+    )
+    return verdict, clearance
 
-    Returns the best state and the other one, the verdict of the proof (-1: the targets were not met), the number of iterations, the
-    proved clearance, and whether limits bound the last step.
+
+linearise_here, step_here = inline(linearise), inline(step)
+
+
+@kernel
+def descend(
+    problem: Problem, memory: Array, at: int, work: Work, most: int, deadline: float
+) -> tuple[int, int, int, float, bool]:
+    """Iterate from the state at `memory[at:]` until solved and proved, stuck, or out of time.
+
+    `memory` has room for two states, at 0 and at `state_size`. Returns where the best state is, the verdict of the proof (MISSED: the
+    targets were not met), the number of iterations, the clearance that the proof saw, and whether limits bound the last step.
     """
-    depth = 3
-    enter(problem, state, work)
-    linearise(problem, state, work, depth)
+    size = state_size(problem)
+    depth = problem.depth
+    start = carve_state(memory[at:], problem)
+    enter(problem, start, work)
+    linearise(problem, start, work, depth, 0.0)
     easing = 1.0
-    slow = 0
+    slow = iteration = 0
     bound = False
-    for iteration in range(most + 1):
+    while True:
+        state, trial = carve_state(memory[at:], problem), carve_state(memory[size - at :], problem)
         if met(problem, state):
-            if problem.scene.shape[0] == 0:
-                return state, trial, CLEAR, iteration, math.inf, bound
-            verdict, clearance, _, _, _ = prove(
-                problem.limits,
-                state.q,
-                state.frames,
-                problem.scene,
-                problem.mount,
-                0.1,
-                1e-7 * problem.unit,
-                work.among,
-            )
-            if verdict == CLEAR or depth >= 9:
-                return state, trial, verdict, iteration, clearance, bound
+            verdict, clearance = proof(problem, state, work)
+            if verdict == CLEAR or depth >= problem.depth + 6:
+                return at, verdict, iteration, clearance, bound
             depth += 2
-            linearise(problem, state, work, depth)
-            continue
-        if iteration == most or slow >= 6 or (deadline > 0.0 and now(work.clock) > deadline):
-            return state, trial, -1, iteration, 0.0, bound
+            linearise(problem, state, work, depth, 0.0)
+        if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
+            return at, MISSED, iteration, 0.0, bound
+        iteration += 1
         merit = state.norms[MERIT]
-        mu = max(1e-10, 0.01 * easing * merit)
-        spatial_columns(state.q, state.frames, frame(state.frames, 0)[1], state.columns)
-        bound = step(problem, state, work, mu)
+        rest(work)
+        bound = step_here(problem, state, work, max(EXACT, 0.01 * easing * merit))
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth)
+        linearise_here(problem, trial, work, depth, 0.0)
         if trial.norms[MERIT] < merit:
             slow = slow + 1 if trial.norms[MERIT] > 0.8 * merit else 0
             easing = max(1e-6, 0.3 * easing)
-            state, trial = trial, state
+            at = size - at
         else:
             slow += 1
             easing *= 10.0
-    return state, trial, -1, most, 0.0, bound
-
-

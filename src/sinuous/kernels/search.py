@@ -5,8 +5,24 @@ import math
 from sinuous.kernels.body import CLEAR, PER_SEGMENT, UNDECIDED
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.newton import ANGLE, MERIT, POSITION, SEEN, Problem, carve_state, carve_work, descend, linearise, state_size
-from sinuous.kernels.starts import face, low_discrepancy, single_arc
+from sinuous.kernels.newton import (
+    ANGLE,
+    MERIT,
+    POSITION,
+    SEEN,
+    MISSED,
+    Problem,
+    Work,
+    carve_state,
+    carve_work,
+    descend,
+    linearise,
+    met,
+    proof,
+    state_size,
+)
+from sinuous.kernels.preferences import Wishes, improve
+from sinuous.kernels.starts import face, scattered, single_arc
 from sinuous.kernels.targets import HAS_POSITION, end_segment
 from sinuous.kernels.targets import POSITION as PLACE
 from sinuous.kernels.vectors import Array, Vec, copy, get_vec
@@ -14,7 +30,23 @@ from sinuous.kernels.verdicts import POSSIBLE, verdict_of
 
 SOLVED, UNPROVED, FAILED, LATE = 0, 1, 2, 3
 GIVEN, ARC, RANDOM = 0, 1, 2
+SETTINGS = (
+    "mount",
+    "unit",
+    "margin",
+    "position_tolerance",
+    "angle_tolerance",
+    "coarse",
+    "depth",
+    "iterations",
+    "start",
+    "bends",
+    "clearance",
+)
+"""What `search` is set to, in this order: see `newton.Problem`, most iterations from one start, and the preferences."""
+
 DRAWS = 4
+"""Random shapes that are looked at for one start."""
 
 
 @kernel
@@ -29,44 +61,113 @@ def _goal(problem: Problem) -> tuple[int, Vec]:
     return tip, goal
 
 
+@kernel
+def _start(
+    problem: Problem, memory: Array, work: Work, given: Array, index: int, seed: int, tip: int, goal: Vec
+) -> int:
+    """Put start number `index` into the state at 0; returns its kind.
+
+    Of scattered shapes several are drawn, and the one that is closest to the targets is taken: a look costs less than a descent.
+    """
+    state, trial = carve_state(memory, problem), carve_state(memory[state_size(problem) :], problem)
+    if index < given.shape[0]:
+        copy(given[index], state.q)
+        return GIVEN
+    if index == given.shape[0] and tip >= 0:
+        single_arc(problem.limits, state.frames, tip, goal, state.q)
+        return ARC
+    least = math.inf
+    for draw in range(DRAWS):
+        scattered(problem.limits, DRAWS * (index - given.shape[0]) + draw, seed, trial.q)
+        if tip >= 0:
+            face(trial.frames, problem.tool, tip, goal, trial.q)
+        linearise(problem, trial, work, problem.coarse, 0.0)
+        if draw == 0 or trial.norms[MERIT] < least:
+            least = trial.norms[MERIT]
+            copy(trial.q, state.q)
+    return RANDOM
+
+
+@kernel
+def _prefer(
+    problem: Problem,
+    memory: Array,
+    work: Work,
+    wishes: tuple[float, float, float],
+    reference: Array,
+    best: Array,
+    proved: tuple[float, float, float],
+    iterations: int,
+    deadline: float,
+) -> tuple[int, float, float, float]:
+    """Improve the solved `best` and prove it again; what cannot be proved is not taken.
+
+    `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what is in `best`
+    then.
+    """
+    copy(best, work.solved)
+    copy(reference, work.reference)
+    wanted = Wishes(wishes[0], wishes[1], wishes[2], work.reference)
+    used = improve(problem, memory, work, wanted, best, iterations, deadline)
+    state = carve_state(memory, problem)
+    copy(best, state.q)
+    linearise(problem, state, work, problem.depth, 0.0)
+    verdict, clearance = proof(problem, state, work)
+    if verdict == CLEAR and met(problem, state):
+        return used, state.norms[POSITION], state.norms[ANGLE], clearance
+    copy(work.solved, best)
+    return used, proved[0], proved[1], proved[2]
+
+
 def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
     """Numbers (float64) that a search needs as workspace: more than enough, whatever the layout of its parts."""
     capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
-    return 2 * (34 * segments + 17 + 27 * capacity) + 16 * segments + obstacles + 2
+    return 3 * (34 * segments + 18 + 27 * capacity) + 22 * segments + obstacles + 2
 
 
 @kernel
 def search(
     limits: Array,
     actuation: Array,
-    base: Array,
-    tool: Array,
+    poses: Array,
     scene: Array,
+    settings: Array,
     targets: Array,
-    mount: float,
-    unit: float,
-    margin: float,
-    position_tolerance: float,
-    angle_tolerance: float,
     given: Array,
     first: int,
     most: int,
     seed: int,
-    iterations: int,
     seconds: float,
     buffer: Array,
     best: Array,
 ) -> tuple[int, int, int, int, float, float, float, bool, float]:
     """Fill `best` (n, 3) with the best configuration found.
 
-    Starts are counted: those of `given` (g, n, 3), the single arc, then the low-discrepancy sequence; this call tries number
-    `first` up to, without it, `most`. Returns status, iterations, starts, kind of the best start, position error, angle
+    `poses` (2, 12) are the base and the tool; `settings` is laid out as `SETTINGS` says; `buffer` is workspace. Starts are
+    counted: those of `given` (g, n, 3), the single arc, then scattered shapes; this call tries number `first`
+    up to, without it, `most`. Returns status, iterations, starts, kind of the best start, position error, angle
     error, clearance (proved, when solved; else the least seen), whether limits bound the best, and its merit.
     """
-    problem = Problem(limits, actuation, base, tool, scene, targets, mount, unit, margin, position_tolerance, angle_tolerance)
+    problem = Problem(
+        limits,
+        actuation,
+        poses[0:1],
+        poses[1:2],
+        scene,
+        targets,
+        settings[0],
+        settings[1],
+        settings[2],
+        settings[3],
+        settings[4],
+        int(settings[5]),
+        int(settings[6]),
+    )
+    iterations = int(settings[7])
+    wishes = (settings[8], settings[9], settings[10])
     size = state_size(problem)
-    state, trial = carve_state(buffer, problem), carve_state(buffer[size:], problem)
-    work = carve_work(buffer[2 * size :], problem)
+    memory, work = buffer[: 3 * size], carve_work(buffer[3 * size :], problem)
+    wanted = wishes[0] > 0.0 or wishes[1] > 0.0 or wishes[2] > 0.0
     deadline = now(work.clock) + seconds
     tip, goal = _goal(problem)
     impossible = verdict_of(problem)
@@ -77,30 +178,18 @@ def search(
     stopped = False
     index = first
     while index < most:
-        kind = GIVEN if index < given.shape[0] else (ARC if index == given.shape[0] else RANDOM)
-        if kind == GIVEN:
-            copy(given[index], state.q)
-        elif kind == ARC and tip >= 0:
-            single_arc(limits, state.frames, tip, goal, state.q)
-        else:
-            least_merit = math.inf
-            for c in range(DRAWS):
-                low_discrepancy(limits, DRAWS * (index - given.shape[0]) + c, seed, trial.q)
-                if tip >= 0:
-                    face(trial.frames, tool, tip, goal, trial.q)
-                linearise(problem, trial, work, 0)
-                if trial.norms[MERIT] < least_merit:
-                    least_merit = trial.norms[MERIT]
-                    copy(trial.q, state.q)
+        kind = _start(problem, memory, work, given, index, seed, tip, goal)
         index += 1
-        state, trial, verdict, used, proved, bound = descend(problem, state, trial, work, iterations, deadline)
+        at, verdict, used, seen, bound = descend(problem, memory, 0, work, iterations, deadline)
         total += used
+        state = carve_state(memory[at:], problem)
         if verdict == CLEAR or state.norms[MERIT] < least:
             copy(state.q, best)
             least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
-            status, clearance, best_kind, stopped = FAILED, state.norms[SEEN], kind, bound
+            clearance = state.norms[SEEN] if verdict == MISSED else seen
+            status, best_kind, stopped = FAILED, kind, bound
             if verdict == CLEAR:
-                status, clearance = SOLVED, proved
+                status = SOLVED
                 break
             if verdict == UNDECIDED:
                 status = UNPROVED
@@ -108,6 +197,12 @@ def search(
             if status == FAILED:
                 status = LATE
             break
+    if status == SOLVED and wanted:
+        reference = given[0] if given.shape[0] > 0 else best
+        used, off, turn, clearance = _prefer(
+            problem, memory, work, wishes, reference, best, (off, turn, clearance), iterations, deadline
+        )
+        total += used
     if impossible != POSSIBLE:
         status = impossible
     return status, total, index - first, best_kind, off, turn, clearance, stopped, least

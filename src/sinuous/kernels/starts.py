@@ -1,4 +1,4 @@
-"""Where a solve begins when nobody says: the single arc to the target, and a low-discrepancy sequence of shapes."""
+"""Where a solve begins when nobody says: the single arc to the target, and shapes scattered over all that the robot can take."""
 
 import math
 
@@ -54,15 +54,6 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
 
 
 @kernel
-def _golden(dimensions: int) -> float:
-    """The root above 1 of x^(d+1) = x + 1, base of the R_d sequence (Roberts 2018)."""
-    x = 1.5
-    for _ in range(30):
-        x = (1.0 + x) ** (1.0 / (dimensions + 1))
-    return x
-
-
-@kernel
 def _uniform(key: np.uint64) -> float:
     """A number in [0, 1) for every key (Steele et al. 2014, splitmix64)."""
     z = key * np.uint64(0x9E3779B97F4A7C15)
@@ -72,8 +63,12 @@ def _uniform(key: np.uint64) -> float:
 
 
 @kernel
-def low_discrepancy(limits: Array, index: int, seed: int, q: Array) -> None:
-    """Shape number `index` of the sequence `seed`: every bend a disc, every length its range, covered evenly."""
+def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
+    """Shape number `index` of the sequence `seed`: bends evenly over their discs, lengths over their ranges.
+
+    Hashed, not low-discrepancy: in the dimensions of a robot (3 n) additive recurrences and Halton's sequence put long runs of
+    shapes into the same few directions; on poses of three segments they needed up to twice the starts.
+    """
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):
         length = limits[k, LOW] + _uniform(key) * (limits[k, HIGH] - limits[k, LOW])
@@ -95,5 +90,3 @@ def face(frames: Array, tool: Array, tip: int, goal: Vec, q: Array) -> None:
     for k in range(q.shape[0]):
         x, y = q[k, 0], q[k, 1]
         q[k, 0], q[k, 1] = cosine * x - sine * y, sine * x + cosine * y
-
-

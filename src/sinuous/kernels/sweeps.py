@@ -44,13 +44,22 @@ Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", 
 """The constraints of a step, in the order of their segments.
 
 `start` (n + 1,): rows `start[k]` to `start[k + 1]` belong to segment k. `kind` (m,): END, at the end of the segment (these come
-last in it); INNER, within the body; HARD, met exactly whatever `mu`; IDLE, left out. `twist` (m, 6) is `a`, seen from the end
+last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE, left out. `twist` (m, 6) is `a`, seen from the end
 of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`, for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up
 to this segment, for HARD: actuators that run through several segments see no more than that. `value` (m,). The sweeps
 fill `gain` (m, 12) and `innovation` (m,).
 """
 
-END, INNER, HARD, IDLE = 0, 1, 2, 3
+END, INNER, HARD, IDLE, SOFT = 0, 1, 2, 3, 4
+
+Reach = tuple[Mat, Mat, Mat, Vec, Vec]
+"""What the robot can still do up to here: covariance of (omega, omega), (omega, v), (v, v), and mean of omega and v."""
+
+Sums = tuple[Mat, Mat, Mat, Vec]
+"""The same of the sum of all motions: covariance with omega, with v, with itself, and mean."""
+
+Own = tuple[Mat, Mat, Mat, Mat, Vec]
+"""The same of the motion z of this segment: covariance with omega, v, the sum, itself, and mean."""
 
 HARD_SHARE = 1e-10
 """Variance of HARD rows, relative to their weights: small, yet enough for two that say the same."""
@@ -94,80 +103,113 @@ def _spread(columns: Array, k: int, lines: Mat) -> tuple[Mat, Mat]:
 
 
 @kernel
+def _sub_outer(m: Mat, a: Vec, b: Vec) -> Mat:
+    """m - a b'."""
+    return add_scaled(m[0], -a[0], b), add_scaled(m[1], -a[1], b), add_scaled(m[2], -a[2], b)
+
+
+@kernel
 def _gram(m: Mat, a: Mat, b: Mat) -> Mat:
     """m + a' b."""
     return add_outer(add_outer(add_outer(m, a[0], b[0]), a[1], b[1]), a[2], b[2])
 
 
 @kernel
+def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
+    """Take in one row that sees the twist alone."""
+    A, B, C, turned, moved = reach
+    a, c = get_vec(rows.twist, i, 0), get_vec(rows.twist, i, 3)
+    turn, move = add(mat_vec(A, a), mat_vec(B, c)), add(vec_mat(a, B), mat_vec(C, c))
+    f = 1.0 / (dot(a, turn) + dot(c, move) + mu)
+    nu = rows.value[i] - dot(a, turned) - dot(c, moved)
+    gain_turn, gain_move = scale(f, turn), scale(f, move)
+    put_vec(rows.gain, i, 0, gain_turn)
+    put_vec(rows.gain, i, 3, gain_move)
+    rows.innovation[i] = f * nu
+    return (
+        _sub_outer(A, gain_turn, turn),
+        _sub_outer(B, gain_turn, move),
+        _sub_outer(C, gain_move, move),
+        add_scaled(turned, nu, gain_turn),
+        add_scaled(moved, nu, gain_move),
+    )
+
+
+@kernel
+def _within(
+    reach: Reach, own: Own, sums: Sums, L: Mat, m: Vec, rows: Rows, i: int, mu: float
+) -> tuple[Reach, Own, Sums]:
+    """Take in one row of any kind: it may see the motion of its own segment, and the sum of all motions, beside the twist."""
+    A, B, C, turned, moved = reach
+    X, Y, R, Z, z = own
+    P, Q, T, summed = sums
+    kind = rows.kind[i]
+    a, c = get_vec(rows.twist, i, 0), get_vec(rows.twist, i, 3)
+    inner = get_vec(rows.inner, i, 0) if kind != END else ZERO
+    s = get_vec(rows.total, i, 0) if kind == HARD else ZERO
+    b = vec_mat(inner, L)
+    turn = add(add(mat_vec(A, a), mat_vec(B, c)), add(vec_mat(b, X), vec_mat(s, P)))
+    move = add(add(vec_mat(a, B), mat_vec(C, c)), add(vec_mat(b, Y), vec_mat(s, Q)))
+    used = add(add(mat_vec(X, a), mat_vec(Y, c)), add(mat_vec(Z, b), mat_vec(R, s)))
+    total = add(add(mat_vec(P, a), mat_vec(Q, c)), add(vec_mat(b, R), mat_vec(T, s)))
+    spread = dot(a, turn) + dot(c, move) + dot(b, used) + dot(s, total)
+    f = 1.0 / (spread + (mu if kind != HARD else HARD_SHARE * (dot(b, b) + dot(s, s))))
+    nu = rows.value[i] - dot(a, turned) - dot(c, moved) - dot(inner, m) - dot(b, z) - dot(s, summed)
+    gain_turn, gain_move, gain_used, gain_total = scale(f, turn), scale(f, move), scale(f, used), scale(f, total)
+    put_vec(rows.gain, i, 0, gain_turn)
+    put_vec(rows.gain, i, 3, gain_move)
+    put_vec(rows.gain, i, 6, gain_used)
+    put_vec(rows.gain, i, 9, gain_total)
+    rows.innovation[i] = f * nu
+    return (
+        (
+            _sub_outer(A, gain_turn, turn),
+            _sub_outer(B, gain_turn, move),
+            _sub_outer(C, gain_move, move),
+            add_scaled(turned, nu, gain_turn),
+            add_scaled(moved, nu, gain_move),
+        ),
+        (
+            _sub_outer(X, gain_used, turn),
+            _sub_outer(Y, gain_used, move),
+            _sub_outer(R, gain_used, total),
+            _sub_outer(Z, gain_used, used),
+            add_scaled(z, nu, gain_used),
+        ),
+        (
+            _sub_outer(P, gain_total, turn),
+            _sub_outer(Q, gain_total, move),
+            _sub_outer(T, gain_total, total),
+            add_scaled(summed, nu, gain_total),
+        ),
+    )
+
+
+@kernel
 def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, coupled: bool) -> None:
     """Filter along the arc from base to tip; fill `rows.gain` and `rows.innovation`.
 
-    The state is the twist `(omega, v)`, and with `coupled` also the sum `c` of all motions so far, which HARD rows may weigh.
+    `coupled` says that HARD rows may weigh the sum of all motions; it is then part of the state.
     """
-    A, B, C = NOTHING, NOTHING, NOTHING  # covariance of (omega, omega), (omega, v), (v, v)
-    P, Q, T = NOTHING, NOTHING, NOTHING  # of (c, omega), (c, v), (c, c)
-    turned, moved, summed = ZERO, ZERO, ZERO
+    reach = (NOTHING, NOTHING, NOTHING, ZERO, ZERO)
+    sums = (NOTHING, NOTHING, NOTHING, ZERO)
     for k in range(columns.shape[0]):
-        L = get_mat(root, k, 0)
+        L, m = get_mat(root, k, 0), get_vec(mean, k, 0)
         lines = transpose(L)
         turn, move = _spread(columns, k, lines)
-        A, B, C = _gram(A, turn, turn), _gram(B, turn, move), _gram(C, move, move)
-        m = get_vec(mean, k, 0)
+        A, B, C, turned, moved = reach
         turned = add(turned, _mix(m, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
         moved = add(moved, _mix(m, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
+        reach = (_gram(A, turn, turn), _gram(B, turn, move), _gram(C, move, move), turned, moved)
         if coupled:
-            P, Q, T = _gram(P, lines, turn), _gram(Q, lines, move), _gram(T, lines, lines)
-            summed = add(summed, m)
-        # Covariance of the motion z of this segment with omega, v, c and itself; mean of z.
-        X, Y, R, Z, z = turn, move, lines, IDENTITY, ZERO
+            P, Q, T, summed = sums
+            sums = (_gram(P, lines, turn), _gram(Q, lines, move), _gram(T, lines, lines), add(summed, m))
+        own = (turn, move, lines, IDENTITY, ZERO)
         for i in range(rows.start[k], rows.start[k + 1]):
-            kind = rows.kind[i]
-            if kind == IDLE:
-                continue
-            a, c = get_vec(rows.twist, i, 0), get_vec(rows.twist, i, 3)
-            used_turn = add(mat_vec(A, a), mat_vec(B, c))
-            used_move = add(vec_mat(a, B), mat_vec(C, c))
-            nu = rows.value[i] - dot(a, turned) - dot(c, moved)
-            b, s, used, used_sum = ZERO, ZERO, ZERO, ZERO
-            if kind != END:
-                within = get_vec(rows.inner, i, 0)
-                b = vec_mat(within, L)
-                nu -= dot(within, m) + dot(b, z)
-                used_turn = add(used_turn, vec_mat(b, X))
-                used_move = add(used_move, vec_mat(b, Y))
-                used = add(add(mat_vec(X, a), mat_vec(Y, c)), mat_vec(Z, b))
-            if coupled:
-                used_sum = add(mat_vec(P, a), mat_vec(Q, c))
-                if kind != END:
-                    used_sum = add(used_sum, vec_mat(b, R))
-                if kind == HARD:
-                    s = get_vec(rows.total, i, 0)
-                    nu -= dot(s, summed)
-                    used_turn, used_move = add(used_turn, vec_mat(s, P)), add(used_move, vec_mat(s, Q))
-                    used, used_sum = add(used, mat_vec(R, s)), add(used_sum, mat_vec(T, s))
-            spread = dot(a, used_turn) + dot(c, used_move) + dot(b, used) + dot(s, used_sum)
-            f = 1.0 / (spread + (mu if kind != HARD else HARD_SHARE * (dot(b, b) + dot(s, s))))
-            used_turn_f, used_move_f = scale(f, used_turn), scale(f, used_move)
-            used_f, used_sum_f = scale(f, used), scale(f, used_sum)
-            A = add_outer(A, scale(-1.0, used_turn_f), used_turn)
-            B = add_outer(B, scale(-1.0, used_turn_f), used_move)
-            C = add_outer(C, scale(-1.0, used_move_f), used_move)
-            turned, moved = add_scaled(turned, nu, used_turn_f), add_scaled(moved, nu, used_move_f)
-            if kind != END:
-                out = scale(-1.0, used_f)
-                X, Y, Z = add_outer(X, out, used_turn), add_outer(Y, out, used_move), add_outer(Z, out, used)
-                R = add_outer(R, out, used_sum)
-                z = add_scaled(z, nu, used_f)
-            if coupled:
-                out = scale(-1.0, used_sum_f)
-                P, Q, T = add_outer(P, out, used_turn), add_outer(Q, out, used_move), add_outer(T, out, used_sum)
-                summed = add_scaled(summed, nu, used_sum_f)
-            put_vec(rows.gain, i, 0, used_turn_f)
-            put_vec(rows.gain, i, 3, used_move_f)
-            put_vec(rows.gain, i, 6, used_f)
-            put_vec(rows.gain, i, 9, used_sum_f)
-            rows.innovation[i] = f * nu
+            if rows.kind[i] == END and not coupled:
+                reach = _at_end(reach, rows, i, mu)
+            elif rows.kind[i] != IDLE:
+                reach, own, sums = _within(reach, own, sums, L, m, rows, i, mu)
 
 
 @kernel
@@ -187,7 +229,7 @@ def backward(columns: Array, root: Array, mean: Array, rows: Rows, step: Array, 
             if kind != END:
                 push -= dot(get_vec(rows.gain, i, 6), z)
                 z = add_scaled(z, push, vec_mat(get_vec(rows.inner, i, 0), L))
-            if kind == HARD:
+            if kind == HARD and coupled:
                 total = add_scaled(total, push, get_vec(rows.total, i, 0))
             turn = add_scaled(turn, push, get_vec(rows.twist, i, 0))
             move = add_scaled(move, push, get_vec(rows.twist, i, 3))

@@ -49,9 +49,7 @@ class Method(Protocol):
 METHODS = ("newton",)
 
 
-def prepare(
-    name: str, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences"
-) -> Method:
+def prepare(name: str, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences") -> Method:
     """Prepare the method called `name`."""
     if name == "newton":
         from sinuous.methods.newton import Newton  # noqa: PLC0415

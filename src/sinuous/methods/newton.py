@@ -6,14 +6,18 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.search import search, workspace_size
+from sinuous.kernels.search import SETTINGS, search, workspace_size
 from sinuous.methods import Outcome
 from sinuous.problem import Preferences, Tolerance
 from sinuous.robot import Robot
 from sinuous.scene.scene import Scene
+from sinuous.target import WIDTH as TARGET_WIDTH
 
 ITERATIONS = 60
 """Most iterations from one start."""
+
+COARSE, DEPTH = 0, 3
+"""How often a segment is halved in the search for contacts: to compare random shapes, and in a step."""
 
 MARGIN = 1e-4
 """Clearance that the steps aim for beyond none, of the robot's mean length: room for the proof to decide."""
@@ -23,37 +27,45 @@ class Newton:
     """The method `newton`, prepared: tables for the kernels, and one workspace a thread."""
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> None:
-        announce(search)
-        self._local = threading.local()
-        self._sizes = len(robot), len(robot.actuation), len(scene)
         unit = robot.mean_length
-        self._tables = (robot.limits.copy(), robot.actuation.copy(), robot.base_row.copy(), robot.tool_row.copy(), scene.table.copy())
-        self._scalars = (robot.mount, unit, MARGIN * unit, tolerance.position, tolerance.angle)
-        self._wishes = (preferences.start, preferences.bends, preferences.clearance)
+        settings = {
+            "mount": robot.mount,
+            "unit": unit,
+            "margin": MARGIN * unit,
+            "position_tolerance": tolerance.position,
+            "angle_tolerance": tolerance.angle,
+            "coarse": COARSE,
+            "depth": DEPTH,
+            "iterations": ITERATIONS,
+            "start": preferences.start,
+            "bends": preferences.bends,
+            "clearance": preferences.clearance,
+        }
+        # Copies: the kernels are compiled for one type of array, a writable one.
+        self._tables = (
+            robot.limits.copy(),
+            robot.actuation.copy(),
+            np.concatenate([robot.base_row, robot.tool_row]),
+            scene.table.copy(),
+            np.array([settings[key] for key in SETTINGS], np.float64),
+        )
+        self._sizes = len(robot), len(robot.actuation), len(scene)
+        self._local = threading.local()
+        announce(search)
+        nothing = np.empty((0, len(robot), 3))
+        self.run(np.zeros((1, TARGET_WIDTH)), nothing, 0, 0, 0, 0.0)  # compiles, or loads from the cache
 
     def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
         """Try starts; see `Method.run`."""
         best = np.empty((self._sizes[0], 3))
-        return Outcome(
-            best,
-            *search(
-                *self._tables,
-                rows,
-                *self._scalars,
-                given,
-                first,
-                last,
-                seed,
-                ITERATIONS,
-                seconds,
-                self._workspace(len(rows)),
-                best,
-            ),
-        )
+        workspace = self._workspace(len(rows))
+        found = search(*self._tables, rows, given, first, last, seed, seconds, workspace, best)
+        return Outcome(best, *found)
 
     def _workspace(self, targets: int) -> Floats:
-        workspace: Floats | None = getattr(self._local, "workspace", None)
-        size = workspace_size(*self._sizes, targets)
-        if workspace is None or len(workspace) < size:
-            workspace = self._local.workspace = np.empty(size)
+        """Scratch of this thread, for so many targets."""
+        if getattr(self._local, "targets", -1) < targets:
+            self._local.targets = targets
+            self._local.workspace = np.empty(workspace_size(*self._sizes, targets))
+        workspace: Floats = self._local.workspace
         return workspace

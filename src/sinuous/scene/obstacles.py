@@ -13,6 +13,7 @@ from sinuous.errors import InputError
 from sinuous.poses import least_rotation, rotation_matrix
 
 IDENTITY = np.eye(3)
+IDENTITY.flags.writeable = False
 SPHERE, BOX, CYLINDER, HALF_SPACE = 0, 1, 2, 3
 
 
@@ -71,6 +72,7 @@ class Sphere(Obstacle):
 
     @property
     def row(self) -> Floats:
+        """See `Obstacle.row`."""
         return _row(SPHERE, self.inside, self.center, IDENTITY, np.zeros(3), self.radius)
 
 
@@ -109,6 +111,7 @@ class Box(Obstacle):
 
     @property
     def row(self) -> Floats:
+        """See `Obstacle.row`."""
         return _row(BOX, self.inside, self.center, self.rotation, 0.5 * self.size, 0.0)
 
 
@@ -145,6 +148,7 @@ class Capsule(Obstacle):
 
     @property
     def row(self) -> Floats:
+        """See `Obstacle.row`."""
         center, rotation, half = _axis(self.start, self.end)
         return _row(BOX, False, center, rotation, [0.0, 0.0, half], self.radius)
 
@@ -172,12 +176,11 @@ class Cylinder(Obstacle):
         first, last = checks.vector("start", start), checks.vector("end", end)
         if np.array_equal(first, last):
             raise InputError("end", "is where the cylinder starts", last.tolist(), "another point than start")
-        self._keep(
-            name, start=first, end=last, radius=checks.number("radius", radius, above=0.0), inside=_flag(inside)
-        )
+        self._keep(name, start=first, end=last, radius=checks.number("radius", radius, above=0.0), inside=_flag(inside))
 
     @property
     def row(self) -> Floats:
+        """See `Obstacle.row`."""
         center, rotation, half = _axis(self.start, self.end)
         return _row(CYLINDER, self.inside, center, rotation, [self.radius, self.radius, half], 0.0)
 
@@ -203,4 +206,5 @@ class HalfSpace(Obstacle):
 
     @property
     def row(self) -> Floats:
+        """See `Obstacle.row`."""
         return _row(HALF_SPACE, False, self.point, least_rotation(self.normal), np.zeros(3), 0.0)

@@ -29,6 +29,8 @@ class Scene:
     """
 
     def __init__(self, obstacles: Iterable["Obstacle | Scene"] = ()) -> None:
+        if not isinstance(obstacles, Iterable):
+            raise InputError("scene", "of the wrong kind", obstacles, "a list of obstacles")
         flat: list[Obstacle] = []
         for i, item in enumerate(obstacles):
             if isinstance(item, Scene):
@@ -71,8 +73,7 @@ class Scene:
     def _query(self, points: Any) -> tuple[Floats, Floats, NDArray[np.int64]]:
         from sinuous.kernels import distances  # noqa: PLC0415
 
-        ndim = max(1, np.ndim(points))
-        checked = checks.array("points", points, (*([None] * (ndim - 1)), 3))
+        checked = checks.stack("points", points, (3,))
         flat = checked.reshape(-1, 3).copy()
         values, gradients, which = np.empty(len(flat)), np.empty(flat.shape), np.empty(len(flat), np.int64)
         distances.many(self.table, flat, values, gradients, which)

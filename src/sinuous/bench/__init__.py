@@ -1,0 +1,1 @@
+"""Experiments that measure this library against its goals and against others, every answer checked by other code."""

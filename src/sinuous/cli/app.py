@@ -1,0 +1,128 @@
+"""The command `sinuous`: what may be typed, and what the shell is told.
+
+Nothing heavy is imported before a command runs, so that `sinuous --help` answers at once.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from sinuous import __version__
+from sinuous.cli.options import Options
+from sinuous.errors import InputError
+
+FAILED, BAD_INPUT = 1, 2
+_UsageError: Any = typer.BadParameter.__bases__[0]  # typer brings its own copy of click, under a private name
+
+app = typer.Typer(
+    help="Inverse kinematics and motion of continuum robots among obstacles.",
+    epilog="Exit codes: 0 everything solved, 1 something not, 2 bad input, 130 interrupted.",
+    add_completion=False,
+    rich_markup_mode=None,
+)
+
+Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files, YAML or JSON.", show_default=False)]
+Method = Annotated[str, typer.Option(help="Algorithm.")]
+Time = Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")]
+Seed = Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
+Plot = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Draw robot, scene and targets; several files are numbered.")
+]
+Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the results as JSON lines.")]
+
+
+@app.command()
+def solve(
+    files: Files,
+    method: Method = "newton",
+    time: Time = 1.0,
+    seed: Seed = 0,
+    json: Json = False,
+    plot: Plot = None,
+    out: Out = None,
+) -> None:
+    """Meet a target, or several at once."""
+    from sinuous.cli.work import solve_files  # noqa: PLC0415
+
+    raise typer.Exit(solve_files(files, Options(method, time, seed, json, plot, out)))
+
+
+@app.command()
+def track(
+    files: Files,
+    method: Method = "newton",
+    time: Time = 1.0,
+    seed: Seed = 0,
+    json: Json = False,
+    plot: Plot = None,
+    out: Out = None,
+) -> None:
+    """Follow a path, each target from the last."""
+    from sinuous.cli.work import track_files  # noqa: PLC0415
+
+    raise typer.Exit(track_files(files, Options(method, time, seed, json, plot, out)))
+
+
+@app.command()
+def check(files: Files, json: Json = False) -> None:
+    """Say what files contain; verify their starts."""
+    from sinuous.cli.check import check_files  # noqa: PLC0415
+
+    raise typer.Exit(check_files(files, json=json))
+
+
+@app.command()
+def bench(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Which measurement: speed.")],
+    json: Json = False,
+    out: Out = None,
+    seed: Seed = 0,
+    quick: Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")] = False,
+) -> None:
+    """Measure; only verified answers count."""
+    from sinuous.cli.measure import measure  # noqa: PLC0415
+
+    raise typer.Exit(measure(name, json=json, out=out, seed=seed, quick=quick))
+
+
+@app.callback(invoke_without_command=True)
+def _start(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if version:
+        typer.echo(f"sinuous {__version__}")
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.Exit
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code; whatever is wrong with the input is one line on standard error.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Default: those of the process.
+    """
+    try:
+        command = typer.main.get_command(app)
+        code = command.main(arguments, prog_name="sinuous", standalone_mode=False)
+        return int(code or 0)
+    except InputError as error:
+        _say(str(error))
+        return BAD_INPUT
+    except _UsageError as error:
+        _say(f"sinuous: {error.format_message()}")
+        return BAD_INPUT
+    except OSError as error:
+        _say(f"sinuous: {error}")
+        return FAILED
+
+
+def _say(message: str) -> None:
+    typer.echo(" ".join(message.split()), err=True)

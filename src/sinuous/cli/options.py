@@ -1,0 +1,78 @@
+"""What the commands that solve have in common."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from sinuous.errors import InputError
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of one call; `check` says what is wrong with them.
+
+    Attributes
+    ----------
+    method : str
+    time : float
+        Budget per solve, in seconds.
+    seed : int
+    json : bool
+        Results on standard output as JSON lines.
+    plot : Path or None
+        Where a picture goes.
+    out : Path or None
+        Where the results go as JSON lines.
+    """
+
+    method: str = "newton"
+    time: float = 1.0
+    seed: int = 0
+    json: bool = False
+    plot: Path | None = None
+    out: Path | None = None
+
+    def check(self, files: list[str]) -> None:
+        """Refuse values that cannot be meant, before any file is read or written.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        from sinuous import checks  # noqa: PLC0415
+        from sinuous.methods import METHODS  # noqa: PLC0415
+
+        if self.method not in METHODS:
+            raise InputError("--method", "is not known", self.method, "one of " + ", ".join(METHODS))
+        checks.number("--time", self.time, low=0.0)
+        checks.integer("--seed", self.seed, 0, 2**31 - 1)
+        for option, file in (("--out", self.out), ("--plot", self.plot)):
+            if file is not None:
+                _check_writable(option, file, files)
+        if self.plot is not None:
+            from sinuous.plotting import check_picture  # noqa: PLC0415
+
+            check_picture("--plot", self.plot)
+
+    def picture(self, number: int, files: int) -> Path | None:
+        """Where the picture of problem `number`, 1 = first, of `files` goes: several are numbered."""
+        if self.plot is None or files == 1:
+            return self.plot
+        width = int(math.log10(files)) + 1
+        return self.plot.with_name(f"{self.plot.stem}-{number:0{width}}{self.plot.suffix}")
+
+
+def _check_writable(option: str, file: Path, inputs: list[str]) -> None:
+    if any(Path(name).resolve() == file.resolve() for name in inputs):
+        raise InputError(option, "would overwrite a problem file", str(file), "another file")
+    there = file.exists()
+    try:
+        with file.open("ab"):
+            pass
+        if not there:
+            file.unlink()
+    except OSError as error:
+        raise InputError(
+            option, f"cannot be written: {error.strerror}", str(file), "a file that can be written"
+        ) from None

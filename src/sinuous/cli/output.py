@@ -1,0 +1,52 @@
+"""Where results go: to standard output, into a file, into a picture."""
+
+from pathlib import Path
+from typing import TextIO
+
+import typer
+
+from sinuous.cli.options import Options
+from sinuous.errors import InputError
+from sinuous.files.results import json_line, result
+from sinuous.solution import Solution
+from sinuous.tracking import Track
+
+
+class Output:
+    """Writes each answer as soon as it is there, so that an interrupt loses none."""
+
+    def __init__(self, options: Options, files: int) -> None:
+        self._options = options
+        self._files = files
+        self._done = 0
+        self._out: TextIO | None = None if options.out is None else _open(options.out)
+
+    def __enter__(self) -> "Output":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._out is not None:
+            self._out.close()
+
+    def write(self, file: str, answer: Solution | Track, prepare_seconds: float) -> None:
+        """Write the answer to one problem file."""
+        self._done += 1
+        line = json_line(result(file, answer.to_dict(), prepare_seconds))
+        if self._out is not None:
+            self._out.write(line + "\n")
+            self._out.flush()
+        typer.echo(line if self._options.json else f"{file}: {str(answer).split(': ', 1)[1]}")
+        picture = self._options.picture(self._done, self._files)
+        if picture is not None:
+            from sinuous.plotting import plot_solution  # noqa: PLC0415
+
+            plot_solution(answer, picture)
+
+
+def _open(out: Path) -> TextIO:
+    try:
+        return out.open("w", encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(
+            "--out", f"cannot be written: {error.strerror}", str(out), "a file that can be written"
+        ) from None

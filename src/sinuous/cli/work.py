@@ -1,0 +1,93 @@
+"""The commands solve and track: read everything, then answer one file after the other."""
+
+import time as clock
+from collections.abc import Callable
+
+import typer
+
+from sinuous.cli.options import Options
+from sinuous.cli.output import Output
+from sinuous.cli.progress import Bar
+from sinuous.errors import InputError
+from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.solution import Solution
+from sinuous.solving import Solver
+from sinuous.tracking import Track, waypoints
+
+SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
+
+Answer = Callable[[Solver, ProblemFile, Bar], Solution | Track]
+
+
+def solve_files(files: list[str], options: Options) -> int:
+    """Solve the target of every file; return the exit code."""
+    options.check(files)
+    problems = [read_problem(file) for file in files]
+    for problem in problems:
+        if problem.is_path:
+            raise InputError(
+                "path", "is for the command track", len(problem.waypoints), "target or targets", problem.file
+            )
+    return _answer_all(problems, options, _solve)
+
+
+def track_files(files: list[str], options: Options) -> int:
+    """Follow the path of every file; a single target is a path of one waypoint. Return the exit code."""
+    options.check(files)
+    return _answer_all([read_problem(file) for file in files], options, _track)
+
+
+def _answer_all(problems: list[ProblemFile], options: Options, answer: Answer) -> int:
+    done = solved = 0
+    total = sum(len(problem.waypoints) for problem in problems)
+    try:
+        with Output(options, len(problems)) as output, Bar(total) as bar:
+            for problem in problems:
+                with bar.hidden():
+                    solver, prepare_seconds = _prepare(problem, options)
+                found = answer(solver, problem, bar)
+                with bar.hidden():
+                    output.write(problem.file, found, prepare_seconds)
+                if isinstance(found, Track) and found.remaining:
+                    raise KeyboardInterrupt
+                done += 1
+                solved += found.solved
+    except KeyboardInterrupt:
+        typer.echo(
+            f"sinuous: interrupted after {done} of {len(problems)} files; the results so far are written", err=True
+        )
+        return INTERRUPTED
+    return SOLVED if solved == len(problems) else UNSOLVED
+
+
+def _prepare(problem: ProblemFile, options: Options) -> tuple[Solver, float]:
+    began = clock.perf_counter()
+    solver = Solver(
+        problem.robot,
+        problem.scene,
+        tolerance=problem.tolerance,
+        method=options.method,
+        prefer=problem.prefer,
+        time=options.time,
+        seed=options.seed,
+    )
+    return solver, clock.perf_counter() - began
+
+
+def _solve(solver: Solver, problem: ProblemFile, bar: Bar) -> Solution:
+    solution = solver.solve(problem.waypoints[0], problem.start)
+    bar.advance()
+    return solution
+
+
+def _track(solver: Solver, problem: ProblemFile, bar: Bar) -> Track:
+    """Follow the path; when interrupted, return what is there."""
+    solutions: list[Solution] = []
+    try:
+        for solution in waypoints(solver, problem.waypoints, problem.start):
+            solutions.append(solution)
+            bar.advance()
+    except KeyboardInterrupt:
+        if not solutions:
+            raise
+    return Track(tuple(solutions), len(problem.waypoints) - len(solutions))

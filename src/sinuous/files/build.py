@@ -1,0 +1,67 @@
+"""From a mapping to a noun: the parameters of the noun's constructor are the keys that may stand in the mapping."""
+
+import difflib
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from typing import Any, TypeVar
+
+from sinuous import checks
+from sinuous.errors import InputError
+from sinuous.files.text import join
+
+Noun = TypeVar("Noun")
+
+
+def make(constructor: Callable[..., Noun], value: Any, parts: Mapping[str, Callable[[Any], Any]] | None = None) -> Noun:
+    """Call `constructor` with the entries of the mapping `value` as arguments.
+
+    Parameters
+    ----------
+    constructor : callable
+        Its parameters are the keys; those without a default are required.
+    value : object
+        What the file says; only a mapping is right.
+    parts : mapping of callables, optional
+        For keys whose values are not plain: how to read them.
+
+    Raises
+    ------
+    InputError
+        When a key is unknown or missing, or when `constructor` or one of `parts` refuses a value.
+    """
+    entries = known_entries(value, *keys_of(constructor))
+    for key, read in (parts or {}).items():
+        if entries.get(key) is not None:
+            with checks.inside(key):
+                entries[key] = read(entries[key])
+    return constructor(**entries)
+
+
+@cache
+def keys_of(constructor: Callable[..., Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of all parameters, and of those that have no default."""
+    parameters = inspect.signature(constructor).parameters
+    return tuple(parameters), tuple(name for name, p in parameters.items() if p.default is p.empty)
+
+
+def known_entries(value: Any, known: Iterable[str], required: Iterable[str] = ()) -> dict[str, Any]:
+    """Return a copy of a mapping that has all `required` keys and none that is not `known`."""
+    names = tuple(known)
+    if not isinstance(value, dict):
+        raise InputError("", "not a mapping", value, "a mapping with " + ", ".join(names))
+    for key, entry in value.items():
+        if key not in names:
+            raise InputError(join("", key), "unknown key", entry, _suggestion(key, names))
+    for key in required:
+        if key not in value:
+            raise InputError(key, "is missing", value, "a value")
+    return dict(value)
+
+
+def _suggestion(key: str, known: tuple[str, ...]) -> str:
+    nearest = difflib.get_close_matches(key, known, 1, 0.5)
+    if not nearest:
+        return "one of " + ", ".join(known)
+    others = [name for name in known if name != nearest[0]]
+    return f"perhaps {nearest[0]}" + (f" (or one of {', '.join(others)})" if others else "")

@@ -1,0 +1,108 @@
+"""Robot, obstacles and targets as they stand in a problem file."""
+
+from collections.abc import Callable
+from typing import Any
+
+from sinuous import checks
+from sinuous.actuators import Chambers, Tendons
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.files.build import keys_of, known_entries, make
+from sinuous.poses import pose
+from sinuous.robot import MOST_SEGMENTS, Robot, Segment
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.scene import Scene
+from sinuous.target import Target
+
+OBSTACLES: dict[str, Callable[..., Obstacle]] = {
+    "sphere": Sphere,
+    "box": Box,
+    "capsule": Capsule,
+    "cylinder": Cylinder,
+    "half_space": HalfSpace,
+}
+NOT_YET = ("mesh", "points", "grid")
+"""Obstacles that the format has and this version does not."""
+
+
+def read_robot(value: Any) -> Robot:
+    """Read a robot; its `radius` is that of every segment that has none of its own."""
+    entries = known_entries(value, keys_of(Robot)[0], ["segments"])
+    radius = checks.number("radius", entries.pop("radius", 0.0), low=0.0)
+    with checks.inside("segments"):
+        entries["segments"] = _read_segments(entries["segments"], radius)
+    return make(Robot, entries, {"base": _read_pose, "tool": _read_pose})
+
+
+def _read_segments(value: Any, radius: float) -> list[Segment]:
+    if isinstance(value, dict):
+        return _read_equal_segments(value, radius)
+    segments: list[Segment] = []
+    for i, entry in enumerate(_list_of("segments", value)):
+        with checks.inside(f"[{i}]"):
+            segments += _read_equal_segments(entry, radius)
+        if len(segments) > MOST_SEGMENTS:
+            raise InputError("", "too many segments", len(segments), f"at most {MOST_SEGMENTS} in all")
+    return segments
+
+
+def _read_equal_segments(value: Any, radius: float) -> list[Segment]:
+    keys, required = keys_of(Segment)
+    entries = {"radius": radius} | known_entries(value, ("count", *keys), required)
+    count = checks.integer("count", entries.pop("count", 1), 1, MOST_SEGMENTS)
+    return [make(Segment, entries, {"tendons": _read_tendons, "chambers": _read_chambers})] * count
+
+
+def _read_tendons(value: Any) -> Tendons:
+    return make(Tendons, value)
+
+
+def _read_chambers(value: Any) -> Chambers:
+    return make(Chambers, value)
+
+
+def _read_pose(value: Any) -> Floats:
+    return make(pose, value)
+
+
+def read_scene(value: Any) -> Scene:
+    """Read a list of obstacles; nothing is the empty scene."""
+    obstacles = []
+    for i, entry in enumerate([] if value is None else _list_of("obstacles", value, least=0)):
+        with checks.inside(f"[{i}]"):
+            obstacles.append(_read_obstacle(entry))
+    return Scene(obstacles)
+
+
+def _read_obstacle(value: Any) -> Obstacle:
+    entries = known_entries(value, (*OBSTACLES, *NOT_YET))
+    if len(entries) != 1:
+        raise InputError("", "not one obstacle", value, "one of " + ", ".join(OBSTACLES))
+    ((kind, description),) = entries.items()
+    if kind in NOT_YET:
+        raise InputError(kind, "not supported yet", description, "one of " + ", ".join(OBSTACLES))
+    with checks.inside(kind):
+        return make(OBSTACLES[kind], description)
+
+
+def read_target(value: Any, robot: Robot) -> Target:
+    """Read one target of a robot."""
+    target = make(Target, value)
+    if target.segment is not None:
+        checks.integer("segment", target.segment, 1, len(robot))
+    return target
+
+
+def read_targets(value: Any, robot: Robot) -> tuple[Target, ...]:
+    """Read a list of targets that are to be met at once."""
+    targets = []
+    for i, entry in enumerate(_list_of("targets", value)):
+        with checks.inside(f"[{i}]"):
+            targets.append(read_target(entry, robot))
+    return tuple(targets)
+
+
+def _list_of(what: str, value: Any, least: int = 1) -> list[Any]:
+    if not isinstance(value, list) or len(value) < least:
+        raise InputError("", "not a list" if value else "is empty", value, f"a list of {what}")
+    return value

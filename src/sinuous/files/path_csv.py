@@ -1,0 +1,62 @@
+"""A path of targets as a table: one row a waypoint, columns `x,y,z` and perhaps `dx,dy,dz` or `qw,qx,qy,qz`."""
+
+import csv
+import io
+from collections.abc import Iterator
+
+from sinuous import checks
+from sinuous.errors import InputError
+from sinuous.files.text import NUMBER
+from sinuous.target import Target
+
+POSITION = ("x", "y", "z")
+ORIENTATIONS = {"direction": ("dx", "dy", "dz"), "rotation": ("qw", "qx", "qy", "qz")}
+HEADERS = {POSITION: None} | {(*POSITION, *columns): name for name, columns in ORIENTATIONS.items()}
+"""What an allowed header says beside the position."""
+
+
+def parse_path(text: str) -> tuple[Target, ...]:
+    """Read the targets of a CSV file with a header.
+
+    Raises
+    ------
+    InputError
+        With the number of the line, when the header is another one, or a row has not one finite number for each column.
+    """
+    rows = _rows(text)
+    line, names = next(rows, (1, []))
+    header = tuple(name.strip() for name in names)
+    if header not in HEADERS:
+        raise InputError(f"line {line}", "not a header", ",".join(names), " or ".join(",".join(h) for h in HEADERS))
+    targets = []
+    for line, cells in rows:
+        with checks.inside(f"line {line}"):
+            targets.append(_target(header, cells))
+    if not targets:
+        raise InputError(f"line {line}", "no row follows", text, "at least one target")
+    return tuple(targets)
+
+
+def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the number of the line and the cells of every row that is not empty."""
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    try:
+        for cells in reader:
+            if any(cell.strip() for cell in cells):
+                yield reader.line_num, cells
+    except csv.Error as error:
+        raise InputError(f"line {reader.line_num}", str(error), text, "comma-separated values") from None
+
+
+def _target(header: tuple[str, ...], cells: list[str]) -> Target:
+    if len(cells) != len(header):
+        raise InputError("", "wrong number of cells", cells, f"{len(header)}: {','.join(header)}")
+    values = [_number(name, cell.strip()) for name, cell in zip(header, cells, strict=True)]
+    orientation = HEADERS[header]
+    return Target(values[:3], **({} if orientation is None else {orientation: values[3:]}))
+
+
+def _number(name: str, cell: str) -> float:
+    if not NUMBER.fullmatch(cell):
+        raise InputError(name, "not a number", cell, "a finite number")
+    return checks.number(name, float(cell))

@@ -1,0 +1,35 @@
+"""Results as strict JSON: one object a line, plain values, no NaN and no infinity."""
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+
+
+def json_line(result: dict[str, Any]) -> str:
+    """Return one result as one line, without a line break; numbers that are not finite become null."""
+    return json.dumps(plain(result), allow_nan=False)
+
+
+def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[str, Any]:
+    """Put the name of the problem file in front of an answer, and the time of preparing after the time of solving."""
+    entries: dict[str, Any] = {"file": file}
+    for key, value in answer.items():
+        entries[key] = value
+        if key == "seconds":
+            entries["prepare_seconds"] = prepare_seconds
+    return entries
+
+
+def plain(value: Any) -> Any:
+    """Return a value with dict, list, str, int, finite float, bool and None in it, nothing else."""
+    if isinstance(value, dict):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

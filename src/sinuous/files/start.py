@@ -1,0 +1,54 @@
+"""Where a solve begins: a configuration as numbers, or the result of an earlier solve."""
+
+from pathlib import Path
+from typing import Any
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.files.json_syntax import parse_json
+from sinuous.files.text import read_text
+from sinuous.robot import Robot
+
+
+def read_start(value: Any, robot: Robot, folder: Path) -> Floats:
+    """Read `start`: rows of `bend_x, bend_y, length`, a result, or the name of a file with one result in it.
+
+    Parameters
+    ----------
+    value : object
+        What the problem file says.
+    robot : Robot
+    folder : Path
+        Where relative file names begin.
+
+    Returns
+    -------
+    ndarray (n, 3)
+
+    Raises
+    ------
+    InputError
+        When it is none of these, or is for another number of segments.
+    """
+    if isinstance(value, str):
+        file = folder / value
+        text = read_text(file, "start")
+        try:
+            return _configuration(parse_json(text), robot)
+        except InputError as error:
+            raise error.in_file(file) from None
+    with checks.inside("start"):
+        return _configuration(value, robot)
+
+
+def _configuration(value: Any, robot: Robot) -> Floats:
+    if not isinstance(value, dict):
+        return checks.array("", value, (len(robot), 3))
+    waypoints = value.get("waypoints")
+    if isinstance(waypoints, list) and waypoints and isinstance(waypoints[-1], dict):
+        with checks.inside(f"waypoints[{len(waypoints) - 1}]"):
+            return _configuration(waypoints[-1], robot)
+    if "q" not in value:
+        raise InputError("q", "is missing", value, "a result of an earlier solve")
+    return checks.array("q", value["q"], (len(robot), 3))

@@ -1,0 +1,183 @@
+"""Check an answer by an independent, slow path: matrix exponentials, plain NumPy, dense sampling. No kernel is used."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.solution import Solution, Status, Worst
+
+if TYPE_CHECKING:
+    from sinuous.problem import Problem
+    from sinuous.robot import Robot
+    from sinuous.target import Target
+
+SAMPLES = 200
+"""Places on every segment where the body is looked at."""
+
+LIMIT_SLACK = 1e-9
+ROUNDING = 1e-9
+"""What rounding may add to an error, relative to the robot's length."""
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What the slow path found.
+
+    Attributes
+    ----------
+    ok : bool
+        Targets met, limits kept, and no place of the body inside an obstacle.
+    position_error, angle_error : float
+        Largest over the targets; 0 where nothing is asked.
+    excess : float
+        By how much the limits are exceeded; 0 within.
+    clearance : float
+        Least over the sampled places: the true clearance is at most this. Infinite without obstacles.
+    segment, obstacle : int or None, str or None
+        Where the least clearance is: segment (1 = first) and name of the obstacle.
+    """
+
+    ok: bool
+    position_error: float
+    angle_error: float
+    excess: float
+    clearance: float
+    segment: int | None
+    obstacle: str | None
+
+
+def verify(problem: "Problem", q: Floats) -> Verification:
+    """Recompute errors, limits and clearance of the configuration `q` (n, 3) for `problem`."""
+    robot, tolerance = problem.robot, problem.tolerance
+    ends = segment_ends(robot, q)
+    errors = [target_errors(robot, target, ends) for target in problem.targets]
+    off, turn = max(e[0] for e in errors), max(e[1] for e in errors)
+    clearance, segment, obstacle = least_clearance(problem, q, ends)
+    excess = robot.excess(q)
+    slack = ROUNDING * robot.mean_length
+    ok = (
+        off <= (tolerance.position or 0.0) + slack
+        and turn <= tolerance.angle + 1e-7
+        and excess <= LIMIT_SLACK * max(1.0, robot.mean_length)
+        and clearance >= -slack
+    )
+    return Verification(ok, off, turn, excess, clearance, segment, obstacle)
+
+
+def arc_poses(q: Floats, fractions: Floats) -> Floats:
+    """Poses (m, 4, 4) at `fractions` (m,) of one segment `q` (3,), by the exponential of its twist."""
+    from scipy.linalg import expm  # noqa: PLC0415
+
+    ux, uy, length = q
+    twist = np.array([[0, 0, ux, 0], [0, 0, uy, 0], [-ux, -uy, 0, length], [0, 0, 0, 0]], np.float64)
+    result: Floats = expm(fractions[:, None, None] * twist)
+    return result
+
+
+def segment_ends(robot: "Robot", q: Floats) -> Floats:
+    """Poses (n + 1, 4, 4) of the base and of the ends of all segments."""
+    poses = [robot.base]
+    for segment in q:
+        poses.append(poses[-1] @ arc_poses(segment, np.ones(1))[0])
+    return np.stack(poses)
+
+
+def target_errors(robot: "Robot", target: "Target", ends: Floats) -> tuple[float, float]:
+    """Distance to the target's position and angle (rad) to its orientation; 0 where nothing is asked."""
+    at_tip = target.segment is None or target.segment == len(robot)
+    pose = ends[-1] @ robot.tool if at_tip else ends[target.segment]
+    off = turn = 0.0
+    if target.position is not None:
+        off = float(np.linalg.norm(pose[:3, 3] - target.position))
+    if target.direction is not None:
+        tangent = pose[:3, 2]
+        turn = 2.0 * math.atan2(
+            float(np.linalg.norm(tangent - target.direction)), float(np.linalg.norm(tangent + target.direction))
+        )
+    elif target.rotation is not None:
+        # The chord between two rotations is 2 sqrt(2) sin(angle / 2); this keeps small angles exact.
+        chord = float(np.linalg.norm(pose[:3, :3] - target.rotation)) / (2.0 * math.sqrt(2.0))
+        turn = 2.0 * math.asin(min(1.0, chord))
+    return off, turn
+
+
+def least_clearance(problem: "Problem", q: Floats, ends: Floats) -> tuple[float, int | None, str | None]:
+    """Least clearance over sampled places of the body beyond the mount; where, and from which obstacle."""
+    least, where, which = math.inf, None, None
+    if len(problem.scene) == 0:
+        return least, where, which
+    before = 0.0
+    for k, segment in enumerate(q):
+        length = float(segment[2])
+        fractions = np.linspace(0.0, 1.0, SAMPLES + 1)
+        points = (ends[k] @ arc_poses(segment, fractions))[:, :3, 3]
+        points = points[before + fractions * length >= problem.robot.mount]
+        before += length
+        for i, obstacle in enumerate(problem.scene.obstacles):
+            clearance = float(measure(obstacle, points).min(initial=math.inf)) - problem.robot.radii[k]
+            if clearance < least:
+                least, where, which = clearance, k + 1, problem.scene.name(i)
+    return least, where, which
+
+
+def measure(obstacle: Obstacle, points: Floats) -> Floats:
+    """Signed distance (m,) of `points` (m, 3) to one obstacle, by its closest point."""
+    if isinstance(obstacle, Sphere):
+        distance = np.linalg.norm(points - obstacle.center, axis=-1) - obstacle.radius
+    elif isinstance(obstacle, Box):
+        distance = _box((points - obstacle.center) @ obstacle.rotation, 0.5 * obstacle.size)
+    elif isinstance(obstacle, Capsule):
+        foot = obstacle.start + _along(obstacle, points).clip(0.0, 1.0)[:, None] * (obstacle.end - obstacle.start)
+        distance = np.linalg.norm(points - foot, axis=-1) - obstacle.radius
+    elif isinstance(obstacle, Cylinder):
+        t, span = _along(obstacle, points), obstacle.end - obstacle.start
+        axial = (np.abs(t - 0.5) - 0.5) * np.linalg.norm(span)
+        radial = np.linalg.norm(points - obstacle.start - t[:, None] * span, axis=-1) - obstacle.radius
+        distance = _corner(np.stack([axial, radial], axis=-1))
+    elif isinstance(obstacle, HalfSpace):
+        distance = (points - obstacle.point) @ obstacle.normal
+    else:
+        raise NotImplementedError(f"no independent distance for {type(obstacle).__name__}")
+    return np.asarray(-distance if getattr(obstacle, "inside", False) else distance)
+
+
+def _along(obstacle: "Capsule | Cylinder", points: Floats) -> Floats:
+    """Where points project on the axis: 0 at its start, 1 at its end."""
+    span = obstacle.end - obstacle.start
+    square = float(span @ span)
+    result: Floats = (points - obstacle.start) @ span / (square if square > 0.0 else 1.0)
+    return result
+
+
+def _box(points: Floats, half: Floats) -> Floats:
+    return _corner(np.abs(points) - half)
+
+
+def _corner(excess: Floats) -> Floats:
+    """Distance to where all of `excess` (m, d) are negative."""
+    outside = np.linalg.norm(np.maximum(excess, 0.0), axis=-1)
+    return np.asarray(np.where(outside > 0.0, outside, excess.max(axis=-1)))
+
+
+def find_worst(solution: Solution) -> Worst | None:
+    """The constraint of an unsolved answer that is farthest from being met, lengths relative to the robot's length."""
+    problem, robot = solution.problem, solution.problem.robot
+    ends = segment_ends(robot, solution.q)
+    unit = robot.mean_length
+    found: list[tuple[float, Worst]] = []
+    for target in problem.targets:
+        off, turn = target_errors(robot, target, ends)
+        segment = len(robot) if target.segment is None else target.segment
+        miss = off - (problem.tolerance.position or 0.0)
+        found.append((miss / unit, Worst("position", segment, None, miss)))
+        found.append((turn - problem.tolerance.angle, Worst("angle", segment, None, turn - problem.tolerance.angle)))
+    clearance, where, which = least_clearance(problem, solution.q, ends)
+    overlap = Worst("clearance", where, which, -clearance)
+    if solution.status in (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED):
+        return overlap
+    found.append((-clearance / unit, overlap))
+    return max(found, key=lambda pair: pair[0])[1]

@@ -1,0 +1,118 @@
+"""What the shell is told: exit codes, one line on standard error, and quickly."""
+
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import sinuous
+from sinuous.cli import app
+from sinuous.cli.app import main
+
+Write = Callable[[str], str]
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    assert main(["--help"]) == 0
+    out = capsys.readouterr().out
+    assert all(out.count(f"\n  {command} ") == 2 for command in ("solve", "track", "check", "bench"))
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"sinuous {sinuous.__version__}\n"
+
+
+def test_the_entry_point_is_main() -> None:
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["project"]
+    assert project["scripts"]["sinuous"] == f"{app.__name__}:{main.__name__}"
+
+
+def test_the_module_is_the_command_and_help_imports_nothing_heavy() -> None:
+    listed = "import sys, runpy; sys.argv = ['sinuous', '--help']\n"
+    listed += "heavy = {'numpy', 'numba', 'scipy', 'rich', 'yaml'}\n"
+    listed += "try: runpy.run_module('sinuous', run_name='__main__')\n"
+    listed += "except SystemExit as end: print(end.code, sorted(heavy & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", listed], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("Usage: sinuous")
+    assert done.stdout.endswith("0 []\n")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["solve"], "sinuous: Missing argument"),
+        (["slove", "a.yaml"], "sinuous: No such command 'slove'."),
+        (["solve", "--fast", "a.yaml"], "sinuous: No such option: --fast"),
+        (["solve", "--time", "long", "a.yaml"], "sinuous: Invalid value for '--time'"),
+        (["solve", "--time"], "sinuous: "),
+        (["solve", "missing.yaml"], "missing.yaml: file: cannot be read"),
+        (["bench", "sped"], "NAME: no such measurement (got 'sped'), expected one of speed"),
+    ],
+)
+def test_a_wrong_call_is_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], said: str) -> None:
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith(said)
+    assert captured.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--method", "magic"], "--method: is not known (got 'magic'), expected one of newton"),
+        (["--time", "nan"], "--time: not finite"),
+        (["--time", "-1"], "--time: out of range"),
+        (["--seed", "-1"], "--seed: not usable"),
+        (["--out", "/nowhere/results.jsonl"], "--out: cannot be written: No such file or directory"),
+        (["--plot", "/nowhere/picture.png"], "--plot: cannot be written: No such file or directory"),
+        (["--plot", "picture.txt"], "--plot: no kind of picture (got 'picture.txt'), expected a name that ends in"),
+        (["--out", "easy.yaml"], "--out: would overwrite a problem file"),
+    ],
+)
+@pytest.mark.parametrize("command", ["solve", "track"])
+def test_options_are_checked_before_anything_is_solved(
+    capsys: pytest.CaptureFixture[str],
+    problem: Write,
+    command: str,
+    options: list[str],
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    file = problem("easy.yaml")
+    monkeypatch.chdir(Path(file).parent)
+    assert main([command, "easy.yaml", *options]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith(said)
+    assert captured.err.count("\n") == 1
+    assert sorted(path.name for path in Path(file).parent.iterdir()) == ["easy.yaml"]
+
+
+@pytest.mark.parametrize("json", [[], ["--json"]])
+@pytest.mark.parametrize("command", ["solve", "track", "check"])
+def test_one_bad_file_stops_all(
+    capsys: pytest.CaptureFixture[str], problem: Write, command: str, json: list[str]
+) -> None:
+    files = [problem("easy.yaml"), problem("bad.yaml")]
+    assert main([command, *files, *json]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith(f"{files[1]}: target.position: wrong shape (2,)")
+    assert captured.err.count("\n") == 1
+
+
+def test_a_disk_that_fills_up_is_no_traceback(
+    capsys: pytest.CaptureFixture[str], problem: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("sinuous.cli.output.Output.write", full)
+    assert main(["solve", problem("easy.yaml")]) == 1
+    assert capsys.readouterr().err.splitlines()[-1] == "sinuous: [Errno 28] No space left on device"

@@ -1,0 +1,120 @@
+"""The command solve."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sinuous.cli.app import main
+
+Write = Callable[[str], str]
+
+KEYS = [
+    "file",
+    "status",
+    "q",
+    "base",
+    "position_error",
+    "angle_error",
+    "clearance",
+    "worst",
+    "iterations",
+    "starts",
+    "start",
+    "seconds",
+    "prepare_seconds",
+    "method",
+    "seed",
+]
+
+
+def strict(line: str) -> dict[str, Any]:
+    """Read JSON without NaN and infinity."""
+
+    def refuse(text: str) -> None:
+        raise AssertionError(text)
+
+    result: dict[str, Any] = json.loads(line, parse_constant=refuse)
+    return result
+
+
+def test_json_is_one_object_a_line_in_the_order_of_the_files(
+    capsys: pytest.CaptureFixture[str], problem: Write
+) -> None:
+    files = [problem("scene.yaml"), problem("far.yaml"), problem("easy.yaml")]
+    assert main(["solve", "--json", "--seed", "7", *files]) == 1
+    results = [strict(line) for line in capsys.readouterr().out.splitlines()]
+    assert [result["file"] for result in results] == files
+    assert [result["status"] for result in results] == ["solved", "out_of_reach", "solved"]
+    assert all(list(result) == KEYS for result in results)
+    near, far, free = results
+    assert near["clearance"] >= 0.0
+    assert near["worst"] is None
+    assert near["angle_error"] is None
+    assert near["seed"] == 7
+    assert far["clearance"] is None
+    assert set(far["worst"]) == {"constraint", "segment", "obstacle", "amount"}
+    assert free["clearance"] is None
+    assert len(free["q"]) == 3
+
+
+def test_solved_is_exit_code_0_and_out_gets_the_same_lines(
+    capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path
+) -> None:
+    out = tmp_path / "results.jsonl"
+    out.write_text("old\n")
+    assert main(["solve", problem("easy.yaml"), problem("scene.yaml"), "--json", "--out", str(out)]) == 0
+    assert out.read_text() == capsys.readouterr().out
+
+
+def test_the_text_is_short_and_readable(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    file = problem("easy.yaml")
+    assert main(["solve", file]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith(f"{file}: solved (")
+    assert len(out.splitlines()) < 12
+
+
+def test_a_result_can_be_the_next_start(capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path) -> None:
+    assert main(["solve", problem("easy.yaml"), "--out", str(tmp_path / "result.json")]) == 0
+    file = tmp_path / "again.yaml"
+    file.write_text(Path(problem("easy.yaml")).read_text() + "start: result.json\n")
+    capsys.readouterr()
+    assert main(["solve", str(file), "--json"]) == 0
+    assert strict(capsys.readouterr().out)["start"] == "given"
+
+
+def test_a_path_is_for_track(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    file = problem("path.yaml")
+    assert main(["solve", file]) == 2
+    assert capsys.readouterr().err.startswith(f"{file}: path: is for the command track")
+
+
+def test_pictures_of_several_files_are_numbered(problem: Write, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    assert main(["solve", problem("easy.yaml"), problem("scene.yaml"), "--plot", str(tmp_path / "shape.png")]) == 0
+    assert sorted(path.name for path in tmp_path.glob("*.png")) == ["shape-1.png", "shape-2.png"]
+
+
+def test_an_interrupt_keeps_the_results_so_far(
+    capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from sinuous.cli import work
+
+    solve = work._solve
+
+    def interrupted(solver: Any, asked: Any, bar: Any) -> Any:
+        if asked.file.endswith("far.yaml"):
+            raise KeyboardInterrupt
+        return solve(solver, asked, bar)
+
+    monkeypatch.setattr(work, "_solve", interrupted)
+    out = tmp_path / "results.jsonl"
+    files = [problem("easy.yaml"), problem("far.yaml"), problem("scene.yaml")]
+    assert main(["solve", *files, "--json", "--out", str(out)]) == 130
+    captured = capsys.readouterr()
+    assert captured.out == out.read_text()
+    assert strict(captured.out)["file"] == files[0]
+    assert captured.err.splitlines()[-1] == "sinuous: interrupted after 1 of 3 files; the results so far are written"

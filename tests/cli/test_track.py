@@ -1,0 +1,89 @@
+"""The command track."""
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sinuous import tracking
+from sinuous.cli.app import main
+from sinuous.solution import Solution
+from tests.cli.conftest import ROBOT
+from tests.cli.test_solve import KEYS, strict
+
+Write = Callable[[str], str]
+
+
+def test_json_has_totals_and_waypoints(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    files = [problem("path.yaml"), problem("half.yaml"), problem("easy.yaml")]
+    assert main(["track", "--json", *files]) == 1
+    whole, half, single = (strict(line) for line in capsys.readouterr().out.splitlines())
+    assert [whole["status"], half["status"], single["status"]] == ["solved", "out_of_reach", "solved"]
+    assert whole["between"] == "unproved"
+    assert [len(track["waypoints"]) for track in (whole, half, single)] == [3, 3, 1]
+    own = [key for key in KEYS if key not in ("file", "prepare_seconds")]
+    assert all(list(waypoint) == own for waypoint in whole["waypoints"])
+    totals = [key for key in KEYS if key not in ("q", "start")]
+    assert [key for key in whole if key in KEYS] == totals
+    assert whole["seconds"] == pytest.approx(sum(waypoint["seconds"] for waypoint in whole["waypoints"]))
+    assert half["worst"] == half["waypoints"][1]["worst"]
+
+
+def test_the_text_counts(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    file = problem("half.yaml")
+    assert main(["track", file]) == 1
+    assert capsys.readouterr().out.startswith(f"{file}: out_of_reach (2 of 3 waypoints; waypoint 2: ")
+
+
+def test_an_interrupt_keeps_the_waypoints_so_far(
+    capsys: pytest.CaptureFixture[str], problem: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*arguments: Any) -> Iterator[Solution]:
+        found = tracking.waypoints(*arguments)
+        yield next(found)
+        yield next(found)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("sinuous.cli.work.waypoints", interrupted)
+    assert main(["track", problem("path.yaml"), problem("easy.yaml"), "--json"]) == 130
+    captured = capsys.readouterr()
+    track = strict(captured.out)
+    assert (len(track["waypoints"]), track["remaining"], track["status"]) == (2, 1, "time_limit")
+    assert captured.err.splitlines()[-1] == "sinuous: interrupted after 0 of 2 files; the results so far are written"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a process alone")
+def test_a_real_interrupt(problem: Write, tmp_path: Path) -> None:
+    """Two places at once cannot be met and this is not proved, so that every waypoint tries all its starts."""
+    endless = tmp_path / "endless.yaml"
+    torn = "  - [{position: [1, 0, 2]}, {position: [-1, 0, 2]}]\n"
+    endless.write_text(ROBOT + "path:\n" + torn * 5000)
+    out = tmp_path / "results.jsonl"
+    command = [
+        sys.executable,
+        "-m",
+        "sinuous",
+        "track",
+        problem("easy.yaml"),
+        str(endless),
+        "--json",
+        "--out",
+        str(out),
+    ]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        first = process.stdout.readline()
+        time.sleep(2.0)
+        process.send_signal(signal.SIGINT)
+        rest, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert strict(first)["status"] == "solved"
+    assert strict(rest)["remaining"] > 0
+    assert out.read_text() == first + rest
+    assert err.endswith("sinuous: interrupted after 1 of 2 files; the results so far are written\n")
+    assert "Traceback" not in err

@@ -1,0 +1,36 @@
+"""Paths as tables."""
+
+import numpy as np
+import pytest
+
+from sinuous.errors import InputError
+from sinuous.files.path_csv import parse_path
+
+
+def test_quaternions_are_wxyz() -> None:
+    (target,) = parse_path("x,y,z,qw,qx,qy,qz\n1,2,3,0,2,0,0\n")
+    np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "problem"),
+    [
+        ("", "line 1", "not a header"),
+        ("1,2,3\n", "line 1", "not a header"),
+        ("x,y,z,dx\n", "line 1", "not a header"),
+        ("x;y;z\n1;2;3\n", "line 1", "not a header"),
+        ("x,y,z\n", "line 1", "no row follows"),
+        ("x,y,z\n\n1,2\n", "line 3", "wrong number of cells"),
+        ("x,y,z\n1,2,nan\n", "line 2.z", "not a number"),
+        ("x,y,z\n1,,3\n", "line 2.y", "not a number"),
+        ("x,y,z\n1_0,2,3\n", "line 2.x", "not a number"),
+        ("x,y,z\n1e999,2,3\n", "line 2.x", "not finite"),
+        ("x,y,z,dx,dy,dz\n1,2,3,0,0,0\n", "line 2.direction", "has no direction"),
+        ('x,y,z\n"1,2,3\n', "line", "unexpected end"),
+    ],
+)
+def test_refusals_name_the_line(text: str, key: str, problem: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        parse_path(text)
+    assert refusal.value.key.startswith(key)
+    assert problem in refusal.value.problem

@@ -1,0 +1,224 @@
+"""Problem files become nouns, or are refused in one line that names file, key, value and expectation."""
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sinuous.errors import InputError
+from sinuous.files.problem_file import read_problem
+from sinuous.poses import pose
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
+
+ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
+TARGET = "target: {position: [0, 0, 3]}\n"
+
+EVERYTHING = """
+robot:
+  segments:
+    - {length: [0, 1.5], max_bend: 0}
+    - count: 2
+      length: 1
+      max_bend: 2
+      max_curvature: 1.5
+      radius: 0.2
+      tendons: {count: 4, radius: 0.1, angle: 0.5, displacement: [-1e-1, 1e-1]}
+    - {length: [0.5, 1.5], chambers: {angles: [0, 2, 4], radius: 0.1, length: [0.4, 1.6]}}
+  radius: 0.1
+  mount: 0.25
+  base: {position: [1, 2, 3], direction: [1, 0, 0]}
+  tool: {position: [0, 0, 0.5], rotation: [1, 0, 0, 1]}
+scene:
+  - sphere: {center: [0, 0, 9], radius: 1, name: ball}
+  - box: {center: [0, 0, 0], size: [20, 20, 20], rotation: [[0, -1, 0], [1, 0, 0], [0, 0, 1]], inside: true}
+  - capsule: {start: [0, 0, 0], end: [0, 0, -1], radius: 0.5}
+  - cylinder: {start: [0, 0, 0], end: [0, 0, -1], radius: 0.5}
+  - half_space: {point: [0, 0, -5], normal: [0, 0, 2]}
+targets:
+  - {position: [2, 2, 3], direction: [1, 1, 0]}
+  - {position: [1, 2, 3], segment: 1}
+tolerance: {position: 1e-3, angle: 0.01}
+start: [[0, 0, 1], [0.1, 0, 1], [0.1, 0, 1], [0, 0.5, 1]]
+prefer: {start: 1, bends: 0.5, clearance: 0.1}
+"""
+
+
+def _write(folder: Path, text: str, name: str = "problem.yaml") -> Path:
+    file = folder / name
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+def test_every_key_arrives(tmp_path: Path) -> None:
+    problem = read_problem(_write(tmp_path, EVERYTHING))
+    robot, scene = problem.robot, problem.scene
+    assert len(robot) == 4
+    assert [segment.length for segment in robot.segments] == [(0.0, 1.5), (1.0, 1.0), (1.0, 1.0), (0.5, 1.5)]
+    assert robot.radii == (0.1, 0.2, 0.2, 0.1)
+    assert robot.mount == 0.25
+    np.testing.assert_allclose(robot.base, pose((1, 2, 3), direction=(1, 0, 0)))
+    np.testing.assert_allclose(robot.tool, pose((0, 0, 0.5), rotation=(1, 0, 0, 1)))
+    tendons, chambers = robot.segments[2].tendons, robot.segments[3].chambers
+    assert tendons is not None
+    assert chambers is not None
+    assert tendons.displacement == (-0.1, 0.1)
+    np.testing.assert_allclose(chambers.angles, [0, 2, 4])
+    assert [type(obstacle) for obstacle in scene.obstacles] == [Sphere, Box, Capsule, Cylinder, HalfSpace]
+    assert scene.name(0) == "ball"
+    assert len(problem.waypoints) == 1
+    assert [target.segment for target in problem.waypoints[0]] == [None, 1]
+    assert (problem.tolerance.position, problem.tolerance.angle) == (1e-3, 0.01)
+    assert (problem.prefer.start, problem.prefer.bends, problem.prefer.clearance) == (1.0, 0.5, 0.1)
+    assert problem.start is not None
+    assert problem.start.shape == (4, 3)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+def test_json_says_the_same(tmp_path: Path, encoding: str, line_end: str) -> None:
+    text = json.dumps(
+        {"robot": {"segments": {"count": 2, "length": [1, 2]}}, "target": {"position": [0, 0, 3]}}, indent=1
+    )
+    for name in ("problem.json", "problem.yaml"):
+        file = tmp_path / name
+        file.write_bytes(text.replace("\n", line_end).encode(encoding))
+        problem = read_problem(file)
+        assert len(problem.robot) == 2
+        assert problem.file == str(file)
+        assert not problem.is_path
+
+
+def test_a_path_may_be_a_list_or_a_table_beside_the_problem(tmp_path: Path) -> None:
+    listed = read_problem(
+        _write(
+            tmp_path,
+            ROBOT + "path: [{position: [0, 0, 3]}, [{direction: [0, 0, 1]}, {position: [0, 0, 1.5], segment: 1}]]",
+        )
+    )
+    assert listed.is_path
+    assert [len(waypoint) for waypoint in listed.waypoints] == [1, 2]
+    _write(tmp_path, "x, y, z, dx, dy, dz\r\n0, 0, 3, 0, 0, 1\r\n\r\n0,1e-1,2.9,0,0,2\r\n", "tips.csv")
+    table = read_problem(_write(tmp_path, ROBOT + "path: tips.csv"))
+    assert len(table.waypoints) == 2
+    np.testing.assert_array_equal(table.waypoints[1][0].position, [0, 0.1, 2.9])
+    np.testing.assert_array_equal(table.waypoints[1][0].direction, [0, 0, 1])
+
+
+def test_a_start_may_be_numbers_a_result_or_a_file_with_one(tmp_path: Path) -> None:
+    q = [[0.1, 0.2, 1.5], [0.0, 0.0, 1.25]]
+    result = {"status": "solved", "q": q}
+    _write(tmp_path, json.dumps(result) + "\n", "earlier.jsonl")
+    _write(
+        tmp_path, json.dumps({"status": "solved", "waypoints": [{"q": [[0, 0, 1], [0, 0, 1]]}, result]}), "track.jsonl"
+    )
+    for start in (json.dumps(q), json.dumps(result), "earlier.jsonl", "track.jsonl"):
+        problem = read_problem(_write(tmp_path, ROBOT + TARGET + f"start: {start}"))
+        np.testing.assert_array_equal(problem.start, q)
+
+
+BAD = {
+    "robot: {segments: {count: 1000000000, length: 1}}": "robot.segments.count: not usable as a count (got 1000000000)",
+    "robot: {segments: [{count: 9000, length: 1}, {count: 9000, length: 1}]}": "robot.segments: too many segments",
+    "robot: {segments: {count: 2.0, length: 1}}": "robot.segments.count: not usable as a count (got 2.0)",
+    "robot: {segments: {count: 0, length: 1}}": "robot.segments.count",
+    "robot: {segments: {lenght: 1}}": "robot.segments.lenght: unknown key (got 1), expected perhaps length",
+    "robot: {segments: {count: 2}}": "robot.segments.length: is missing",
+    "robot: {segments: {length: [2, 1]}}": "robot.segments.length: lower limit above the upper one (got [2, 1])",
+    "robot: {segments: {length: 0}}": "robot.segments: have no length",
+    "robot: {segments: {length: -1}}": "robot.segments.length: out of range (got -1)",
+    "robot: {segments: {length: one}}": "robot.segments.length: not a range (got 'one')",
+    "robot: {segments: {length: true}}": "robot.segments.length: not a range (got True)",
+    "robot: {segments: {length: 1, max_bend: .nan}}": "robot.segments.max_bend: not finite (got nan)",
+    "robot: {segments: {length: 1, radius: -1}}": "robot.segments.radius: out of range (got -1)",
+    "robot: {segments: {length: 1, tendons: {count: 3}}}": "robot.segments.tendons.radius",
+    "robot: {segments: {length: 1, tendons: {count: 3, angles: [0], radius: 1}}}": "robot.segments.tendons.count",
+    "robot: {segments: []}": "robot.segments: is empty",
+    "robot: {segments: [{length: 1}, 3]}": "robot.segments[1]: not a mapping (got 3)",
+    "robot: {segments: {length: 1}, radius: thick}": "robot.radius: not a number (got 'thick')",
+    "robot: {segments: {length: 1}, base: {direction: [0, 0, 0]}}": "robot.base.direction: has no direction",
+    "robot: {segments: {length: 1}, base: {direction: [0, 0, 1], rotation: [1, 0, 0, 0]}}": "robot.base.rotation: ",
+    "robot: {segments: {length: 1}, tool: {rotation: [[1, 0, 0], [0, 2, 0], [0, 0, 1]]}}": "robot.tool.rotation: ",
+    "robot: {segments: {length: 1}, base: {matrix: [[1]]}}": "robot.base.matrix: wrong shape (1, 1)",
+    "robot: 3": "robot: not a mapping (got 3)",
+    ROBOT + "scene: {}": "scene: is empty",
+    ROBOT + "scene: [ball]": "scene[0]: not a mapping (got 'ball')",
+    ROBOT + "scene: [{spere: {}}]": "scene[0].spere: unknown key (got {}), expected perhaps sphere",
+    ROBOT + "scene: [{sphere: {}, box: {}}]": "scene[0]: not one obstacle",
+    ROBOT + "scene: [{sphere: {center: [0, 0, 0]}}]": "scene[0].sphere.radius: is missing",
+    ROBOT + "scene: [{sphere: {center: [0, 0], radius: 1}}]": "scene[0].sphere.center: wrong shape (2,)",
+    ROBOT + "scene: [{sphere: {center: [0, 0, true], radius: 1}}]": "scene[0].sphere.center: not numbers",
+    ROBOT + "scene: [{sphere: {center: [0, 0, 0], radius: 0}}]": "scene[0].sphere.radius: out of range (got 0)",
+    ROBOT + "scene: [{sphere: {center: [0, 0, 0], radius: 1, inside: 1}}]": "scene[0].sphere.inside: not a truth value",
+    ROBOT
+    + "scene: [{half_space: {point: [0, 0, 0], normal: [0, 0, 1], inside: true}}]": "scene[0].half_space.inside: unk",
+    ROBOT + "scene: [{mesh: {file: a.stl}}]": "scene[0].mesh: not supported yet",
+    ROBOT + "scene: [{points: {file: a.ply}}]": "scene[0].points: not supported yet",
+    ROBOT + "scene: [{grid: {file: a.npz}}]": "scene[0].grid: not supported yet",
+    ROBOT: "target: is missing",
+    ROBOT + TARGET + "path: tips.csv": "target: stands beside path",
+    ROBOT + "target: {}": "target.position: nothing is asked",
+    ROBOT + "target: [0, 0, 1]": "target: not a mapping",
+    ROBOT + "target: {position: [0, 0, a]}": "target.position: not numbers",
+    ROBOT + "target: {position: [0, 0, 1], segment: 3}": "target.segment: not usable as a count (got 3)",
+    ROBOT + "target: {direction: [1, 0, 0], rotation: [1, 0, 0, 0]}": "target.direction: stands beside rotation",
+    ROBOT + "targets: []": "targets: is empty",
+    ROBOT + "targets: [{position: [0, 0, 1]}, {direction: [0, 0, 0]}]": "targets[1].direction: has no direction",
+    ROBOT + "path: []": "path: not a path",
+    ROBOT + "path: [{position: [0, 0, 1]}, [{position: [0]}]]": "path[1][0].position: wrong shape (1,)",
+    ROBOT + "path: missing.csv": "path: cannot be read",
+    ROBOT + TARGET + "tolerance: {position: 0}": "tolerance.position: out of range (got 0)",
+    ROBOT + TARGET + "tolerance: {angel: 1}": "tolerance.angel: unknown key (got 1), expected perhaps angle",
+    ROBOT + TARGET + "start: [[0, 0, 1]]": "start: wrong shape (1, 3)",
+    ROBOT + TARGET + "start: {status: solved}": "start.q: is missing",
+    ROBOT + TARGET + "start: missing.json": "start: cannot be read",
+    ROBOT + TARGET + "prefer: {bend: 1}": "prefer.bend: unknown key (got 1), expected perhaps bends",
+    ROBOT + TARGET + "tagret: 1": "tagret: unknown key (got 1), expected perhaps target",
+    ROBOT + TARGET + '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': unknown key",
+    "": "file: not a problem (got None)",
+    "just a text": "file: not a problem (got 'just a text')",
+}
+
+
+@pytest.mark.parametrize(("text", "refusal"), BAD.items(), ids=range(len(BAD)))
+def test_bad_input_is_one_line_that_says_where_and_why(tmp_path: Path, text: str, refusal: str) -> None:
+    if text.startswith("robot") and "target" not in text and "path" not in text and text != ROBOT:
+        text += "\n" + TARGET
+    file = _write(tmp_path, text)
+    began = time.perf_counter()
+    with pytest.raises(InputError) as caught:
+        read_problem(file)
+    assert time.perf_counter() - began < 0.5
+    message = str(caught.value)
+    assert message.startswith(f"{file}: {refusal}")
+    assert ", expected " in message
+    assert len(message.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("content", "refusal"),
+    [
+        (b"\xff\xfe", "file: not UTF-8 at byte 0"),
+        (None, "file: cannot be read: No such file or directory"),
+    ],
+)
+def test_unreadable_files(tmp_path: Path, content: bytes | None, refusal: str) -> None:
+    file = tmp_path / "problem.yaml"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(InputError, match="problem") as caught:
+        read_problem(file)
+    assert str(caught.value).startswith(f"{file}: {refusal}")
+
+
+def test_a_folder_is_no_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="file: cannot be read"):
+        read_problem(tmp_path)
+
+
+def test_a_bad_result_is_refused_in_its_own_file(tmp_path: Path) -> None:
+    earlier = _write(tmp_path, '{"q": [[0, 0, NaN]]}', "earlier.json")
+    with pytest.raises(InputError) as caught:
+        read_problem(_write(tmp_path, ROBOT + TARGET + "start: earlier.json"))
+    assert str(caught.value).startswith(f"{earlier}: q[0][2]: not finite")

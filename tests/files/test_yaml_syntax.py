@@ -1,0 +1,91 @@
+"""YAML means what YAML 1.2 says, and nothing more than JSON can say."""
+
+from typing import Any
+
+import pytest
+import yaml
+
+from sinuous.errors import InputError
+from sinuous.files import yaml_syntax
+from sinuous.files.yaml_syntax import parse_yaml
+
+
+@pytest.fixture(params=["CSafeLoader", "SafeLoader"], autouse=True)
+def _both_parsers(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run every test with PyYAML's parser in C, where it is, and with that in Python."""
+    if not hasattr(yaml, request.param):
+        pytest.skip("PyYAML without libyaml")
+    monkeypatch.setattr(yaml_syntax, "_LOADER", getattr(yaml, request.param))
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1e-3", 0.001),
+        ("1E3", 1000.0),
+        ("-2.5e+2", -250.0),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("+7", 7),
+        ("010", 10),
+        ("true", True),
+        ("False", False),
+        ("~", None),
+        ("null", None),
+        ("", None),
+        ("no", "no"),
+        ("on", "on"),
+        ("0x10", "0x10"),
+        ("0o10", "0o10"),
+        ("1_000", "1_000"),
+        ("1:30", "1:30"),
+        ("2001-01-01", "2001-01-01"),
+        ("'1'", "1"),
+        ('"true"', "true"),
+        ("[1, 2.0, a]", [1, 2.0, "a"]),
+        ("{b: {c: []}}", {"b": {"c": []}}),
+        ("größe 😀", "größe 😀"),
+    ],
+)
+def test_scalars_are_those_of_yaml_1_2(text: str, value: Any) -> None:
+    (found,) = parse_yaml(f"key: {text}").values()
+    assert found == value
+    assert type(found) is type(value)
+
+
+def test_an_empty_text_says_nothing() -> None:
+    assert parse_yaml("") is None
+    assert parse_yaml("# only a remark\n") is None
+
+
+def test_line_ends_of_windows_are_fine() -> None:
+    assert parse_yaml("a: 1\r\nb:\r\n  - 2\r\n") == {"a": 1, "b": [2]}
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "problem"),
+    [
+        ("a: .nan", "a", "not finite"),
+        ("a: [1, -.inf]", "a[1]", "not finite"),
+        ("a: {b: 1e999}", "a.b", "not finite"),
+        ("a: " + "9" * 5000, "a", "not finite"),
+        ("a: 1\na: 1", "a", "stands twice"),
+        ("a: {b: 1, b: 2}", "a.b", "stands twice"),
+        ("a: &x 1", "line 1", "anchor"),
+        ("a: 1\nb: *x", "line 2", "alias"),
+        ("a: !!python/object/apply:os.system [ls]", "line 1", "tag"),
+        ("a: 1\n---\nb: 2", "line 2", "another document"),
+        ("a: 1\nb: [1, 2", "line ", ""),
+        ("a: b: c", "line 1", "mapping values"),
+        ("? [1]\n: 2", "line 1", "no name"),
+        ("a: \x00", "file", ""),
+        ("[" * 100_000, "file", "nested too deeply"),
+        ("- " * 5000 + "a", "file", "nested too deeply"),
+    ],
+)
+def test_refusals_name_line_or_key(text: str, key: str, problem: str) -> None:
+    with pytest.raises(InputError) as refusal:
+        parse_yaml(text)
+    assert refusal.value.key.startswith(key)
+    assert problem in refusal.value.problem
+    assert len(str(refusal.value).splitlines()) == 1

@@ -1,0 +1,195 @@
+"""What many tests need: samples at the delicate places, and the exponential map by other code."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from sinuous.errors import InputError
+from sinuous.kernels import chain
+from sinuous.kernels.arc import SERIES_END
+from sinuous.kernels.sweeps import IDLE, Rows
+
+Floats = NDArray[np.float64]
+Vec = tuple[float, float, float]
+Mat = tuple[Vec, Vec, Vec]
+
+# Straight, nearly straight, both sides of the end of the power series, around half and whole turns.
+BENDS = (
+    0.0,
+    1e-200,
+    1e-12,
+    1e-6,
+    1e-3,
+    0.1,
+    0.5,
+    1.3,
+    math.pi - 1e-7,
+    math.pi,
+    math.pi + 1e-7,
+    math.sqrt(SERIES_END) - 1e-9,
+    math.sqrt(SERIES_END) + 1e-9,
+    4.5,
+    2 * math.pi - 1e-9,
+    2 * math.pi,
+)
+LENGTHS = (0.0, 1e-6, 1.0, 60.0)
+
+
+def configurations(seed: int, segments: int, count: int) -> list[Floats]:
+    """Sample configurations: bends of `BENDS` and between them in all directions, lengths of `LENGTHS` and between."""
+    rng = np.random.default_rng(seed)
+    out = []
+    for _ in range(count):
+        shape = (segments,)
+        bends = np.where(rng.random(shape) < 0.6, rng.choice(BENDS, shape), rng.uniform(0.0, 2.0 * math.pi, shape))
+        lengths = np.where(rng.random(shape) < 0.3, rng.choice(LENGTHS, shape), rng.uniform(0.0, 3.0, shape))
+        angles = np.where(rng.random(shape) < 0.2, 0.0, rng.uniform(-math.pi, math.pi, shape))
+        out.append(np.stack([bends * np.cos(angles), bends * np.sin(angles), lengths], axis=-1))
+    return out
+
+
+def twist_matrix(q: NDArray[Any]) -> NDArray[Any]:
+    """Give the body twist of one segment (3,) as a matrix (4, 4); complex coordinates pass through."""
+    ux, uy, length = q
+    zero = 0.0 * ux
+    return np.array(
+        [[zero, zero, ux, zero], [zero, zero, uy, zero], [-ux, -uy, zero, length], [zero, zero, zero, zero]]
+    )
+
+
+def expm_chain(q: NDArray[Any], base: NDArray[Any] | None = None) -> list[NDArray[Any]]:
+    """Poses of the base and of every segment's end, by the matrix exponential."""
+    poses: list[NDArray[Any]] = [np.eye(4) if base is None else base]
+    for row in q:
+        poses.append(poses[-1] @ expm(twist_matrix(row)))
+    return poses
+
+
+def complex_columns(function: Callable[[NDArray[Any]], NDArray[Any]], q: Floats) -> Floats:
+    """Derivatives of `function` in every coordinate of `q`, last axis, to machine precision: complex step."""
+    out = []
+    for i in range(q.size):
+        stepped = q.astype(complex)
+        stepped.flat[i] += 1e-30j
+        out.append(np.imag(function(stepped)) / 1e-30)
+    return np.stack(out, axis=-1)
+
+
+def twist_of(rate: Floats, pose: Floats) -> Floats:
+    """Spatial twist (omega, v) about the origin of a pose (4, 4) that changes at this rate (4, 4)."""
+    spatial = rate @ np.linalg.inv(pose)
+    return np.array([spatial[2, 1], spatial[0, 2], spatial[1, 0], *spatial[:3, 3]])
+
+
+def random_rotation(rng: np.random.Generator) -> Floats:
+    x = rng.normal(size=3)
+    return np.asarray(expm(skew(x)), np.float64)
+
+
+def skew(x: Any) -> Floats:
+    return np.array([[0.0, -x[2], x[1]], [x[2], 0.0, -x[0]], [-x[1], x[0], 0.0]])
+
+
+def random_pose(rng: np.random.Generator, size: float = 1.0) -> Floats:
+    result = np.eye(4)
+    result[:3, :3] = random_rotation(rng)
+    result[:3, 3] = rng.normal(size=3) * size
+    return result
+
+
+def as_matrix(rotation: Any, position: Any) -> Floats:
+    result = np.eye(4)
+    result[:3, :3], result[:3, 3] = rotation, position
+    return result
+
+
+def vec(x: Any) -> Vec:
+    """Three numbers as kernels take them."""
+    return (float(x[0]), float(x[1]), float(x[2]))
+
+
+def mat(x: Any) -> Mat:
+    return (vec(x[0]), vec(x[1]), vec(x[2]))
+
+
+def frames_of(q: Floats, base: Floats | None = None) -> Floats:
+    """Frames (n + 1, 12) of a configuration, by the kernel."""
+    frames = np.zeros((len(q) + 1, 12))
+    pose = np.eye(4) if base is None else base
+    frames[0] = [*pose[:3, :3].ravel(), *pose[:3, 3]]
+    chain.forward(q, frames)
+    return frames
+
+
+def columns_of(q: Floats, base: Floats | None = None) -> Floats:
+    """Columns (n, 18) of a configuration, about its base, by the kernel."""
+    frames, columns = frames_of(q, base), np.full((len(q), 18), np.nan)
+    chain.forward_with_columns(q, frames, columns)
+    return columns
+
+
+def make_rows(segments: int, capacity: int) -> Rows:
+    """Rows of their own memory, all idle."""
+    return Rows(
+        np.zeros(segments + 1, np.int64),
+        np.full(capacity, IDLE, np.int64),
+        np.zeros((capacity, 6)),
+        np.zeros((capacity, 3)),
+        np.zeros((capacity, 3)),
+        np.zeros(capacity),
+        np.zeros((capacity, 12)),
+        np.zeros(capacity),
+    )
+
+
+def refused(key: str, call: Callable[[], Any], *words: str) -> InputError:
+    """Demand that a call is refused, in one line that names the key, and return the error."""
+    with pytest.raises(InputError) as caught:
+        call()
+    error = caught.value
+    text = str(error)
+    assert error.key == key, text
+    assert "\n" not in text
+    assert len(text) < 400
+    assert text.startswith(f"{key}: ")
+    assert "(got " in text
+    assert ", expected " in text
+    for word in words:
+        assert word in text
+    return error
+
+
+def refused_each(key: str, values: Iterable[Any], call: Callable[[Any], Any], *words: str) -> None:
+    """Demand that a call is refused with each of these values."""
+    for value in values:
+        refused(key, partial(call, value), *words)
+
+
+NOT_NUMBERS: Sequence[Any] = (float("nan"), float("inf"), -float("inf"), "1", True, None, [1.0], 1j, 10**400)
+"""Nothing that a number may be."""
+
+NOT_VECTORS: Sequence[Any] = (
+    "abc",
+    None,
+    3.0,
+    True,
+    (1.0, 2.0),
+    (1.0, 2.0, 3.0, 4.0),
+    (1.0, float("nan"), 0.0),
+    (1.0, float("inf"), 0.0),
+    (1.0, "2", 3.0),
+    (1.0, None, 3.0),
+    (True, False, True),
+    (1.0, True, 0.0),
+    (1.0, (2.0, 3.0), 4.0),
+    (1j, 0.0, 0.0),
+    {"x": 1.0},
+    [[1.0, 2.0, 3.0]],
+)
+"""Nothing that a point may be."""

@@ -1,0 +1,90 @@
+"""The union of obstacles: nearest distances of whole batches, names, and bad input."""
+
+import math
+import pickle
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
+from sinuous.scene.scene import Scene
+from tests.helpers import refused, refused_each
+
+OBSTACLES = [
+    Sphere((0, 0, 0), 1),
+    Box((3, 0, 0), (1, 2, 3)),
+    Capsule((0, 3, 0), (0, 5, 1), 0.5, name="pipe"),
+    HalfSpace((0, 0, -4), (0, 0, 1)),
+]
+SCENE = Scene(OBSTACLES)
+
+
+def test_the_union_is_as_far_as_its_nearest() -> None:
+    points = 3.0 * np.random.default_rng(0).normal(size=(300, 3))
+    each = np.stack([Scene([obstacle]).distance(points) for obstacle in OBSTACLES])
+    np.testing.assert_array_equal(SCENE.distance(points), each.min(axis=0))
+    np.testing.assert_array_equal(SCENE.nearest(points), each.argmin(axis=0))
+    gradients = np.stack([Scene([obstacle]).gradient(points) for obstacle in OBSTACLES])
+    np.testing.assert_array_equal(SCENE.gradient(points), gradients[each.argmin(axis=0), np.arange(300)])
+    assert set(each.argmin(axis=0)) == {0, 1, 2, 3}
+
+
+@pytest.mark.parametrize("lead", [(), (5,), (2, 3), (0,), (2, 0)])
+def test_a_batch_is_its_members_one_by_one(lead: tuple[int, ...]) -> None:
+    points = np.random.default_rng(1).normal(size=(*lead, 3))
+    distance, gradient, nearest = SCENE.distance(points), SCENE.gradient(points), SCENE.nearest(points)
+    assert distance.shape == nearest.shape == lead
+    assert gradient.shape == (*lead, 3)
+    for index in np.ndindex(*lead):
+        assert distance[index] == SCENE.distance(points[index])
+        assert nearest[index] == SCENE.nearest(points[index])
+        np.testing.assert_array_equal(gradient[index], SCENE.gradient(points[index]))
+
+
+def test_the_order_of_obstacles_changes_no_distance() -> None:
+    points = 3.0 * np.random.default_rng(2).normal(size=(100, 3))
+    np.testing.assert_array_equal(Scene(OBSTACLES[::-1]).distance(points), SCENE.distance(points))
+
+
+def test_an_empty_scene_is_infinitely_far() -> None:
+    empty = Scene()
+    assert len(empty) == 0
+    assert empty.distance((0, 0, 0)) == math.inf
+    assert empty.nearest((0, 0, 0)) == -1
+    np.testing.assert_array_equal(empty.gradient((0, 0, 0)), np.zeros(3))
+    np.testing.assert_array_equal(empty.distance(np.zeros((2, 3))), [math.inf, math.inf])
+
+
+def test_scenes_in_scenes_give_their_obstacles() -> None:
+    nested = Scene([Scene(OBSTACLES[:2]), OBSTACLES[2], Scene(), Scene([Scene(OBSTACLES[3:])])])
+    assert nested.obstacles == tuple(OBSTACLES)
+    assert repr(nested) == "Scene(4 obstacles)"
+    assert len(Scene(iter(OBSTACLES))) == 4
+
+
+def test_names_say_kind_and_place() -> None:
+    assert [SCENE.name(i) for i in range(4)] == ["sphere[0]", "box[1]", "pipe", "half_space[3]"]
+
+
+def test_scenes_keep_their_own_table() -> None:
+    assert not SCENE.table.flags.writeable
+    again = pickle.loads(pickle.dumps(SCENE))
+    points = np.random.default_rng(3).normal(size=(10, 3))
+    np.testing.assert_array_equal(again.distance(points), SCENE.distance(points))
+
+
+def test_what_is_no_obstacle_is_refused() -> None:
+    refused("scene[1]", lambda: Scene([OBSTACLES[0], "sphere"]), "an obstacle")  # type: ignore[list-item]
+    refused("scene[0]", lambda: Scene("sphere"))  # type: ignore[arg-type]
+    refused_each("scene", (None, 3, OBSTACLES[0]), Scene)
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["abc", None, 3.0, (1.0, 2.0), [[1.0, 2.0], [3.0]], (1.0, math.nan, 0.0), (True, False, True), np.zeros((3, 2))],
+)
+def test_bad_points_are_refused(value: Any) -> None:
+    for call in (SCENE.distance, SCENE.gradient, SCENE.nearest):
+        refused("points", partial(call, value), "3)")

@@ -1,0 +1,35 @@
+"""Everything in `examples/` runs and is solved."""
+
+import json
+import os
+import runpy
+import shutil
+from pathlib import Path
+
+import pytest
+
+from sinuous.cli.app import main
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+PROBLEMS = sorted(EXAMPLES.glob("*.yaml"))
+SCRIPTS = sorted(file for file in EXAMPLES.glob("*.py") if not file.name.startswith("make_"))
+
+
+@pytest.mark.parametrize("file", PROBLEMS, ids=lambda file: file.stem)
+def test_problem_files_are_solved(capsys: pytest.CaptureFixture[str], file: Path) -> None:
+    command = "track" if file.stem.startswith("path") else "solve"
+    assert main([command, str(file), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "solved"
+
+
+@pytest.mark.parametrize("file", SCRIPTS, ids=lambda file: file.stem)
+def test_scripts_run(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(file), run_name="__main__")
+
+
+def test_the_path_through_spheres_is_made_by_its_script(tmp_path: Path) -> None:
+    script = shutil.copy(EXAMPLES / "make_path_through_spheres.py", tmp_path)
+    runpy.run_path(os.fspath(script), run_name="__main__")
+    for name in ("path_through_spheres.yaml", "path_through_spheres.csv"):
+        assert (tmp_path / name).read_text() == (EXAMPLES / name).read_text()

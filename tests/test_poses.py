@@ -1,0 +1,135 @@
+"""Poses: rotations are exact, stated one way, by SciPy's conventions."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from sinuous.checks import direction as unit
+from sinuous.poses import as_pose, as_row, least_rotation, pose, rotation_matrix
+from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused
+
+coordinates = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1e-8, -1e-16, 1e-100, -1e-200, 5e-324, 1.0, -1.0]))
+directions = st.tuples(coordinates, coordinates, coordinates).filter(any).map(lambda v: unit("direction", v))
+
+
+def is_rotation(matrix: Floats, tolerance: float = 1e-15) -> bool:
+    close = np.abs(matrix @ matrix.T - np.eye(3)).max() <= 4 * tolerance
+    return bool(close and np.linalg.det(matrix) > 0.0)
+
+
+@given(directions)
+def test_least_rotation_takes_z_there_the_shortest_way(direction: Floats) -> None:
+    rotation = least_rotation(direction)
+    assert is_rotation(rotation)
+    np.testing.assert_allclose(rotation[:, 2], direction, atol=1e-15)
+    assert np.trace(rotation) == pytest.approx(1.0 + 2.0 * direction[2], abs=1e-15)  # the angle is no more than needed
+
+
+def test_least_rotation_of_down_is_half_a_turn_about_x() -> None:
+    np.testing.assert_array_equal(least_rotation(np.array([0.0, 0.0, -1.0])), np.diag([1.0, -1.0, -1.0]))
+    np.testing.assert_array_equal(least_rotation(np.array([0.0, 0.0, 1.0])), np.eye(3))
+
+
+@pytest.mark.parametrize("tiny", [1e-7, 1e-12, 1e-20, 1e-100])
+def test_nearly_down_is_turned_about_the_axis_across(tiny: float) -> None:
+    rotation = least_rotation(unit("direction", [0.0, tiny, -1.0]))
+    assert is_rotation(rotation)
+    np.testing.assert_allclose(rotation, np.diag([1.0, -1.0, -1.0]), atol=2 * tiny)
+    rotation = least_rotation(unit("direction", [tiny, 0.0, -1.0]))
+    np.testing.assert_allclose(rotation, np.diag([-1.0, 1.0, -1.0]), atol=2 * tiny)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("scale", [1.0, -3.0, 1e-200, 1e200])
+def test_quaternions_are_wxyz_of_any_length(seed: int, scale: float) -> None:
+    expected = Rotation.from_matrix(random_rotation(np.random.default_rng(seed)))
+    x, y, z, w = expected.as_quat()
+    got = rotation_matrix("rotation", (scale * w, scale * x, scale * y, scale * z))
+    np.testing.assert_allclose(got, expected.as_matrix(), atol=1e-15)
+
+
+def test_rounded_matrices_are_made_exact() -> None:
+    exact = random_rotation(np.random.default_rng(1))
+    got = rotation_matrix("rotation", np.round(exact, 7))
+    assert is_rotation(got)
+    np.testing.assert_allclose(got, exact, atol=2e-7)
+    assert not got.flags.writeable
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        np.zeros((3, 3)),
+        2.0 * np.eye(3),
+        np.diag([1.0, 1.0, -1.0]),
+        np.eye(3) + 1e-4,
+        np.full((3, 3), 1e200),
+        [[1e200, -1e200, 0.0], [1e200, 1e200, 0.0], [0.0, 0.0, 1.0]],
+        np.eye(4),
+        np.full((3, 3), math.nan),
+        (0.0, 0.0, 0.0, 0.0),
+        (math.inf, 0.0, 0.0, 0.0),
+        (1.0, 0.0, 0.0),
+        (True, False, False, False),
+        [[True, False, False], [False, True, False], [False, False, True]],
+        [[1, 0, 0], [0, 1], [0, 0, 1]],
+        "identity",
+        None,
+        1.0,
+        {},
+    ],
+)
+def test_what_is_no_rotation_is_refused(value: Any) -> None:
+    refused("rotation", lambda: rotation_matrix("rotation", value))
+
+
+def test_a_pose_is_what_was_said() -> None:
+    rng = np.random.default_rng(2)
+    rotation, position = random_rotation(rng), rng.normal(size=3)
+    whole = np.eye(4)
+    whole[:3, :3], whole[:3, 3] = rotation, position
+    for got in (pose(position, rotation=rotation), pose(matrix=whole)):
+        np.testing.assert_allclose(got, whole, atol=1e-15)
+        assert not got.flags.writeable
+    np.testing.assert_array_equal(pose(), np.eye(4))
+    np.testing.assert_array_equal(pose((1, 2, 3))[:3, 3], [1, 2, 3])
+    np.testing.assert_allclose(pose(direction=(0, 5, 0))[:3, 2], [0, 1, 0])
+
+
+def test_a_pose_is_said_one_way() -> None:
+    refused("rotation", lambda: pose(direction=(0, 0, 1), rotation=np.eye(3)))
+    refused("matrix", lambda: pose(direction=(0, 0, 1), matrix=np.eye(4)))
+    refused("matrix", lambda: pose(rotation=np.eye(3), matrix=np.eye(4)))
+    refused("position", lambda: pose((1, 2, 3), matrix=np.eye(4)))
+
+
+@pytest.mark.parametrize("value", [v for v in NOT_VECTORS if v is not None])
+def test_bad_positions_and_directions_are_refused(value: Any) -> None:
+    refused("position", lambda: pose(value))
+    refused("direction", lambda: pose(direction=value))
+
+
+def test_zero_points_nowhere() -> None:
+    refused("direction", lambda: pose(direction=(0, 0, 0)))
+
+
+@pytest.mark.parametrize(
+    "value", [np.eye(3), np.zeros((4, 4)), np.diag([1.0, 1.0, 1.0, 2.0]), np.eye(4) * math.nan, "eye"]
+)
+def test_what_is_no_matrix_of_a_pose_is_refused(value: Any) -> None:
+    refused("matrix", lambda: pose(matrix=value))
+    refused("base.matrix", lambda: as_pose("base", value))
+
+
+def test_rows_hold_rotation_and_position() -> None:
+    np.testing.assert_array_equal(as_pose("base", None), np.eye(4))
+    matrix = random_pose(np.random.default_rng(3))
+    row = as_row(matrix)
+    assert row.shape == (1, 12)
+    np.testing.assert_array_equal(row[0, :9].reshape(3, 3), matrix[:3, :3])
+    np.testing.assert_array_equal(row[0, 9:], matrix[:3, 3])

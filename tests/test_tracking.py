@@ -1,0 +1,90 @@
+"""Following a path."""
+
+import json
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+
+ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
+CIRCLE = [
+    sn.Target((2.0 * np.cos(angle), 2.0 * np.sin(angle), 2.5))
+    for angle in np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+]
+BALL = sn.Sphere((0.9, 0.0, 1.2), 0.3, name="ball")
+FAR = sn.Target((0.0, 0.0, 9.0))
+
+
+def test_every_waypoint_is_solved_and_verifies() -> None:
+    track = sn.track(ROBOT, CIRCLE, [BALL])
+    assert track.solved
+    assert track.status is sn.Status.SOLVED
+    assert track.q.shape == (40, 4, 3)
+    assert len(track) == 40
+    assert all(verification.ok for verification in track.verify())
+    assert track.clearance == min(solution.clearance or 0.0 for solution in track.solutions)
+    assert track.between == "unproved"
+    assert track.raise_for_status() is track
+
+
+def test_each_waypoint_begins_at_the_last() -> None:
+    track = sn.track(ROBOT, CIRCLE)
+    assert all(solution.start == "given" for solution in track.solutions[1:])
+    bend, length = track.largest_step
+    steps = np.diff(track.q, axis=0)
+    assert bend == pytest.approx(np.linalg.norm(steps[..., :2], axis=-1).max())
+    assert length == pytest.approx(np.abs(steps[..., 2]).max())
+    assert bend < 0.5
+    again = sn.track(ROBOT, CIRCLE[:1], start=track.solutions[0])
+    assert again.solutions[0].start == "given"
+    assert again.largest_step == (0.0, 0.0)
+
+
+def test_a_waypoint_may_be_several_targets() -> None:
+    q = np.array([[0.3, 0.0, 1.0], [0.0, 0.4, 1.0], [0.2, 0.0, 1.1], [0.0, 0.0, 1.0]])
+    ends = ROBOT.forward(q)[:, :3, 3]
+    track = sn.track(ROBOT, [[sn.Target(ends[1], segment=2), sn.Target(ends[3])]])
+    assert track.solved
+
+
+def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:
+    track = sn.track(ROBOT, [CIRCLE[0], FAR, CIRCLE[1]])
+    assert [solution.status for solution in track.solutions] == ["solved", "out_of_reach", "solved"]
+    assert track.status is sn.Status.OUT_OF_REACH
+    assert track.solutions[2].start == "given"
+    assert "2 of 3 waypoints; waypoint 2: " in repr(track)
+    with pytest.raises(sn.NotSolvedError) as caught:
+        track.raise_for_status()
+    assert caught.value.solution is track
+
+
+def test_waypoints_that_were_not_tried_are_no_success() -> None:
+    solutions = sn.track(ROBOT, CIRCLE[:2]).solutions
+    track = sn.Track(solutions, remaining=1)
+    assert track.status is sn.Status.TIME_LIMIT
+    assert "2 of 3 waypoints" in repr(track)
+
+
+def test_the_dictionary_is_plain_and_strict() -> None:
+    track = sn.track(ROBOT, CIRCLE[:3])
+    result = json.loads(json.dumps(track.to_dict(), allow_nan=False))
+    assert result["clearance"] is None
+    assert result["angle_error"] is None
+    assert result["position_error"] == max(waypoint["position_error"] for waypoint in result["waypoints"])
+    assert result["iterations"] == sum(waypoint["iterations"] for waypoint in result["waypoints"])
+    assert result["seconds"] == pytest.approx(track.seconds)
+
+
+def test_progress_sees_every_solution() -> None:
+    seen: list[sn.Solution] = []
+    track = sn.track(ROBOT, CIRCLE[:3], progress=seen.append)
+    assert tuple(seen) == track.solutions
+
+
+@pytest.mark.parametrize(
+    "targets", [CIRCLE[0], [], "path.csv", [CIRCLE[0], 3], [[]], [sn.Target((0, 0, 3), segment=5)], 3]
+)
+def test_what_is_no_path_is_refused(targets: object) -> None:
+    with pytest.raises(sn.InputError, match="targets"):
+        sn.track(ROBOT, targets)  # type: ignore[arg-type]

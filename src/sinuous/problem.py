@@ -75,7 +75,7 @@ class Problem:
     __slots__ = ("robot", "rows", "scene", "targets", "tolerance")
 
     def __init__(
-        self, robot: Robot, targets: Any, scene: Scene | None = None, tolerance: Tolerance | None = None
+        self, robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None
     ) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "of the wrong kind", robot, "a Robot")

@@ -1,0 +1,60 @@
+"""The answer prints, raises and writes itself down."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+
+ROBOT = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.05)
+SCENE = sn.Scene([sn.Sphere((1.0, 0.0, 1.0), 0.3, name="lamp")])
+
+
+def test_a_solved_answer_prints_what_was_reached() -> None:
+    solution = sn.solve(ROBOT, sn.Target((0, 1, 2), direction=(0, 1, 1)), SCENE)
+    assert solution.raise_for_status() is solution
+    assert solution.worst is None
+    text = repr(solution)
+    for word in ("solved", "position", "angle", "clearance", "iterations"):
+        assert word in text
+
+
+def test_an_unsolved_answer_raises_and_says_why() -> None:
+    solution = sn.solve(ROBOT, sn.Target((0, 0, 9)))
+    with pytest.raises(sn.NotSolvedError, match="out_of_reach") as caught:
+        solution.raise_for_status()
+    assert caught.value.solution is solution
+    assert solution.worst is not None
+    assert solution.worst.constraint == "position"
+    assert solution.worst.amount == pytest.approx(9 - 3.6, rel=1e-3)
+
+
+def test_what_was_not_asked_is_none() -> None:
+    position = sn.solve(ROBOT, sn.Target((0, 1, 2)))
+    assert (position.angle_error, position.clearance) == (None, None)
+    direction = sn.solve(ROBOT, sn.Target(direction=(0, 1, 1)), SCENE)
+    assert direction.position_error is None
+    assert direction.clearance is not None
+
+
+@pytest.mark.parametrize("target", [sn.Target((0, 1, 2)), sn.Target((0, 0, 9)), sn.Target((1.0, 0.0, 1.0))])
+def test_the_result_is_strict_json(target: sn.Target) -> None:
+    solution = sn.solve(ROBOT, target, SCENE)
+    written = json.loads(json.dumps(solution.to_dict(), allow_nan=False))
+    assert written["status"] == str(solution.status)
+    np.testing.assert_array_equal(written["q"], solution.q)
+    assert (written["worst"] is None) == solution.solved
+
+
+def test_every_status_has_its_sentence() -> None:
+    assert all(status.sentence for status in sn.Status)
+
+
+def test_clearance_names_the_obstacle_that_is_in_the_way() -> None:
+    solution = sn.solve(ROBOT, sn.Target((1.0, 0.0, 1.0)), SCENE)
+    assert solution.status is sn.Status.TARGET_BLOCKED
+    assert solution.worst is not None
+    assert (solution.worst.constraint, solution.worst.obstacle) == ("clearance", "lamp")
+    assert math.isfinite(solution.worst.amount)

@@ -68,21 +68,24 @@ def verify(problem: "Problem", q: Floats) -> Verification:
     return Verification(ok, off, turn, excess, clearance, segment, obstacle)
 
 
-def arc_poses(q: Floats, fractions: Floats) -> Floats:
-    """Poses (m, 4, 4) at `fractions` (m,) of one segment `q` (3,), by the exponential of its twist."""
+def arc_poses(q: Floats, pieces: int) -> Floats:
+    """Poses (pieces + 1, 4, 4) along one segment `q` (3,), by powers of the exponential of its twist."""
     from scipy.linalg import expm  # noqa: PLC0415
 
     ux, uy, length = q
     twist = np.array([[0, 0, ux, 0], [0, 0, uy, 0], [-ux, -uy, 0, length], [0, 0, 0, 0]], np.float64)
-    result: Floats = expm(fractions[:, None, None] * twist)
-    return result
+    step = expm(twist / pieces)
+    poses = [np.eye(4)]
+    for _ in range(pieces):
+        poses.append(poses[-1] @ step)
+    return np.stack(poses)
 
 
 def segment_ends(robot: "Robot", q: Floats) -> Floats:
     """Poses (n + 1, 4, 4) of the base and of the ends of all segments."""
     poses = [robot.base]
     for segment in q:
-        poses.append(poses[-1] @ arc_poses(segment, np.ones(1))[0])
+        poses.append(poses[-1] @ arc_poses(segment, 1)[1])
     return np.stack(poses)
 
 
@@ -113,9 +116,8 @@ def least_clearance(problem: "Problem", q: Floats, ends: Floats) -> tuple[float,
     before = 0.0
     for k, segment in enumerate(q):
         length = float(segment[2])
-        fractions = np.linspace(0.0, 1.0, SAMPLES + 1)
-        points = (ends[k] @ arc_poses(segment, fractions))[:, :3, 3]
-        points = points[before + fractions * length >= problem.robot.mount]
+        points = (ends[k] @ arc_poses(segment, SAMPLES))[:, :3, 3]
+        points = points[before + np.linspace(0.0, length, SAMPLES + 1) >= problem.robot.mount]
         before += length
         for i, obstacle in enumerate(problem.scene.obstacles):
             clearance = float(measure(obstacle, points).min(initial=math.inf)) - problem.robot.radii[k]

@@ -51,6 +51,7 @@ def test_the_module_is_the_command_and_help_imports_nothing_heavy() -> None:
         (["solve", "--time", "long", "a.yaml"], "sinuous: Invalid value for '--time'"),
         (["solve", "--time"], "sinuous: "),
         (["solve", "missing.yaml"], "missing.yaml: file: cannot be read"),
+        (["bench", "speed", "--out", "/nowhere/speed.json"], "--out: cannot be written"),
         (["bench", "sped"], "NAME: no such measurement (got 'sped'), expected one of speed"),
     ],
 )

@@ -1,6 +1,7 @@
 """What the commands that solve have in common."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -49,7 +50,7 @@ class Options:
         checks.integer("--seed", self.seed, 0, 2**31 - 1)
         for option, file in (("--out", self.out), ("--plot", self.plot)):
             if file is not None:
-                _check_writable(option, file, files)
+                check_writable(option, file, files)
         if self.plot is not None:
             from sinuous.plotting import check_picture  # noqa: PLC0415
 
@@ -63,7 +64,8 @@ class Options:
         return self.plot.with_name(f"{self.plot.stem}-{number:0{width}}{self.plot.suffix}")
 
 
-def _check_writable(option: str, file: Path, inputs: list[str]) -> None:
+def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:
+    """Refuse a file that cannot be written, or is one of the `inputs`; a file that was not there still is not."""
     if any(Path(name).resolve() == file.resolve() for name in inputs):
         raise InputError(option, "would overwrite a problem file", str(file), "another file")
     there = file.exists()

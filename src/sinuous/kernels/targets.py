@@ -60,10 +60,10 @@ def rotation_vector(m: Mat) -> Vec:
         return scale(angle / sine, w)
     if cosine > 0.0:
         return w
-    # Near a half turn: the axis is the largest column of (R + R') / 2 + I, its sign that of `w`.
-    x = (m[0][0] + 1.0, 0.5 * (m[1][0] + m[0][1]), 0.5 * (m[2][0] + m[0][2]))
-    y = (x[1], m[1][1] + 1.0, 0.5 * (m[2][1] + m[1][2]))
-    z = (x[2], y[2], m[2][2] + 1.0)
+    # Near a half turn the sine is too small to divide by: (R + R') / 2 - cos I = (1 - cos) n n', its longest column is the axis.
+    x = (m[0][0] - cosine, 0.5 * (m[1][0] + m[0][1]), 0.5 * (m[2][0] + m[0][2]))
+    y = (x[1], m[1][1] - cosine, 0.5 * (m[2][1] + m[1][2]))
+    z = (x[2], y[2], m[2][2] - cosine)
     axis = x
     if y[1] > axis[0] and y[1] >= z[2]:
         axis = y

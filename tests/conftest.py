@@ -9,6 +9,9 @@ from hypothesis import HealthCheck, settings
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
+# Tests call every kernel from Python.
+os.environ["SINUOUS_ALL_KERNELS_CALLABLE"] = "1"
+
 # The first example of a law may compile a kernel, so that time says nothing; the same examples every time.
 settings.register_profile(
     "sinuous",

@@ -10,14 +10,14 @@ import numpy as np
 from sinuous.bench.judges import Flags
 from sinuous.bench.problems import ProblemSet
 from sinuous.checks import Floats
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.search import SOLVED, search
 from sinuous.methods import newton
 from sinuous.solving import Solver
 from sinuous.target import Target
 
 
-@kernel
+@entry
 def repeat(times: int, *arguments: Any) -> tuple[int, int]:
     """Search `times` times over; return status and iterations of the last time."""
     status = used = 0

@@ -1,11 +1,11 @@
 """Kinematics of many configurations at once: what `Robot` offers, compiled."""
 
 from sinuous.kernels.chain import body_point, forward, forward_with_columns, frame, put_frame
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import entry
 from sinuous.kernels.vectors import Array, add, cross, get_vec, mat_vec, put_vec, sub
 
 
-@kernel
+@entry
 def frames_of(q: Array, base: Array, out: Array) -> None:
     """Fill `out` (m, n + 1, 12) with the frames of all configurations `q` (m, n, 3)."""
     rotation, position = frame(base, 0)
@@ -14,7 +14,7 @@ def frames_of(q: Array, base: Array, out: Array) -> None:
         forward(q[i], out[i])
 
 
-@kernel
+@entry
 def points_of(q: Array, frames: Array, samples: int, out: Array) -> None:
     """Fill `out` (m, n * samples + 1, 3) with points of the backbone, `samples` a segment, evenly by arc length."""
     for i in range(q.shape[0]):
@@ -24,7 +24,7 @@ def points_of(q: Array, frames: Array, samples: int, out: Array) -> None:
                 put_vec(out[i], k * samples + j + 1, 0, body_point(q[i], frames[i], k, (j + 1) / samples))
 
 
-@kernel
+@entry
 def jacobians_of(q: Array, frames: Array, tool: Array, segment: int, columns: Array, out: Array) -> None:
     """Fill `out` (m, 6, 3 n): angular velocity, and velocity of the end of `segment` (with the tool at the tip)."""
     n = q.shape[1]

@@ -20,17 +20,17 @@ config: Any = numba_config  # its settings are made at run time, which a type ch
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-OPTIONS: dict[str, Any] = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    "fastmath": {"contract"},
-    "_nrt": False,
-}
+ALL_CALLABLE = "SINUOUS_ALL_KERNELS_CALLABLE" in os.environ
+"""Set for tests, which call every kernel from Python. Wrappers for that take a third of the time of compiling."""
+
+OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}
+"""Without the GIL, with NaN and infinity exact. Of the fast-math flags `contract` alone is on: it allows fused multiply-add and
+never changes what NaN does. Kernels own no memory (`_nrt`): counting references to arrays took longer than the
+arithmetic. Callers bring the workspace, and no kernel returns an array."""
 
 
 def _sources_hash() -> str:
-    digest = hashlib.sha256(f"{numba.__version__} {sys.version_info}".encode())
+    digest = hashlib.sha256(f"{numba.__version__} {sys.version_info} {ALL_CALLABLE}".encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
@@ -64,25 +64,23 @@ def _find_cache() -> Path:
 CACHE = _find_cache()
 
 
-def kernel(function: Function) -> Function:
-    """Compile `function` in nopython mode: without the GIL, with NaN and infinity exact, cached on disk.
-
-    Of the fast-math flags `contract` alone is on: it allows fused multiply-add and never changes what NaN does. Kernels own no
-    memory (`_nrt=False`): counting references to arrays took longer than the arithmetic. Callers bring the workspace.
-    """
+def entry(function: Function) -> Function:
+    """Compile a kernel that Python calls, and cache it on disk with all that it calls."""
     configured = config.CACHE_DIR
     config.CACHE_DIR = str(CACHE)
     try:
-        compiled: Function = numba.njit(**OPTIONS)(function)
+        compiled: Function = numba.njit(cache=True, **OPTIONS)(function)
     finally:
         config.CACHE_DIR = configured
     return compiled
 
 
-def announce(entry: Callable[..., Any]) -> None:
-    """Say on standard error that the kernels are about to be compiled, when `entry` is not in the cache yet."""
-    if not any(CACHE.rglob(f"*.{entry.__name__}-*.nbi")):
-        print("sinuous: compiling the kernels, once on this machine (about 20 s)", file=sys.stderr, flush=True)  # noqa: T201
+def kernel(function: Function) -> Function:
+    """Compile a kernel that other kernels call."""
+    if ALL_CALLABLE:
+        return entry(function)
+    compiled: Function = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(function)
+    return compiled
 
 
 def inline(compiled: Function) -> Function:
@@ -90,6 +88,13 @@ def inline(compiled: Function) -> Function:
 
     A call hands over every array by its parts, some hundred numbers; that took longer than the arithmetic.
     """
-    options = {**OPTIONS, "cache": False, "forceinline": True}
-    copied: Function = numba.njit(**options)(compiled.py_func)  # type: ignore[attr-defined]
+    copied: Function = numba.njit(
+        no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True, **OPTIONS
+    )(compiled.py_func)  # type: ignore[attr-defined]
     return copied
+
+
+def announce(compiled: Callable[..., Any]) -> None:
+    """Say on standard error that the kernels are about to be compiled, when an entry is not in the cache yet."""
+    if not any(CACHE.rglob(f"*.{compiled.__name__}-*.nbi")):
+        print("sinuous: compiling the kernels, once on this machine (about 20 s)", file=sys.stderr, flush=True)  # noqa: T201

@@ -7,7 +7,7 @@ shape, a box of half extents `h`, possibly zero, rounded by `r`; the sphere has 
 
 import math
 
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.vectors import Array, Mat, Vec, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
 
 SPHERE, BOX, CYLINDER, HALF_SPACE = 0, 1, 2, 3
@@ -93,7 +93,7 @@ def nearest(scene: Array, p: Vec) -> tuple[float, int]:
     return least, which
 
 
-@kernel
+@entry
 def many(scene: Array, points: Array, values: Array, gradients: Array, which: Array) -> None:
     """Fill signed distance, gradient and obstacle for every row of `points` (m, 3); infinite and zero without obstacles."""
     for j in range(points.shape[0]):

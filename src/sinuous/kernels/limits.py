@@ -17,8 +17,7 @@ WIDTH = 7
 def bend_cap(limits: Array, k: int, length: float) -> float:
     """Largest bend of segment `k` at this length."""
     cap: float = limits[k, MAX_BEND]
-    if limits[k, MAX_CURVATURE] * length < cap:
-        cap = limits[k, MAX_CURVATURE] * length
+    cap = min(cap, limits[k, MAX_CURVATURE] * length)
     return cap
 
 

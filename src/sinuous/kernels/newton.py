@@ -10,7 +10,7 @@ from sinuous.kernels.body import CLEAR, PER_SEGMENT, SOFTNESS, contacts, prove
 from sinuous.kernels.chain import forward_with_columns, frame, put_frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import inline, kernel
-from sinuous.kernels.sweeps import SOFT, carve_rows, rows_size
+from sinuous.kernels.sweeps import SOFT, carve_rows, pick_rows, rows_size
 from sinuous.kernels.targets import add_rows, end_segment
 from sinuous.kernels.vectors import ZERO, Array, put_vec
 
@@ -35,12 +35,30 @@ Problem = namedtuple(
 """What does not change during a solve: tables of robot, scene and targets; lengths that scale and bound; how often
 a segment is halved in the search for contacts, at a glance (`coarse`) and in a step (`depth`)."""
 
+SETTINGS = (
+    "mount",
+    "unit",
+    "margin",
+    "position_tolerance",
+    "angle_tolerance",
+    "coarse",
+    "depth",
+    "iterations",
+    "start",
+    "bends",
+    "clearance",
+)
+"""What a solve is set to, in this order: see `Problem`; most iterations from one start; and the preferences."""
+
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
 least clearance seen, and how far wishes for clearance are from met."""
 
-Work = namedtuple("Work", ["root", "mean", "step", "solved", "reference", "bound", "among", "clock"])
+Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock"])
 """Scratch of one solve."""
+
+STATES = 3
+"""States in a workspace: two take turns in a descent, a third serves corrections."""
 
 MISSED = -1
 MERIT, POSITION, ANGLE, SEEN, WISH = 0, 1, 2, 3, 4
@@ -62,54 +80,67 @@ ROUNDS = 3
 
 
 @kernel
-def _capacity(problem: Problem) -> int:
-    contacts_at_most = problem.limits.shape[0] * PER_SEGMENT if problem.scene.shape[0] > 0 else 0
-    return 6 * problem.targets.shape[0] + contacts_at_most + problem.actuation.shape[0]
+def make_problem(
+    limits: Array, actuation: Array, poses: Array, scene: Array, settings: Array, targets: Array
+) -> Problem:
+    """Put the tables together; `poses` (2, 12) are the base and the tool."""
+    return Problem(
+        limits,
+        actuation,
+        poses[0:1],
+        poses[1:2],
+        scene,
+        targets,
+        settings[0],
+        settings[1],
+        settings[2],
+        settings[3],
+        settings[4],
+        int(settings[5]),
+        int(settings[6]),
+    )
+
+
+def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
+    """Numbers (float64) that a solve needs as workspace."""
+    capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
+    return STATES * (33 * segments + 18 + 27 * capacity + segments) + 19 * segments + obstacles + 2
 
 
 @kernel
-def state_size(problem: Problem) -> int:
-    """Numbers that `carve_state` takes from a buffer."""
-    n = problem.limits.shape[0]
-    return 33 * n + 17 + rows_size(n, _capacity(problem))
-
-
-@kernel
-def carve_state(buffer: Array, problem: Problem) -> State:
-    """Lay out a state in the beginning of `buffer`; its base is the robot's."""
-    n = problem.limits.shape[0]
-    frames = buffer[3 * n : 15 * n + 12].reshape((n + 1, 12))
+def carve(buffer: Array, problem: Problem) -> tuple[State, Work]:
+    """Lay out workspace: several states, as arrays with one more axis in front (see `pick`), and scratch."""
+    n, m, c = problem.limits.shape[0], problem.scene.shape[0], STATES
+    capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
+    size = c * (33 * n + 17)
+    frames = buffer[3 * n * c : (15 * n + 12) * c].reshape((c, n + 1, 12))
     rotation, position = frame(problem.base, 0)
-    put_frame(frames, 0, rotation, position)
-    return State(
-        buffer[: 3 * n].reshape((n, 3)),
+    for i in range(c):
+        put_frame(frames[i], 0, rotation, position)
+    states = State(
+        buffer[: 3 * n * c].reshape((c, n, 3)),
         frames,
-        buffer[15 * n + 12 : 33 * n + 12].reshape((n, 18)),
-        carve_rows(buffer[33 * n + 17 :], n, _capacity(problem)),
-        buffer[33 * n + 12 : 33 * n + 17],
+        buffer[(15 * n + 12) * c : (33 * n + 12) * c].reshape((c, n, 18)),
+        carve_rows(buffer[size:], c, n, capacity),
+        buffer[(33 * n + 12) * c : size].reshape((c, 5)),
     )
+    rest = buffer[size + c * rows_size(n, capacity) :]
+    work = Work(
+        rest[: 9 * n].reshape((n, 9)),
+        rest[9 * n : 12 * n].reshape((n, 3)),
+        rest[12 * n : 15 * n].reshape((n, 3)),
+        rest[15 * n : 18 * n].reshape((n, 3)),
+        rest[18 * n : 19 * n].view(np.int64),
+        rest[19 * n : 19 * n + m].view(np.int64),
+        rest[19 * n + m : 19 * n + m + 2].view(np.int64),
+    )
+    return states, work
 
 
 @kernel
-def work_size(problem: Problem) -> int:
-    """Numbers that `carve_work` takes from a buffer."""
-    return 22 * problem.limits.shape[0] + problem.scene.shape[0] + 2
-
-
-@kernel
-def carve_work(buffer: Array, problem: Problem) -> Work:
-    """Lay out scratch in the beginning of `buffer`."""
-    n, m = problem.limits.shape[0], problem.scene.shape[0]
-    return Work(
-        buffer[: 9 * n].reshape((n, 9)),
-        buffer[9 * n : 12 * n].reshape((n, 3)),
-        buffer[12 * n : 15 * n].reshape((n, 3)),
-        buffer[15 * n : 18 * n].reshape((n, 3)),
-        buffer[18 * n : 21 * n].reshape((n, 3)),
-        buffer[21 * n : 22 * n].view(np.int64),
-        buffer[22 * n : 22 * n + m].view(np.int64),
-        buffer[22 * n + m : 22 * n + m + 2].view(np.int64),
-    )
+def pick(states: State, i: int) -> State:
+    """State number `i` of several."""
+    return State(states.q[i], states.frames[i], states.columns[i], pick_rows(states.rows, i), states.norms[i])
 
 
 @kernel
@@ -232,23 +263,22 @@ linearise_here, step_here = inline(linearise), inline(step)
 
 @kernel
 def descend(
-    problem: Problem, memory: Array, at: int, work: Work, most: int, deadline: float
+    problem: Problem, states: State, at: int, work: Work, most: int, deadline: float
 ) -> tuple[int, int, int, float, bool]:
-    """Iterate from the state at `memory[at:]` until solved and proved, stuck, or out of time.
+    """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
-    `memory` has room for two states, at 0 and at `state_size`. Returns where the best state is, the verdict of the proof (MISSED: the
-    targets were not met), the number of iterations, the clearance that the proof saw, and whether limits bound the last step.
+    Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations, the
+    clearance that the proof saw, and whether limits bound the last step.
     """
-    size = state_size(problem)
     depth = problem.depth
-    start = carve_state(memory[at:], problem)
+    start = pick(states, at)
     enter(problem, start, work)
     linearise(problem, start, work, depth, 0.0)
     easing = 1.0
     slow = iteration = 0
     bound = False
     while True:
-        state, trial = carve_state(memory[at:], problem), carve_state(memory[size - at :], problem)
+        state, trial = pick(states, at), pick(states, 1 - at)
         if met(problem, state):
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or depth >= problem.depth + 6:
@@ -266,7 +296,7 @@ def descend(
         if trial.norms[MERIT] < merit:
             slow = slow + 1 if trial.norms[MERIT] > 0.8 * merit else 0
             easing = max(1e-6, 0.3 * easing)
-            at = size - at
+            at = 1 - at
         else:
             slow += 1
             easing *= 10.0

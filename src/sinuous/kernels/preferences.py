@@ -8,20 +8,25 @@ targets and contacts, met exactly, take out of it what feasibility forbids.
 from collections import namedtuple
 
 from sinuous.kernels import limits
+from sinuous.kernels.body import CLEAR
 from sinuous.kernels.clock import now
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.newton import (
+    ANGLE,
     EXACT,
+    POSITION,
     WISH,
     Problem,
     State,
     Work,
-    carve_state,
+    carve,
     linearise,
+    make_problem,
     met,
     move,
+    pick,
+    proof,
     rest,
-    state_size,
     step,
 )
 from sinuous.kernels.vectors import Array, copy, get_vec, put_vec, scale
@@ -63,10 +68,10 @@ def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
 
 
 @kernel
-def _correct(problem: Problem, memory: Array, at: int, spare: int, work: Work, depth: int, wish: float) -> int:
+def _correct(problem: Problem, states: State, at: int, spare: int, work: Work, depth: int, wish: float) -> int:
     """Bring a state that left its targets a little back to them; returns where it is then, `at` or `spare`."""
     for _ in range(CORRECTIONS):
-        state, trial = carve_state(memory[at:], problem), carve_state(memory[spare:], problem)
+        state, trial = pick(states, at), pick(states, spare)
         if met(problem, state):
             return at
         rest(work)
@@ -80,13 +85,12 @@ def _correct(problem: Problem, memory: Array, at: int, spare: int, work: Work, d
 
 @kernel
 def improve(
-    problem: Problem, memory: Array, work: Work, wishes: Wishes, best: Array, most: int, deadline: float
+    problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int, deadline: float
 ) -> int:
-    """Lower the cost of the solved `best`, keeping it solved. `memory` has room for three states. Returns the iterations."""
-    size = state_size(problem)
+    """Lower the cost of the solved `best`, keeping it solved. Returns the iterations."""
     depth = problem.depth + 2
-    at, free, spare = 0, size, 2 * size
-    start = carve_state(memory, problem)
+    at, free, spare = 0, 1, 2
+    start = pick(states, at)
     copy(best, start.q)
     linearise(problem, start, work, depth, wishes.clearance)
     least = cost(problem, start, wishes)
@@ -94,7 +98,7 @@ def improve(
     for iteration in range(most):
         if share < 0.05 or now(work.clock) > deadline:
             return iteration
-        state, trial = carve_state(memory[at:], problem), carve_state(memory[free:], problem)
+        state, trial = pick(states, at), pick(states, free)
         _pull(state, work, wishes, share)
         step(problem, state, work, EXACT)
         if wishes.start + wishes.bends == 0.0:
@@ -102,9 +106,9 @@ def improve(
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
         linearise(problem, trial, work, depth, wishes.clearance)
-        found_at = _correct(problem, memory, free, spare, work, depth, wishes.clearance)
+        found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance)
         free, spare = found_at, free + spare - found_at
-        found = carve_state(memory[free:], problem)
+        found = pick(states, free)
         better = cost(problem, found, wishes)
         if met(problem, found) and better < least:
             gained = least - better
@@ -117,3 +121,37 @@ def improve(
         else:
             share *= 0.5
     return most
+
+
+@entry
+def prefer(
+    limits: Array,
+    actuation: Array,
+    poses: Array,
+    scene: Array,
+    settings: Array,
+    targets: Array,
+    reference: Array,
+    proved: tuple[float, float, float],
+    seconds: float,
+    buffer: Array,
+    best: Array,
+) -> tuple[int, float, float, float]:
+    """Improve the solved `best` (n, 3) and prove it again; what cannot be proved is not taken. Arguments as for `search`.
+
+    `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what is in
+    `best` then.
+    """
+    problem = make_problem(limits, actuation, poses, scene, settings, targets)
+    states, work = carve(buffer, problem)
+    wishes = Wishes(settings[8], settings[9], settings[10], reference)
+    copy(best, work.solved)
+    used = improve(problem, states, work, wishes, best, int(settings[7]), now(work.clock) + seconds)
+    state = pick(states, 0)
+    copy(best, state.q)
+    linearise(problem, state, work, problem.depth, 0.0)
+    verdict, clearance = proof(problem, state, work)
+    if verdict == CLEAR and met(problem, state):
+        return used, state.norms[POSITION], state.norms[ANGLE], clearance
+    copy(work.solved, best)
+    return used, proved[0], proved[1], proved[2]

@@ -2,26 +2,24 @@
 
 import math
 
-from sinuous.kernels.body import CLEAR, PER_SEGMENT, UNDECIDED
+from sinuous.kernels.body import CLEAR, UNDECIDED
 from sinuous.kernels.clock import now
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.newton import (
     ANGLE,
     MERIT,
+    MISSED,
     POSITION,
     SEEN,
-    MISSED,
     Problem,
+    State,
     Work,
-    carve_state,
-    carve_work,
+    carve,
     descend,
     linearise,
-    met,
-    proof,
-    state_size,
+    make_problem,
+    pick,
 )
-from sinuous.kernels.preferences import Wishes, improve
 from sinuous.kernels.starts import face, scattered, single_arc
 from sinuous.kernels.targets import HAS_POSITION, end_segment
 from sinuous.kernels.targets import POSITION as PLACE
@@ -30,21 +28,6 @@ from sinuous.kernels.verdicts import POSSIBLE, verdict_of
 
 SOLVED, UNPROVED, FAILED, LATE = 0, 1, 2, 3
 GIVEN, ARC, RANDOM = 0, 1, 2
-SETTINGS = (
-    "mount",
-    "unit",
-    "margin",
-    "position_tolerance",
-    "angle_tolerance",
-    "coarse",
-    "depth",
-    "iterations",
-    "start",
-    "bends",
-    "clearance",
-)
-"""What `search` is set to, in this order: see `newton.Problem`, most iterations from one start, and the preferences."""
-
 DRAWS = 4
 """Random shapes that are looked at for one start."""
 
@@ -63,13 +46,12 @@ def _goal(problem: Problem) -> tuple[int, Vec]:
 
 @kernel
 def _start(
-    problem: Problem, memory: Array, work: Work, given: Array, index: int, seed: int, tip: int, goal: Vec
+    problem: Problem, state: State, trial: State, work: Work, given: Array, index: int, seed: int, tip: int, goal: Vec
 ) -> int:
-    """Put start number `index` into the state at 0; returns its kind.
+    """Put start number `index` into `state`; returns its kind.
 
     Of scattered shapes several are drawn, and the one that is closest to the targets is taken: a look costs less than a descent.
     """
-    state, trial = carve_state(memory, problem), carve_state(memory[state_size(problem) :], problem)
     if index < given.shape[0]:
         copy(given[index], state.q)
         return GIVEN
@@ -88,44 +70,7 @@ def _start(
     return RANDOM
 
 
-@kernel
-def _prefer(
-    problem: Problem,
-    memory: Array,
-    work: Work,
-    wishes: tuple[float, float, float],
-    reference: Array,
-    best: Array,
-    proved: tuple[float, float, float],
-    iterations: int,
-    deadline: float,
-) -> tuple[int, float, float, float]:
-    """Improve the solved `best` and prove it again; what cannot be proved is not taken.
-
-    `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what is in `best`
-    then.
-    """
-    copy(best, work.solved)
-    copy(reference, work.reference)
-    wanted = Wishes(wishes[0], wishes[1], wishes[2], work.reference)
-    used = improve(problem, memory, work, wanted, best, iterations, deadline)
-    state = carve_state(memory, problem)
-    copy(best, state.q)
-    linearise(problem, state, work, problem.depth, 0.0)
-    verdict, clearance = proof(problem, state, work)
-    if verdict == CLEAR and met(problem, state):
-        return used, state.norms[POSITION], state.norms[ANGLE], clearance
-    copy(work.solved, best)
-    return used, proved[0], proved[1], proved[2]
-
-
-def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
-    """Numbers (float64) that a search needs as workspace: more than enough, whatever the layout of its parts."""
-    capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
-    return 3 * (34 * segments + 18 + 27 * capacity) + 22 * segments + obstacles + 2
-
-
-@kernel
+@entry
 def search(
     limits: Array,
     actuation: Array,
@@ -143,31 +88,14 @@ def search(
 ) -> tuple[int, int, int, int, float, float, float, bool, float]:
     """Fill `best` (n, 3) with the best configuration found.
 
-    `poses` (2, 12) are the base and the tool; `settings` is laid out as `SETTINGS` says; `buffer` is workspace. Starts are
+    `poses` (2, 12) are the base and the tool; `settings` is laid out as `newton.SETTINGS` says; `buffer` is workspace. Starts are
     counted: those of `given` (g, n, 3), the single arc, then scattered shapes; this call tries number `first`
     up to, without it, `most`. Returns status, iterations, starts, kind of the best start, position error, angle
     error, clearance (proved, when solved; else the least seen), whether limits bound the best, and its merit.
     """
-    problem = Problem(
-        limits,
-        actuation,
-        poses[0:1],
-        poses[1:2],
-        scene,
-        targets,
-        settings[0],
-        settings[1],
-        settings[2],
-        settings[3],
-        settings[4],
-        int(settings[5]),
-        int(settings[6]),
-    )
+    problem = make_problem(limits, actuation, poses, scene, settings, targets)
     iterations = int(settings[7])
-    wishes = (settings[8], settings[9], settings[10])
-    size = state_size(problem)
-    memory, work = buffer[: 3 * size], carve_work(buffer[3 * size :], problem)
-    wanted = wishes[0] > 0.0 or wishes[1] > 0.0 or wishes[2] > 0.0
+    states, work = carve(buffer, problem)
     deadline = now(work.clock) + seconds
     tip, goal = _goal(problem)
     impossible = verdict_of(problem)
@@ -176,13 +104,13 @@ def search(
     status, total, best_kind, least = FAILED, 0, GIVEN, math.inf
     off = turn = clearance = math.inf
     stopped = False
-    index = first
+    at, index = 0, first
     while index < most:
-        kind = _start(problem, memory, work, given, index, seed, tip, goal)
+        kind = _start(problem, pick(states, at), pick(states, 1 - at), work, given, index, seed, tip, goal)
         index += 1
-        at, verdict, used, seen, bound = descend(problem, memory, 0, work, iterations, deadline)
+        at, verdict, used, seen, bound = descend(problem, states, at, work, iterations, deadline)
         total += used
-        state = carve_state(memory[at:], problem)
+        state = pick(states, at)
         if verdict == CLEAR or state.norms[MERIT] < least:
             copy(state.q, best)
             least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
@@ -197,12 +125,6 @@ def search(
             if status == FAILED:
                 status = LATE
             break
-    if status == SOLVED and wanted:
-        reference = given[0] if given.shape[0] > 0 else best
-        used, off, turn, clearance = _prefer(
-            problem, memory, work, wishes, reference, best, (off, turn, clearance), iterations, deadline
-        )
-        total += used
     if impossible != POSSIBLE:
         status = impossible
     return status, total, index - first, best_kind, off, turn, clearance, stopped, least

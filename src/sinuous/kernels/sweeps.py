@@ -67,24 +67,39 @@ HARD_SHARE = 1e-10
 
 @kernel
 def rows_size(segments: int, capacity: int) -> int:
-    """Numbers that `carve_rows` takes from a buffer."""
+    """Numbers that one set of rows takes from a buffer."""
     return segments + 1 + 27 * capacity
 
 
 @kernel
-def carve_rows(buffer: Array, segments: int, capacity: int) -> Rows:
-    """Lay out rows in the beginning of `buffer`."""
-    at = segments + 1
-    m = capacity
+def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
+    """Lay out `count` sets of rows in the beginning of `buffer`; every array has one more axis in front."""
+    c, n, m = count, segments + 1, capacity
+    at = c * n
     return Rows(
-        buffer[:at].view(np.int64),
-        buffer[at : at + m].view(np.int64),
-        buffer[at + m : at + 7 * m].reshape((m, 6)),
-        buffer[at + 7 * m : at + 10 * m].reshape((m, 3)),
-        buffer[at + 10 * m : at + 13 * m].reshape((m, 3)),
-        buffer[at + 13 * m : at + 14 * m],
-        buffer[at + 14 * m : at + 26 * m].reshape((m, 12)),
-        buffer[at + 26 * m : at + 27 * m],
+        buffer[:at].view(np.int64).reshape((c, n)),
+        buffer[at : at + c * m].view(np.int64).reshape((c, m)),
+        buffer[at + c * m : at + c * 7 * m].reshape((c, m, 6)),
+        buffer[at + c * 7 * m : at + c * 10 * m].reshape((c, m, 3)),
+        buffer[at + c * 10 * m : at + c * 13 * m].reshape((c, m, 3)),
+        buffer[at + c * 13 * m : at + c * 14 * m].reshape((c, m)),
+        buffer[at + c * 14 * m : at + c * 26 * m].reshape((c, m, 12)),
+        buffer[at + c * 26 * m : at + c * 27 * m].reshape((c, m)),
+    )
+
+
+@kernel
+def pick_rows(rows: Rows, i: int) -> Rows:
+    """Set number `i` of several."""
+    return Rows(
+        rows.start[i],
+        rows.kind[i],
+        rows.twist[i],
+        rows.inner[i],
+        rows.total[i],
+        rows.value[i],
+        rows.gain[i],
+        rows.innovation[i],
     )
 
 

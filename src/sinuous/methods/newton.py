@@ -6,7 +6,9 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.search import SETTINGS, search, workspace_size
+from sinuous.kernels.newton import SETTINGS, workspace_size
+from sinuous.kernels.preferences import prefer
+from sinuous.kernels.search import SOLVED, search
 from sinuous.methods import Outcome
 from sinuous.problem import Preferences, Tolerance
 from sinuous.robot import Robot
@@ -50,6 +52,7 @@ class Newton:
             np.array([settings[key] for key in SETTINGS], np.float64),
         )
         self._sizes = len(robot), len(robot.actuation), len(scene)
+        self._preferences = preferences
         self._local = threading.local()
         announce(search)
         nothing = np.empty((0, len(robot), 3))
@@ -59,8 +62,25 @@ class Newton:
         """Try starts; see `Method.run`."""
         best = np.empty((self._sizes[0], 3))
         workspace = self._workspace(len(rows))
-        found = search(*self._tables, rows, given, first, last, seed, seconds, workspace, best)
-        return Outcome(best, *found)
+        outcome = Outcome(best, *search(*self._tables, rows, given, first, last, seed, seconds, workspace, best))
+        if self._preferences and outcome.code == SOLVED:
+            return self._prefer(outcome, rows, given[0] if len(given) else best.copy(), seconds, workspace)
+        return outcome
+
+    def _prefer(
+        self, outcome: Outcome, rows: Floats, reference: Floats, seconds: float, workspace: Floats
+    ) -> Outcome:
+        """Improve a solved outcome, in place, by what is preferred."""
+        announce(prefer)
+        proved = outcome.position_error, outcome.angle_error, outcome.clearance
+        used, *better = prefer(*self._tables, rows, reference, proved, seconds, workspace, outcome.q)
+        position_error, angle_error, clearance = better
+        return outcome._replace(
+            iterations=outcome.iterations + used,
+            position_error=position_error,
+            angle_error=angle_error,
+            clearance=clearance,
+        )
 
     def _workspace(self, targets: int) -> Floats:
         """Scratch of this thread, for so many targets."""

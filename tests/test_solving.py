@@ -310,6 +310,27 @@ def test_solve_all_of_the_impossible_is_empty() -> None:
     assert sn.solve_all(ROBOTS["extensible"], sn.Target((0, 0, 1000))) == []
 
 
+def test_many_at_once_are_the_same_as_one_by_one() -> None:
+    robot = ROBOTS["extensible"]
+    solver = sn.Solver(robot, [sn.Sphere((0, 60, 150), 30)], starts=40, time=10.0)
+    poses = robot.tip(random_shapes(robot, 40, 12))
+    # The numbers of targets at once differ; some are out of reach, and some need more starts than a first call tries.
+    asked: list[sn.Target | list[sn.Target]] = [as_target(pose, "rotation") for pose in poses]
+    asked[7:9] = [[sn.Target((0, 0, 250)), sn.Target((10, 0, 130), segment=3)], sn.Target((0, 0, 999))]
+    starts = list(random_shapes(robot, 40, 13))
+    for given in (None, starts):
+        together = solver.solve_many(asked, given)
+        for i, solution in enumerate(together):
+            alone = solver.solve(asked[i], None if given is None else given[i])
+            assert solution.status is alone.status
+            assert (solution.iterations, solution.starts) == (alone.iterations, alone.starts)
+            np.testing.assert_array_equal(solution.q, alone.q)
+            assert 0.0 < solution.seconds < 10.0
+    assert solver.solve_many([]) == []
+    with pytest.raises(sn.InputError, match="starts"):
+        solver.solve_many(asked, starts[:3])
+
+
 def test_one_compilation_serves_every_problem() -> None:
     test_several_targets_at_once()
     test_blocked_target_and_base()

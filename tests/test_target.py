@@ -19,14 +19,14 @@ def test_a_target_is_what_was_said() -> None:
     np.testing.assert_array_equal(target.direction, [0.0, 0.0, -1.0])
     assert target.rotation is None
     assert target.segment is None
-    np.testing.assert_array_equal(target.row, [[-1, 1, 1, 2, 3, DIRECTION, 0, 0, -1, 0, 0, 0, 0, 0, 0]])
+    np.testing.assert_array_equal(target.table, [[-1, 1, 1, 2, 3, DIRECTION, 0, 0, -1, 0, 0, 0, 0, 0, 0]])
     assert repr(target) == "Target(position=[1.0, 2.0, 3.0], direction=[0.0, 0.0, -1.0])"
 
 
 def test_rows_of_every_kind() -> None:
-    np.testing.assert_array_equal(Target((1, 2, 3), segment=2).row, [[1, 1, 1, 2, 3, FREE, *[0] * 9]])
+    np.testing.assert_array_equal(Target((1, 2, 3), segment=2).table, [[1, 1, 1, 2, 3, FREE, *[0] * 9]])
     rotation = random_rotation(np.random.default_rng(0))
-    row = Target(rotation=rotation).row
+    row = Target(rotation=rotation).table
     np.testing.assert_array_equal(row[0, :6], [-1, 0, 0, 0, 0, ROTATION])
     np.testing.assert_allclose(row[0, 6:], rotation.ravel(), atol=1e-15)
     half_turn = Target(rotation=(0, 0, 0, 1))  # a quaternion wxyz: half a turn about z
@@ -72,8 +72,8 @@ def test_lists_of_targets() -> None:
     assert target_list("targets", a) == (a,)
     assert target_list("targets", [a, b]) == (a, b)
     assert target_list("targets", iter([a, b])) == (a, b)
-    np.testing.assert_array_equal(target_table(ROBOT, (a,)), a.row)
-    np.testing.assert_array_equal(target_table(ROBOT, (a, b)), np.concatenate([a.row, b.row]))
+    np.testing.assert_array_equal(target_table(ROBOT, (a,)), a.table)
+    np.testing.assert_array_equal(target_table(ROBOT, (a, b)), np.concatenate([a.table, b.table]))
 
 
 def test_what_is_no_list_of_targets_is_refused() -> None:

@@ -38,7 +38,7 @@ def test_distances_agree_with_the_kernels(obstacle: sn.Sphere) -> None:
 def problem(**changes: object) -> Problem:
     pose = ROBOT.tip(Q)
     targets = changes.get("targets", sn.Target(pose[:3, 3], rotation=pose[:3, :3]))
-    return Problem(ROBOT, targets, changes.get("scene"), sn.Tolerance(1e-4, 1e-3))  # type: ignore[arg-type]
+    return Problem(ROBOT, targets, changes.get("scene"), sn.Tolerance(1e-4, 1e-3))
 
 
 def test_a_right_answer_is_accepted() -> None:

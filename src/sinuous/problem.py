@@ -69,14 +69,12 @@ class Preferences:
 class Problem:
     """A robot, the targets to be met at once, a scene and tolerances; frozen.
 
-    `rows` is the table of targets that the methods read.
+    `rows` (t, 15) is the table of targets that the methods read.
     """
 
     __slots__ = ("robot", "rows", "scene", "targets", "tolerance")
 
-    def __init__(
-        self, robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None
-    ) -> None:
+    def __init__(self, robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "of the wrong kind", robot, "a Robot")
         self.robot = robot

@@ -2,6 +2,7 @@
 
 import math
 import time as clock
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,9 @@ CANDIDATES = 4
 
 FIRST_CHUNK = 16
 """Starts in the first call of a method; later calls take more, but never much longer than `SLICE`."""
+
+TOGETHER = 256
+"""Most problems that `solve_many` hands over in one call, so that an interrupt is seen."""
 
 SLICE = 0.1
 """Seconds after which a method returns to Python, so that an interrupt is seen."""
@@ -116,9 +120,57 @@ class Solver:
         began = clock.perf_counter()
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
         problem = Problem.prepared(self.robot, targets, self.scene, self.tolerance)
+        rows = problem.rows
         given = self._no_start if start is None else self._given(start)
-        outcome, starts, iterations = self._search(problem.rows, given, began)
-        return self._solution(problem, outcome, iterations, starts, began)
+        outcome = self._prepared.run(rows, given, 0, min(self.starts, FIRST_CHUNK), self.seed, self.time)
+        if outcome.code != methods.SOLVED:
+            outcome = self._go_on(outcome, rows, given)
+        return self._solution(problem, outcome, clock.perf_counter() - began)
+
+    def solve_many(
+        self, targets: Iterable[Targets], starts: Iterable["Solution | Any"] | None = None
+    ) -> list[Solution]:
+        """Solve independent targets, as `solve` does one by one, in few calls of the compiled code.
+
+        Quicker than a loop, and other threads run meanwhile: two threads with a `solve` of some microseconds each mostly
+        wait for each other.
+
+        Parameters
+        ----------
+        targets : iterable of (Target or list of Target)
+        starts : iterable of (Solution or array_like (n, 3)), optional
+            One for each.
+
+        Returns
+        -------
+        list of Solution
+            In the order of `targets`.
+
+        Raises
+        ------
+        InputError
+            When a target or start is not what it should be, or their numbers differ.
+        """
+        asked = [(t,) if isinstance(t, Target) else target_list(f"targets[{i}]", t) for i, t in enumerate(targets)]
+        problems = [Problem.prepared(self.robot, each, self.scene, self.tolerance) for each in asked]
+        given = np.empty((len(problems), 0, len(self.robot), 3))
+        if starts is not None:
+            listed = [self._given(start) for start in starts]
+            if len(listed) != len(problems):
+                raise InputError("starts", "not one for each target", len(listed), f"{len(problems)} starts")
+            given = np.stack(listed) if listed else given
+        solutions: list[Solution] = []
+        for first, last in _runs_of_equal([len(problem.targets) for problem in problems]):
+            rows = np.stack([problem.rows for problem in problems[first:last]])
+            found = self._prepared.run_many(
+                rows, given[first:last], 0, min(self.starts, FIRST_CHUNK), self.seed, self.time
+            )
+            for i, outcome in enumerate(found):
+                best = outcome
+                if outcome.code != methods.SOLVED:
+                    best = self._go_on(outcome, rows[i], given[first + i])
+                solutions.append(self._solution(problems[first + i], best, best.seconds))
+        return solutions
 
     def solve_all(
         self, target: Targets, start: "Solution | Any" = None, *, count: int = 8, apart: float = 0.02
@@ -164,7 +216,7 @@ class Solver:
             shape = self.robot.backbone(outcome.q, 8)
             if all(np.linalg.norm(shape - other, axis=-1).max() > separation for other in shapes):
                 shapes.append(shape)
-                found.append(self._solution(problem, outcome, outcome.iterations, index + 1, began))
+                found.append(self._solution(problem, outcome._replace(starts=index + 1), clock.perf_counter() - began))
         reference = None if start is None else given[0]
         return sorted(found, key=lambda solution: self._dislike(solution.q, reference))[:wanted]
 
@@ -175,15 +227,15 @@ class Solver:
         unit = self.robot.mean_length / len(self.robot)
         return float((((q - reference) / [1.0, 1.0, unit]) ** 2).sum())
 
-    def _solution(self, problem: Problem, outcome: Outcome, iterations: int, starts: int, began: float) -> Solution:
+    def _solution(self, problem: Problem, outcome: Outcome, seconds: float) -> Solution:
         return Solution(
             problem,
             self._status(outcome),
             outcome.q,
             (outcome.position_error, outcome.angle_error),
             outcome.clearance,
-            (iterations, starts, methods.KINDS[outcome.kind]),
-            clock.perf_counter() - began,
+            (outcome.iterations, outcome.starts, methods.KINDS[outcome.kind]),
+            seconds,
             self.method,
             self.seed,
         )
@@ -194,25 +246,22 @@ class Solver:
         given = checks.array("start", start, (len(self.robot), 3))
         return given.reshape(1, len(self.robot), 3).copy()
 
-    def _search(self, rows: Floats, given: Floats, began: float) -> tuple[Outcome, int, int]:
-        """Run the method in chunks of starts until something is decided; the best of all chunks counts."""
-        last = min(self.starts, FIRST_CHUNK)
-        best = self._prepared.run(rows, given, 0, last, self.seed, self.time)
-        starts, iterations = best.starts, best.iterations
+    def _go_on(self, best: Outcome, rows: Floats, given: Floats) -> Outcome:
+        """Try more starts, in chunks, until something is decided; the best of all counts, and the effort of all."""
+        starts, iterations, used = best.starts, best.iterations, best.seconds
         while best.code in (methods.FAILED, methods.UNPROVED) and starts < self.starts:
-            used = clock.perf_counter() - began
             if used >= self.time:
                 best = best._replace(code=methods.LATE if best.code == methods.FAILED else best.code)
                 break
             chunk = max(1, min(starts, math.floor(SLICE * starts / used)))
             last = min(self.starts, starts + chunk)
             found = self._prepared.run(rows, given, starts, last, self.seed, self.time - used)
-            starts, iterations = starts + found.starts, iterations + found.iterations
+            starts, iterations, used = starts + found.starts, iterations + found.iterations, used + found.seconds
             if found.code == methods.SOLVED or found.merit < best.merit:
                 best = found
             elif found.code == methods.LATE and best.code == methods.FAILED:
                 best = best._replace(code=methods.LATE)
-        return best, starts, iterations
+        return best._replace(starts=starts, iterations=iterations, seconds=used)
 
     def _status(self, outcome: Outcome) -> Status:
         if self._base_blocked:
@@ -223,6 +272,15 @@ class Solver:
         if outcome.clearance < 0.0:
             return Status.BLOCKED
         return Status.LIMIT_BOUND if outcome.bound else Status.STALLED
+
+
+def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
+    """Cut a list where its values change, and into pieces of at most `TOGETHER`: (first, last) of every piece."""
+    cuts = [0]
+    for i in range(1, len(counts)):
+        if counts[i] != counts[i - 1] or i - cuts[-1] >= TOGETHER:
+            cuts.append(i)
+    return list(zip(cuts, [*cuts[1:], len(counts)], strict=True)) if counts else []
 
 
 def _base_blocked(robot: Robot, scene: Scene) -> bool:

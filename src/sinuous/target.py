@@ -42,7 +42,7 @@ class Target:
     direction: Floats | None
     rotation: Floats | None
     segment: int | None
-    row: Floats
+    table: Floats
 
     def __init__(
         self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None
@@ -59,10 +59,10 @@ class Target:
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
-        object.__setattr__(self, "row", self._make_row())
+        object.__setattr__(self, "table", self._make_table())
 
-    def _make_row(self) -> Floats:
-        """Layout of `sinuous.kernels.targets`; segment -1 stands for the last."""
+    def _make_table(self) -> Floats:
+        """The row (1, 15) of this target; layout of `sinuous.kernels.targets`, segment -1 stands for the last."""
         row = np.zeros((1, WIDTH))
         row[0, 0] = -1 if self.segment is None else self.segment - 1
         if self.position is not None:
@@ -101,10 +101,10 @@ def target_list(key: str, targets: Any) -> tuple[Target, ...]:
 
 
 def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
-    """Rows of all targets, for this robot."""
+    """Rows (t, 15) of all targets, for this robot; layout of `sinuous.kernels.targets`."""
     for i, target in enumerate(targets):
         if target.segment is not None and target.segment > len(robot):
             raise InputError(f"targets[{i}].segment", "is not there", target.segment, f"1 to {len(robot)}")
     if len(targets) == 1:
-        return targets[0].row
-    return np.concatenate([target.row for target in targets])
+        return targets[0].table
+    return np.concatenate([target.table for target in targets])

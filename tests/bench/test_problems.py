@@ -68,7 +68,7 @@ def test_no_room_is_said_and_not_searched_for_ever(monkeypatch: pytest.MonkeyPat
 def test_clutter_is_made_again_by_its_seed_and_is_of_all_kinds() -> None:
     first, again = problems.clutter(3, 10), problems.clutter(3, 10)
     np.testing.assert_array_equal(first.scene.table, again.scene.table)
-    np.testing.assert_array_equal(first.targets[9].row, again.targets[9].row)
+    np.testing.assert_array_equal(first.targets[9].table, again.targets[9].table)
     made = [problems.clutter(seed, 2) for seed in range(30)]
     kinds = {type(obstacle).__name__ for asked in made for obstacle in asked.scene.obstacles}
     assert kinds == {"Sphere", "Box", "Capsule", "Cylinder", "HalfSpace"}

@@ -105,11 +105,12 @@ def test_an_answer_off_its_target_is_not_counted(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    honest, kept = Solver.solve, []
+    honest = Solver.solve
+    kept: list[object] = []
 
     def forgetful(self: Solver, target: object) -> Solution:
         solution = honest(self, target)  # type: ignore[arg-type]
-        kept.append(solution)
+        kept.append((solution, bytearray(b"x") * 4000))
         return solution
 
     assert all(line.held for line in endurance._memory(Plan(quick=True), paper_poses()))

@@ -29,6 +29,9 @@ never changes what NaN does. Kernels own no memory (`_nrt`): counting references
 arithmetic. Callers bring the workspace, and no kernel returns an array."""
 
 
+NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
 def _sources_hash() -> str:
     digest = hashlib.sha256(f"{numba.__version__} {sys.version_info} {ALL_CALLABLE}".encode())
     for source in sorted(Path(__file__).parent.glob("*.py")):
@@ -79,7 +82,8 @@ def kernel(function: Function) -> Function:
     """Compile a kernel that other kernels call."""
     if ALL_CALLABLE:
         return entry(function)
-    compiled: Function = numba.njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **OPTIONS)(function)
+    options: dict[str, Any] = {**OPTIONS, **NO_WRAPPERS}
+    compiled: Function = numba.njit(**options)(function)
     return compiled
 
 
@@ -88,9 +92,8 @@ def inline(compiled: Function) -> Function:
 
     A call hands over every array by its parts, some hundred numbers; that took longer than the arithmetic.
     """
-    copied: Function = numba.njit(
-        no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True, **OPTIONS
-    )(compiled.py_func)  # type: ignore[attr-defined]
+    options: dict[str, Any] = {**OPTIONS, **NO_WRAPPERS, "forceinline": True}
+    copied: Function = numba.njit(**options)(compiled.py_func)  # type: ignore[attr-defined]
     return copied
 
 

@@ -28,6 +28,23 @@ from sinuous.kernels.verdicts import POSSIBLE, verdict_of
 
 SOLVED, UNPROVED, FAILED, LATE = 0, 1, 2, 3
 GIVEN, ARC, RANDOM = 0, 1, 2
+OUTCOME = (
+    "code",
+    "iterations",
+    "starts",
+    "kind",
+    "position_error",
+    "angle_error",
+    "clearance",
+    "bound",
+    "merit",
+    "seconds",
+)
+"""What `search` says of every problem: status and kind of the best start as the constants here; the clearance is proved when solved, else
+the least that was seen; `bound` says whether limits bound the best; `merit` is its squared residual."""
+
+Numbers = tuple[int, int, int, int, float, float, float, bool, float, float]
+
 DRAWS = 4
 """Random shapes that are looked at for one start."""
 
@@ -70,33 +87,22 @@ def _start(
     return RANDOM
 
 
-@entry
-def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    scene: Array,
-    settings: Array,
-    targets: Array,
+@kernel
+def _solve(
+    problem: Problem,
+    states: State,
+    work: Work,
     given: Array,
     first: int,
     most: int,
     seed: int,
+    iterations: int,
     seconds: float,
-    buffer: Array,
     best: Array,
-) -> tuple[int, int, int, int, float, float, float, bool, float]:
-    """Fill `best` (n, 3) with the best configuration found.
-
-    `poses` (2, 12) are the base and the tool; `settings` is laid out as `newton.SETTINGS` says; `buffer` is workspace. Starts are
-    counted: those of `given` (g, n, 3), the single arc, then scattered shapes; this call tries number `first`
-    up to, without it, `most`. Returns status, iterations, starts, kind of the best start, position error, angle
-    error, clearance (proved, when solved; else the least seen), whether limits bound the best, and its merit.
-    """
-    problem = make_problem(limits, actuation, poses, scene, settings, targets)
-    iterations = int(settings[7])
-    states, work = carve(buffer, problem)
-    deadline = now(work.clock) + seconds
+) -> Numbers:
+    """Solve one problem; fills `best` and returns what `OUTCOME` lists."""
+    began = now(work.clock)
+    deadline = began + seconds
     tip, goal = _goal(problem)
     impossible = verdict_of(problem)
     if impossible != POSSIBLE:
@@ -127,4 +133,58 @@ def search(
             break
     if impossible != POSSIBLE:
         status = impossible
-    return status, total, index - first, best_kind, off, turn, clearance, stopped, least
+    spent = now(work.clock) - began
+    return status, total, index - first, best_kind, off, turn, clearance, stopped, least, spent
+
+
+@entry
+def search(
+    limits: Array,
+    actuation: Array,
+    poses: Array,
+    scene: Array,
+    settings: Array,
+    targets: Array,
+    given: Array,
+    first: int,
+    most: int,
+    seed: int,
+    seconds: float,
+    buffer: Array,
+    best: Array,
+) -> Numbers:
+    """Solve for the targets (t, 15), from the starts `given` (g, n, 3), the single arc, then scattered shapes.
+
+    `poses` (2, 12) are the base and the tool; `settings` is laid out as `newton.SETTINGS` says; `buffer` is workspace. Starts
+    are counted; this call tries number `first` up to, without it, `most`, for at most `seconds`. Fills `best` (n, 3) with the best
+    configuration found and returns what `OUTCOME` lists.
+    """
+    problem = make_problem(limits, actuation, poses, scene, settings, targets)
+    states, work = carve(buffer, problem)
+    return _solve(problem, states, work, given, first, most, seed, int(settings[7]), seconds, best)
+
+
+@entry
+def search_many(
+    limits: Array,
+    actuation: Array,
+    poses: Array,
+    scene: Array,
+    settings: Array,
+    targets: Array,
+    given: Array,
+    first: int,
+    most: int,
+    seed: int,
+    seconds: float,
+    buffer: Array,
+    best: Array,
+    outcomes: Array,
+) -> None:
+    """Solve m problems as `search` does one: targets (m, t, 15), `given` (m, g, n, 3), `best` (m, n, 3), `outcomes` (m, 10)."""
+    states, work = carve(buffer, make_problem(limits, actuation, poses, scene, settings, targets[0]))
+    for i in range(targets.shape[0]):
+        problem = make_problem(limits, actuation, poses, scene, settings, targets[i])
+        found = _solve(problem, states, work, given[i], first, most, seed, int(settings[7]), seconds, best[i])
+        outcomes[i, 0], outcomes[i, 1], outcomes[i, 2], outcomes[i, 3], outcomes[i, 4] = found[:5]
+        outcomes[i, 5], outcomes[i, 6], outcomes[i, 7], outcomes[i, 8], outcomes[i, 9] = found[5:]

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Outcome(NamedTuple):
-    """What a run found: the best configuration and how far it is from solved."""
+    """What a run found for one problem: the best configuration, and how far it is from solved."""
 
     q: Floats
     code: int
@@ -28,9 +28,9 @@ class Outcome(NamedTuple):
     clearance: float
     bound: bool
     merit: float
+    seconds: float
 
 
-CODES = ("solved", "unproved", "failed", "late", "out_of_reach", "target_blocked")
 SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED = range(6)
 KINDS = ("given", "arc", "random")
 
@@ -39,10 +39,14 @@ class Method(Protocol):
     """A prepared algorithm."""
 
     def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
-        """Try starts number `first` up to, without it, `last`; stop at the first that is solved, or after `seconds`.
+        """Solve for targets `rows` (t, 15) from starts number `first` up to, without it, `last`, for at most `seconds`.
 
-        Starts are counted: those of `given` (g, n, 3), then the method's own.
+        Starts are counted: those of `given` (g, n, 3), then the method's own. The run ends at the first that is solved.
         """
+        ...
+
+    def run_many(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> list[Outcome]:
+        """Solve m problems as `run` does one: `rows` (m, t, 15), `given` (m, g, n, 3), `seconds` for each."""
         ...
 
 

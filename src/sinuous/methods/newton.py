@@ -8,7 +8,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
 from sinuous.kernels.newton import SETTINGS, workspace_size
 from sinuous.kernels.preferences import prefer
-from sinuous.kernels.search import SOLVED, search
+from sinuous.kernels.search import OUTCOME, SOLVED, search, search_many
 from sinuous.methods import Outcome
 from sinuous.problem import Preferences, Tolerance
 from sinuous.robot import Robot
@@ -59,19 +59,32 @@ class Newton:
         self.run(np.zeros((1, TARGET_WIDTH)), nothing, 0, 0, 0, 0.0)  # compiles, or loads from the cache
 
     def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
-        """Try starts; see `Method.run`."""
+        """Solve for one table of targets; see `Method.run`."""
         best = np.empty((self._sizes[0], 3))
         workspace = self._workspace(len(rows))
         outcome = Outcome(best, *search(*self._tables, rows, given, first, last, seed, seconds, workspace, best))
         if self._preferences and outcome.code == SOLVED:
-            return self._prefer(outcome, rows, given[0] if len(given) else best.copy(), seconds, workspace)
+            return self._prefer(outcome, rows, given, seconds, workspace)
         return outcome
 
-    def _prefer(
-        self, outcome: Outcome, rows: Floats, reference: Floats, seconds: float, workspace: Floats
-    ) -> Outcome:
+    def run_many(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> list[Outcome]:
+        """Solve for many tables of targets; see `Method.run_many`."""
+        announce(search_many)
+        best, found = np.empty((len(rows), self._sizes[0], 3)), np.empty((len(rows), len(OUTCOME)))
+        workspace = self._workspace(rows.shape[1])
+        search_many(*self._tables, rows, given, first, last, seed, seconds, workspace, best, found)
+        outcomes = [_as_outcome(q, numbers) for q, numbers in zip(best, found.tolist(), strict=True)]
+        if not self._preferences:
+            return outcomes
+        return [
+            self._prefer(outcome, rows[i], given[i], seconds, workspace) if outcome.code == SOLVED else outcome
+            for i, outcome in enumerate(outcomes)
+        ]
+
+    def _prefer(self, outcome: Outcome, rows: Floats, given: Floats, seconds: float, workspace: Floats) -> Outcome:
         """Improve a solved outcome, in place, by what is preferred."""
         announce(prefer)
+        reference = given[0] if len(given) else outcome.q.copy()
         proved = outcome.position_error, outcome.angle_error, outcome.clearance
         used, *better = prefer(*self._tables, rows, reference, proved, seconds, workspace, outcome.q)
         position_error, angle_error, clearance = better
@@ -89,3 +102,11 @@ class Newton:
             self._local.workspace = np.empty(workspace_size(*self._sizes, targets))
         workspace: Floats = self._local.workspace
         return workspace
+
+
+def _as_outcome(q: Floats, numbers: list[float]) -> Outcome:
+    """Outcome of one row of a table, where whole numbers and truth values are floats too."""
+    code, iterations, starts, kind, off, turn, clearance, bound, merit, seconds = numbers
+    return Outcome(
+        q, int(code), int(iterations), int(starts), int(kind), off, turn, clearance, bool(bound), merit, seconds
+    )

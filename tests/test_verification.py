@@ -46,7 +46,8 @@ def test_a_right_answer_is_accepted() -> None:
 
 
 def test_a_wrong_position_is_found() -> None:
-    moved = Q + [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 2e-4]]
+    moved = Q.copy()
+    moved[-1, 2] += 2e-4
     check = verification.verify(problem(), moved)
     assert not check.ok
     assert check.position_error == pytest.approx(2e-4, rel=2e-2)
@@ -55,7 +56,7 @@ def test_a_wrong_position_is_found() -> None:
 def test_a_wrong_angle_is_found() -> None:
     pose = ROBOT.tip(Q)
     for target in (sn.Target(direction=pose[:3, 2]), sn.Target(rotation=pose[:3, :3])):
-        check = verification.verify(problem(targets=target), Q + [0.01, 0, 0])
+        check = verification.verify(problem(targets=target), Q + np.array([0.01, 0, 0]))
         assert not check.ok
         assert check.angle_error > 0.002
 

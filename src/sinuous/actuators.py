@@ -1,8 +1,9 @@
 """What drives a segment: tendons and pneumatic chambers, linear in its bending vector.
 
-A line that runs parallel to the backbone at distance `radius`, on the side at angle `a` about it, has through one segment of
-length `l` and bending vector `u` the length `l - radius (ux cos a + uy sin a)`: shorter on the side bent to (Webster & Jones
-2010, section 3). A tendon that ends at segment k runs through segments 1 to k and adds up what each of them does to it.
+A line that runs parallel to the backbone at distance `radius`, on the side at angle `a` about it, has through one
+segment of length `l` and bending vector `u` the length `l - radius (ux cos a + uy sin a)`: shorter on the side bent
+to (Webster & Jones 2010, section 3). A tendon that ends at segment k runs through segments 1 to k and adds up what
+each of them does to it.
 """
 
 import math

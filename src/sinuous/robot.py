@@ -24,7 +24,8 @@ class Segment:
     Parameters
     ----------
     length : float or (float, float)
-        Length of the backbone, or its range; one number means inextensible. The lower end may be 0 (an insertion stage).
+        Length of the backbone, or its range; one number means inextensible. The lower end may be 0 (an insertion
+        stage).
     max_bend : float
         Largest norm of the bending vector, rad; 0 = the segment cannot bend.
     max_curvature : float, optional
@@ -39,7 +40,8 @@ class Segment:
     Raises
     ------
     InputError
-        When a limit is negative, NaN, or the wrong way round, or when the straight segment breaks a limit of its chambers.
+        When a limit is negative, NaN, or the wrong way round, or when the straight segment breaks a limit of its
+        chambers.
     """
 
     length: tuple[float, float]
@@ -252,10 +254,10 @@ class Robot:
         return [reach[..., k, None] - pulled for k, pulled in enumerate(self.tendon_displacements(x))]
 
     def from_tendon_lengths(self, lengths: list[Any]) -> Floats:
-        """Configuration (..., n, 3) of a robot whose tendons have these lengths (least squares where they are too many).
+        """Configuration (..., n, 3) of a robot whose tendons have these lengths (by least squares where they are many).
 
-        Every segment needs tendons that are not all in one plane with the backbone; without extension the known length of a segment
-        is used, otherwise the lengths of its tendons determine it.
+        Every segment needs tendons that are not all in one plane with the backbone; without extension the known
+        length of a segment is used, otherwise the lengths of its tendons determine it.
         """
         return _undo_lines(self, "tendons", _per_segment(self, "lengths", lengths, "tendons"))
 
@@ -281,7 +283,7 @@ class Robot:
         ]
 
     def from_chamber_lengths(self, lengths: list[Any]) -> Floats:
-        """Configuration (..., n, 3) of a robot whose chambers have these lengths (least squares where they are too many)."""
+        """Configuration (..., n, 3) of a robot whose chambers have these lengths (least squares where many)."""
         return _undo_lines(self, "chambers", _per_segment(self, "lengths", lengths, "chambers"))
 
 
@@ -339,7 +341,7 @@ def _per_segment(robot: Robot, key: str, values: list[Any], kind: str) -> list[F
 
 
 def _undo_lines(robot: Robot, kind: str, values: list[Floats], known: Floats | None = None) -> Floats:
-    """Undo `length = reach - arms . bend`, segment by segment; tendons of a later segment run through the earlier ones."""
+    """Undo `length = reach - arms . bend`, segment by segment; later tendons run through earlier segments."""
     before = np.zeros((*values[0].shape[:-1], 3))
     out = []
     for k, (segment, value) in enumerate(zip(robot.segments, values, strict=True)):
@@ -372,8 +374,8 @@ def from_arc_parameters(curvature: Any, plane_angle: Any, length: Any) -> Floats
     """
     given = (("curvature", curvature), ("plane_angle", plane_angle), ("length", length))
     parts = [checks.stack(key, value, ()) for key, value in given]
-    kappa, phi, l = _broadcast("curvature", curvature, *parts)
-    return np.stack([kappa * l * np.cos(phi), kappa * l * np.sin(phi), l], axis=-1)
+    kappa, phi, arc = _broadcast("curvature", curvature, *parts)
+    return np.stack([kappa * arc * np.cos(phi), kappa * arc * np.sin(phi), arc], axis=-1)
 
 
 def arc_parameters(q: Any) -> tuple[Floats, Floats, Floats]:

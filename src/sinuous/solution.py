@@ -62,8 +62,8 @@ class Worst:
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     amount : float
-        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad), the depth of overlap for
-        `clearance`, what is missing for `reach`.
+        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad), the depth of overlap
+        for `clearance`, what is missing for `reach`.
     """
 
     constraint: str

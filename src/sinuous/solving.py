@@ -132,8 +132,8 @@ class Solver:
     ) -> list[Solution]:
         """Solve independent targets, as `solve` does one by one, in few calls of the compiled code.
 
-        Quicker than a loop, and other threads run meanwhile: two threads with a `solve` of some microseconds each mostly
-        wait for each other.
+        Quicker than a loop, and other threads run meanwhile: two threads with a `solve` of some microseconds each
+        mostly wait for each other.
 
         Parameters
         ----------
@@ -177,10 +177,10 @@ class Solver:
     ) -> list[Solution]:
         """Find several distinct solutions, best first.
 
-        Every start in its order is followed to its own solution. Two solutions are the same when no point of the backbone is farther
-        from its counterpart than `apart`. The search ends with the starts, the time, or `CANDIDATES * count` distinct
-        ones. Their order: less bending first (sum of squared bends), with a start, less distance to it (bends in rad, lengths
-        relative to the mean length of a segment).
+        Every start in its order is followed to its own solution. Two solutions are the same when no point of the
+        backbone is farther from its counterpart than `apart`. The search ends with the starts, the time, or
+        `CANDIDATES * count` distinct ones. Their order: less bending first (sum of squared bends), with a start, less
+        distance to it (bends in rad, lengths relative to the mean length of a segment).
 
         Parameters
         ----------
@@ -286,8 +286,8 @@ def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
 def _base_blocked(robot: Robot, scene: Scene) -> bool:
     """Prove that the body overlaps an obstacle where it leaves its mount, whatever the configuration.
 
-    The backbone at arc length `mount` is within `mount * bend / 2` of the straight line, where `bend` is the most that it can
-    have turned till there.
+    The backbone at arc length `mount` is within `mount * bend / 2` of the straight line, where `bend` is the most
+    that it can have turned till there.
     """
     if len(scene) == 0:
         return False

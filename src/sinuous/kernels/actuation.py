@@ -1,8 +1,9 @@
 """Limits of actuators: linear in the configuration, one or all segments before them.
 
-Row j of `actuation` (p, 7): first and last segment, weights of bend_x, bend_y and length (3), low, high. `first == last`: a chamber along
-one segment. `first == 0`: a tendon that runs through all segments up to its last, and sees the sum of their coordinates. Rows
-are in the order of their last segment. Within these limits the configurations are a convex set.
+Row j of `actuation` (p, 7): first and last segment, weights of bend_x, bend_y and length (3), low, high. `first ==
+last`: a chamber along one segment. `first == 0`: a tendon that runs through all segments up to its last, and sees the
+sum of their coordinates. Rows are in the order of their last segment. Within these limits the configurations are a
+convex set.
 """
 
 import math
@@ -89,7 +90,7 @@ def add_rows(actuation: Array, k: int, first: int, rows: Rows, at: int) -> tuple
 
 @kernel
 def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:
-    """Turn the row of every limit that the step would leave into one that moves up to the limit. Returns how many are new."""
+    """Turn the row of every limit that the step would leave into one that moves up to it. Returns how many are new."""
     count = 0
     j = 0
     total, change = ZERO, ZERO

@@ -33,7 +33,7 @@ def _series(x: float, terms: tuple[float, ...]) -> float:
 
 @kernel
 def coefficients(x: float) -> tuple[float, float, float, float]:
-    """S, G, H and D at `x = t^2`: power series up to a little beyond t = pi, faster than sines there; closed forms above."""
+    """S, G, H and D at `x = t^2`: power series to a little beyond t = pi, quicker there; above, closed forms."""
     if x < SERIES_END:
         H = _series(x, SERIES_H)
         return 1.0 - x * H, _series(x, SERIES_G), H, _series(x, SERIES_D)
@@ -77,7 +77,7 @@ def point(ux: float, uy: float, length: float) -> Vec:
 
 @kernel
 def pose_and_columns(ux: float, uy: float, length: float) -> tuple[Mat, Vec, Twist, Twist, Vec]:
-    """The pose of the end, and what a change of `ux`, `uy` and `length` does to it: twists about the beginning of the arc.
+    """The pose of the end, and what a change of `ux`, `uy` and `length` does to it, as twists about the beginning.
 
     The twist `(omega, v)` moves a point `p` by `v + omega x p`. A change of length turns nothing, so its third column
     is the velocity alone.

@@ -1,8 +1,9 @@
 """The whole body against the scene: contacts that a step has to open, and the proof that there are none.
 
-A distance field changes by at most the distance moved. Of a piece of backbone of arc length h, no point is farther than h / 2
-from the midpoint, so `distance(midpoint) - h / 2 - radius` bounds the clearance of the piece from below. Pieces are
-halved until that bound decides. Obstacles that a whole segment is clear of are not asked again for its pieces.
+A distance field changes by at most the distance moved. Of a piece of backbone of arc length h, no point is farther
+than h / 2 from the midpoint, so `distance(midpoint) - h / 2 - radius` bounds the clearance of the piece from below.
+Pieces are halved until that bound decides. Obstacles that a whole segment is clear of are not asked again for its
+pieces.
 """
 
 import math
@@ -25,7 +26,7 @@ CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 
 @kernel
 def free_part(q: Array, k: int, mount: float) -> float:
-    """Fraction of segment `k` that lies within the mount; `mount` is what is left of it at the beginning of the segment."""
+    """Fraction of segment `k` that lies within the mount; `mount` is what is left of it where the segment begins."""
     if mount <= 0.0:
         return 0.0
     if mount >= q[k, 2]:
@@ -89,8 +90,8 @@ def contacts(
 ) -> tuple[int, float]:
     """Write a row for every place of segment `k` that is closer than `margin` to an obstacle, from row `at` on.
 
-    Between `margin` and `wish` the row is SOFT. The segment is halved `depth` times where it may be too close. Returns the next free row and the least clearance
-    that was seen at a place (infinite: none was looked at closely).
+    Between `margin` and `wish` the row is SOFT. The segment is halved `depth` times where it may be too close.
+    Returns the next free row and the least clearance that was seen at a place (infinite: none was looked at closely).
     """
     start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
     part = 1.0 - start
@@ -161,9 +162,9 @@ def prove(
 ) -> tuple[int, float, int, float, int]:
     """Prove that the whole body is clear of every obstacle, or find where it is not.
 
-    Returns the verdict (CLEAR, TOUCHING, UNDECIDED), the clearance, and where the worst was seen: segment, fraction, obstacle. With
-    CLEAR the clearance is a lower bound, at most `slack` of it below the truth; otherwise it is the least one that was
-    seen. Pieces shorter than `finest` are not halved any more.
+    Returns the verdict (CLEAR, TOUCHING, UNDECIDED), the clearance, and where the worst was seen: segment, fraction,
+    obstacle. With CLEAR the clearance is a lower bound, at most `slack` of it below the truth; otherwise it is the
+    least one that was seen. Pieces shorter than `finest` are not halved any more.
     """
     bound = least = math.inf
     where, fraction, which = -1, 0.0, -1

@@ -1,7 +1,7 @@
 """Compile the kernels with Numba, and cache the machine code by the text of their sources.
 
-Numba's own cache looks at one file only and misses a change in a callee that lives in another. Here the directory of the
-cache is named by a hash of every kernel's source, so that a change anywhere compiles everything anew, once.
+Numba's own cache looks at one file only and misses a change in a callee that lives in another. Here the directory of
+the cache is named by a hash of every kernel's source, so that a change anywhere compiles everything anew, once.
 """
 
 import hashlib
@@ -24,10 +24,9 @@ ALL_CALLABLE = "SINUOUS_ALL_KERNELS_CALLABLE" in os.environ
 """Set for tests, which call every kernel from Python. Wrappers for that take a third of the time of compiling."""
 
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}
-"""Without the GIL, with NaN and infinity exact. Of the fast-math flags `contract` alone is on: it allows fused multiply-add and
-never changes what NaN does. Kernels own no memory (`_nrt`): counting references to arrays took longer than the
+"""Without the GIL; NaN and infinity exact. Of the fast-math flags `contract` alone is on: it allows fused multiply-add
+and never changes what NaN does. Kernels own no memory (`_nrt`): counting references to arrays took longer than the
 arithmetic. Callers bring the workspace, and no kernel returns an array."""
-
 
 NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 

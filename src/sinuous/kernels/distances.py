@@ -2,7 +2,8 @@
 
 A scene is a table with one row an obstacle: kind, sign (-1: the body must stay inside), center (3), rotation (9, its
 columns are the obstacle's axes in the world), half extents (3), rounding. Spheres, capsules and boxes are all one
-shape, a box of half extents `h`, possibly zero, rounded by `r`; the sphere has a kind of its own because it is so common.
+shape, a box of half extents `h`, possibly zero, rounded by `r`; the sphere has a kind of its own because it is so
+common.
 """
 
 import math
@@ -95,7 +96,7 @@ def nearest(scene: Array, p: Vec) -> tuple[float, int]:
 
 @entry
 def many(scene: Array, points: Array, values: Array, gradients: Array, which: Array) -> None:
-    """Fill signed distance, gradient and obstacle for every row of `points` (m, 3); infinite and zero without obstacles."""
+    """Fill signed distance, gradient and obstacle for every row of `points` (m, 3); inf, 0, -1 without obstacles."""
     for j in range(points.shape[0]):
         p = get_vec(points, j, 0)
         values[j], which[j] = nearest(scene, p)

@@ -1,7 +1,7 @@
 """The limits of one segment, held exactly: length in [low, high], bend at most `max_bend` and `max_curvature * length`.
 
-Row k of `limits` (n, 7): low, high, max_bend, max_curvature, body radius, and the scales of a bend (rad) and of a length in which
-motion is measured (0: that coordinate cannot move).
+Row k of `limits` (n, 7): low, high, max_bend, max_curvature, body radius, and the scales of a bend (rad) and of a
+length in which motion is measured (0: that coordinate cannot move).
 """
 
 import math
@@ -16,9 +16,7 @@ WIDTH = 7
 @kernel
 def bend_cap(limits: Array, k: int, length: float) -> float:
     """Largest bend of segment `k` at this length."""
-    cap: float = limits[k, MAX_BEND]
-    cap = min(cap, limits[k, MAX_CURVATURE] * length)
-    return cap
+    return min(limits[k, MAX_BEND], limits[k, MAX_CURVATURE] * length)
 
 
 @kernel
@@ -53,9 +51,9 @@ def release(limits: Array, root: Array, bound: Array) -> None:
 def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: Array) -> int:
     """Take out of the step what leaves the limits: move up to the bound, then only along it.
 
-    In the half-plane of the bend (along the direction that the step bends to) and the length, the limits of a segment are a convex
-    polygon; the bend across stays free. `bound[k]` collects what is bound: 1 the length, 2 the bend. Returns how many
-    segments were bound anew.
+    In the half-plane of the bend (along the direction that the step bends to) and the length, the limits of a segment
+    are a convex polygon; the bend across stays free. `bound[k]` collects what is bound: 1 the length, 2 the bend.
+    Returns how many segments were bound anew.
     """
     count = 0
     for k in range(q.shape[0]):

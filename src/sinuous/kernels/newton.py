@@ -267,8 +267,8 @@ def descend(
 ) -> tuple[int, int, int, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
-    Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations, the
-    clearance that the proof saw, and whether limits bound the last step.
+    Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
+    the clearance that the proof saw, and whether limits bound the last step.
     """
     depth = problem.depth
     start = pick(states, at)

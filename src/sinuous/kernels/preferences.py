@@ -1,8 +1,8 @@
 """Among all solutions, a better one: preferences are minimised within what feasibility leaves.
 
-The cost is `start |q - reference|^2 + bends |u|^2 + 100 |clearance missing up to the wish|^2`, bends in rad, lengths relative to the mean of
-their segment, clearance relative to the robot's length. Its Newton step is the mean motion of the sweeps; rows of the
-targets and contacts, met exactly, take out of it what feasibility forbids.
+The cost is `start |q - reference|^2 + bends |u|^2 + 100 |clearance missing up to the wish|^2`, bends in rad, lengths
+relative to the mean of their segment, clearance relative to the robot's length. Its Newton step is the mean motion of
+the sweeps; rows of the targets and contacts, met exactly, take out of it what feasibility forbids.
 """
 
 from collections import namedtuple
@@ -137,10 +137,10 @@ def prefer(
     buffer: Array,
     best: Array,
 ) -> tuple[int, float, float, float]:
-    """Improve the solved `best` (n, 3) and prove it again; what cannot be proved is not taken. Arguments as for `search`.
+    """Improve the solved `best` (n, 3) and prove it again; the unproved is not taken. Arguments: see `search`.
 
-    `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what is in
-    `best` then.
+    `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what
+    is in `best` then.
     """
     problem = make_problem(limits, actuation, poses, scene, settings, targets)
     states, work = carve(buffer, problem)

@@ -40,8 +40,8 @@ OUTCOME = (
     "merit",
     "seconds",
 )
-"""What `search` says of every problem: status and kind of the best start as the constants here; the clearance is proved when solved, else
-the least that was seen; `bound` says whether limits bound the best; `merit` is its squared residual."""
+"""What `search` says of a problem: status and kind of the best start, as the constants here; clearance is proved when
+solved, else the least that was seen; `bound` says whether limits bound the best; `merit` is its squared residual."""
 
 Numbers = tuple[int, int, int, int, float, float, float, bool, float, float]
 
@@ -67,7 +67,8 @@ def _start(
 ) -> int:
     """Put start number `index` into `state`; returns its kind.
 
-    Of scattered shapes several are drawn, and the one that is closest to the targets is taken: a look costs less than a descent.
+    Of scattered shapes several are drawn, and the one that is closest to the targets is taken: a look costs less than
+    a descent.
     """
     if index < given.shape[0]:
         copy(given[index], state.q)
@@ -155,9 +156,9 @@ def search(
 ) -> Numbers:
     """Solve for the targets (t, 15), from the starts `given` (g, n, 3), the single arc, then scattered shapes.
 
-    `poses` (2, 12) are the base and the tool; `settings` is laid out as `newton.SETTINGS` says; `buffer` is workspace. Starts
-    are counted; this call tries number `first` up to, without it, `most`, for at most `seconds`. Fills `best` (n, 3) with the best
-    configuration found and returns what `OUTCOME` lists.
+    `poses` (2, 12) are the base and the tool; `settings` is laid out as `newton.SETTINGS` says; `buffer` is
+    workspace. Starts are counted; this call tries number `first` up to, without it, `most`, for at most `seconds`.
+    Fills `best` (n, 3) with the best configuration found and returns what `OUTCOME` lists.
     """
     problem = make_problem(limits, actuation, poses, scene, settings, targets)
     states, work = carve(buffer, problem)
@@ -181,7 +182,10 @@ def search_many(
     best: Array,
     outcomes: Array,
 ) -> None:
-    """Solve m problems as `search` does one: targets (m, t, 15), `given` (m, g, n, 3), `best` (m, n, 3), `outcomes` (m, 10)."""
+    """Solve m problems as `search` does one.
+
+    `targets` (m, t, 15), `given` (m, g, n, 3); fills `best` (m, n, 3) and `outcomes` (m, 10).
+    """
     states, work = carve(buffer, make_problem(limits, actuation, poses, scene, settings, targets[0]))
     for i in range(targets.shape[0]):
         problem = make_problem(limits, actuation, poses, scene, settings, targets[i])

@@ -1,4 +1,4 @@
-"""Where a solve begins when nobody says: the single arc to the target, and shapes scattered over all that the robot can take."""
+"""Where a solve begins when nobody says: the single arc to the target, and shapes scattered over all possible ones."""
 
 import math
 
@@ -25,10 +25,11 @@ def chord_angle(ratio: float) -> float:
 
 @kernel
 def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> None:
-    """The arc that leaves along the base's tangent and ends at `goal`, cut so that every segment up to `tip` has its share.
+    """The arc that leaves along the base's tangent and ends at `goal`; every segment up to `tip` has its share of it.
 
-    Where the arc is shorter or longer than the robot can be, its length is the nearest that the robot has, and its bend the one
-    whose chord is as long as the goal is far: this also bows the robot when the goal is straight ahead but too near.
+    Where the arc is shorter or longer than the robot can be, its length is the nearest that the robot has, and its
+    bend the one whose chord is as long as the goal is far: this also bows the robot when the goal is straight ahead
+    but too near.
     """
     rotation, base = frame(frames, 0)
     p = vec_mat(sub(goal, base), rotation)
@@ -66,8 +67,8 @@ def _uniform(key: np.uint64) -> float:
 def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
     """Shape number `index` of the sequence `seed`: bends evenly over their discs, lengths over their ranges.
 
-    Hashed, not low-discrepancy: in the dimensions of a robot (3 n) additive recurrences and Halton's sequence put long runs of
-    shapes into the same few directions; on poses of three segments they needed up to twice the starts.
+    Hashed, not low-discrepancy: in the dimensions of a robot (3 n) additive recurrences and Halton's sequence put
+    long runs of shapes into the same few directions; on poses of three segments they needed up to twice the starts.
     """
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):

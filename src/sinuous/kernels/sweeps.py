@@ -7,12 +7,12 @@ twist at its place, `a . x + b . z = value`. The damped Gauss-Newton step
     minimise  sum over rows (a . x + b . z - value)^2 / mu  +  sum over segments |z_k|^2,     dq_k = mean_k + L_k z_k
 
 is what a fixed-interval smoother computes for a random walk `x` with steps `B_k L_k z_k` and measurements of variance
-`mu`. `forward` is the Kalman filter along the arc (covariance 6 x 6 of what the robot can still do), `backward` the adjoint
-of Bryson & Frazier (Bierman 1973). Nothing is inverted but one number a row, and `mu -> 0` is well behaved: rows
-are then met exactly, with the least motion that does so.
+`mu`. `forward` is the Kalman filter along the arc (covariance 6 x 6 of what the robot can still do), `backward` the
+adjoint of Bryson & Frazier (Bierman 1973). Nothing is inverted but one number a row, and `mu -> 0` is well behaved:
+rows are then met exactly, with the least motion that does so.
 
-`L_k` (3 x 3) is the root of the metric in which motion is measured. Directions that a limit forbids are left out of it, and
-`mean_k` is a motion decided beforehand: up to a bound, or towards a preference.
+`L_k` (3 x 3) is the root of the metric in which motion is measured. Directions that a limit forbids are left out of
+it, and `mean_k` is a motion decided beforehand: up to a bound, or towards a preference.
 """
 
 from collections import namedtuple
@@ -43,11 +43,11 @@ from sinuous.kernels.vectors import (
 Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", "gain", "innovation"])
 """The constraints of a step, in the order of their segments.
 
-`start` (n + 1,): rows `start[k]` to `start[k + 1]` belong to segment k. `kind` (m,): END, at the end of the segment (these come
-last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE, left out. `twist` (m, 6) is `a`, seen from the end
-of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`, for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up
-to this segment, for HARD: actuators that run through several segments see no more than that. `value` (m,). The sweeps
-fill `gain` (m, 12) and `innovation` (m,).
+`start` (n + 1,): rows `start[k]` to `start[k + 1]` belong to segment k. `kind` (m,): END, at the end of the segment
+(these come last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE,
+left out. `twist` (m, 6) is `a`, seen from the end of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`,
+for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up to this segment, for HARD: actuators that run through
+several segments see no more than that. `value` (m,). The sweeps fill `gain` (m, 12) and `innovation` (m,).
 """
 
 END, INNER, HARD, IDLE, SOFT = 0, 1, 2, 3, 4
@@ -154,7 +154,7 @@ def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
 def _within(
     reach: Reach, own: Own, sums: Sums, L: Mat, m: Vec, rows: Rows, i: int, mu: float
 ) -> tuple[Reach, Own, Sums]:
-    """Take in one row of any kind: it may see the motion of its own segment, and the sum of all motions, beside the twist."""
+    """Take in one row of any kind: it may also see the motion of its own segment, and the sum of all motions."""
     A, B, C, turned, moved = reach
     X, Y, R, Z, z = own
     P, Q, T, summed = sums

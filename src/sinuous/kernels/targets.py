@@ -1,7 +1,8 @@
 """Targets as rows of the step, and their errors.
 
-Row i of `targets` (t, 15): segment whose end it concerns (from 0; -1 the last), 1 if a position is asked for, position (3), what is asked of
-the orientation (0 nothing, 1 a direction of the tangent, 2 a rotation), direction (3, then six unused) or rotation (9).
+Row i of `targets` (t, 15): segment whose end it concerns (from 0; -1 the last), 1 if a position is asked for,
+position (3), what is asked of the orientation (0 nothing, 1 a direction of the tangent, 2 a rotation), direction (3,
+then six unused) or rotation (9).
 """
 
 import math
@@ -60,7 +61,7 @@ def rotation_vector(m: Mat) -> Vec:
         return scale(angle / sine, w)
     if cosine > 0.0:
         return w
-    # Near a half turn the sine is too small to divide by: (R + R') / 2 - cos I = (1 - cos) n n', its longest column is the axis.
+    # Near a half turn the sine is too small to divide by. (R + R') / 2 - cos I = (1 - cos) n n': the longest column.
     x = (m[0][0] - cosine, 0.5 * (m[1][0] + m[0][1]), 0.5 * (m[2][0] + m[0][2]))
     y = (x[1], m[1][1] - cosine, 0.5 * (m[2][1] + m[1][2]))
     z = (x[2], y[2], m[2][2] - cosine)

@@ -34,8 +34,8 @@ def _backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
 def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     """Too far for the lengths, too near for lengths and bends together, or pointing where the bends cannot turn to.
 
-    A curve of length L that turns by no more than a < pi in all ends at least `L cos(a / 2)` away: seen along the tangent in the middle
-    of its turning, no tangent points back by more than a / 2.
+    A curve of length L that turns by no more than a < pi in all ends at least `L cos(a / 2)` away: seen along the
+    tangent in the middle of its turning, no tangent points back by more than a / 2.
     """
     longest = shortest = turning = 0.0
     for j in range(k + 1):

@@ -1,7 +1,7 @@
 """Algorithms for inverse kinematics, one file each, all called the same way.
 
-A method is prepared once for a robot, a scene and tolerances; `run` then tries a range of starts on one table of targets
-and returns the best that it found.
+A method is prepared once for a robot, a scene and tolerances; `run` then tries a range of starts on one table of
+targets and returns the best that it found.
 """
 
 from typing import TYPE_CHECKING, NamedTuple, Protocol

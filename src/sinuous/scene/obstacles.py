@@ -1,4 +1,4 @@
-"""Exact obstacles: sphere, box, capsule, cylinder, half-space. `inside=True` turns one inside out: the body must stay in it."""
+"""Exact obstacles: sphere, box, capsule, cylinder, half-space. With `inside=True` the body must stay within."""
 
 import math
 from abc import ABC, abstractmethod

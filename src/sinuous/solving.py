@@ -253,7 +253,7 @@ class Solver:
             if used >= self.time:
                 best = best._replace(code=methods.LATE if best.code == methods.FAILED else best.code)
                 break
-            chunk = max(1, min(starts, math.floor(SLICE * starts / used)))
+            chunk = max(1, min(starts, math.floor(SLICE * starts / max(used, 1e-9))))
             last = min(self.starts, starts + chunk)
             found = self._prepared.run(rows, given, starts, last, self.seed, self.time - used)
             starts, iterations, used = starts + found.starts, iterations + found.iterations, used + found.seconds
@@ -286,20 +286,22 @@ def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
 def _base_blocked(robot: Robot, scene: Scene) -> bool:
     """Prove that the body overlaps an obstacle where it leaves its mount, whatever the configuration.
 
-    The backbone at arc length `mount` is within `mount * bend / 2` of the straight line, where `bend` is the most
-    that it can have turned till there.
+    Where the whole robot may be shorter than its mount, nothing is proved. The backbone at arc length `mount` is
+    within `mount * bend / 2` of the straight line, where `bend` is the most that it can have turned till there.
     """
     if len(scene) == 0:
         return False
     turned, reached, radius = 0.0, 0.0, robot.radii[0]
-    for segment, own in zip(robot.segments, robot.radii, strict=True):
-        radius = own
-        if reached > robot.mount or (reached == robot.mount and segment.length[1] > 0.0):
-            break
-        turned += min(segment.max_bend, segment.max_curvature * segment.length[1])
-        reached += segment.length[0]
-    if robot.mount == 0.0:
-        turned, radius = 0.0, robot.radii[0]
+    if robot.mount > 0.0:
+        for segment, own in zip(robot.segments, robot.radii, strict=True):
+            # Lengths vary: this may be the segment that leaves the mount, and so may any before it.
+            radius = min(radius, own)
+            turned += min(segment.max_bend, segment.max_curvature * segment.length[1])
+            reached += segment.length[0]
+            if reached > robot.mount:
+                break
+        else:
+            return False
     sway = robot.mount * min(2.0, 0.5 * turned)
     leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
     return bool(scene.distance(leaves) + sway < radius)

@@ -8,18 +8,21 @@ pieces.
 
 import math
 
-from sinuous.kernels.chain import body_columns, body_point
+from sinuous.kernels.chain import body_columns, body_point, frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.distances import distance, obstacle
 from sinuous.kernels.limits import RADIUS
 from sinuous.kernels.sweeps import INNER, SOFT, Rows
-from sinuous.kernels.vectors import Array, Vec, cross, dot, put_vec, scale, sub
+from sinuous.kernels.vectors import Array, Vec, cross, dot, norm, put_vec, scale, sub
 
 PER_SEGMENT = 32
 """Most contacts of one segment that enter a step."""
 
 SOFTNESS = 1e-4
 """Scale of rows that are only wished for; with the least damping, 1e-10, they weigh 100 times a radian."""
+
+ROUNDING = 1e-13
+"""What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
 
 CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 
@@ -169,6 +172,10 @@ def prove(
     bound = least = math.inf
     where, fraction, which = -1, 0.0, -1
     undecided = False
+    rounding = norm(frame(frames, 0)[1])
+    for k in range(q.shape[0]):
+        rounding += q[k, 2]
+    rounding *= ROUNDING
     for k in range(q.shape[0]):
         start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
         mount -= length
@@ -176,7 +183,7 @@ def prove(
         if part <= 0.0:
             continue
         # Whoever is farther than the best clearance so far cannot matter to any piece of this segment.
-        reach = 0.5 * length * part + radius
+        reach = 0.5 * length * part + radius + rounding
         count, rest = near(scene, body_point(q, frames, k, start + 0.5 * part), reach + max(0.0, least), among)
         bound = min(bound, rest - reach)
         level, piece = 0, 0
@@ -190,7 +197,7 @@ def prove(
                 least, where, fraction, which = seen, k, s, nearest_one
             if least < 0.0:
                 return TOUCHING, least, where, fraction, which
-            sure = seen - half
+            sure = seen - half - rounding
             if 2.0 * half > finest and (sure <= 0.0 or sure < (1.0 - slack) * least):
                 level, piece = level + 1, 2 * piece
                 continue

@@ -132,7 +132,7 @@ def _solve(
             if status == FAILED:
                 status = LATE
             break
-    if impossible != POSSIBLE:
+    if impossible != POSSIBLE and status != SOLVED:
         status = impossible
     spent = now(work.clock) - began
     return status, total, index - first, best_kind, off, turn, clearance, stopped, least, spent

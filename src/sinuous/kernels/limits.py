@@ -16,6 +16,7 @@ WIDTH = 7
 @kernel
 def bend_cap(limits: Array, k: int, length: float) -> float:
     """Largest bend of segment `k` at this length."""
+    # In this order: without a limit of curvature the product at length 0 is NaN, and `min` keeps its first argument.
     return min(limits[k, MAX_BEND], limits[k, MAX_CURVATURE] * length)
 
 

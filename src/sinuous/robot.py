@@ -198,7 +198,7 @@ class Robot:
         return points.reshape(*lead, *points.shape[1:])
 
     def jacobian(self, q: Any, segment: int | None = None) -> Floats:
-        """Geometric Jacobian (..., 6, 3 n) of the tool, or of the end of `segment` (1 = first).
+        """Geometric Jacobian (..., 6, 3 n) of the end of `segment` (1 = first; the last, the default, means the tool).
 
         Rows 0 to 2 are the angular velocity, rows 3 to 5 the velocity of that point, both in world axes; columns are
         `bend_x, bend_y, length` of the first segment, of the second, and so on.

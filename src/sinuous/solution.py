@@ -56,14 +56,14 @@ class Worst:
     Attributes
     ----------
     constraint : str
-        `position`, `angle`, `clearance` or `reach`.
+        `position`, `angle` or `clearance`.
     segment : int or None
         Segment where it is, 1 = first.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     amount : float
-        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad), the depth of overlap
-        for `clearance`, what is missing for `reach`.
+        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); the depth of overlap
+        for `clearance` (length).
     """
 
     constraint: str

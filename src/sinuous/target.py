@@ -30,7 +30,7 @@ class Target:
     rotation : array_like (3, 3) or (4,), optional
         The whole orientation, instead of `direction`: a matrix or a quaternion wxyz.
     segment : int, optional
-        The segment whose end is meant, 1 = first. Default: the last one, with the tool.
+        The segment whose end is meant, 1 = first. The last one, which is the default, means the tool.
 
     Raises
     ------

@@ -1,0 +1,35 @@
+"""What the README shows works."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from sinuous.cli.app import main
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_python_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    (example,) = blocks("python")
+    exec(compile(example, "README.md", "exec"), {})
+    assert "Solution: solved" in capsys.readouterr().out
+
+
+def test_the_problem_file_solves(tmp_path: Path) -> None:
+    (problem,) = blocks("yaml")
+    file = tmp_path / "problem.yaml"
+    file.write_text(problem, encoding="utf-8")
+    assert main(["solve", str(file)]) == 0
+
+
+def test_every_file_that_it_names_is_there() -> None:
+    named = re.findall(r"\]\(((?:docs|examples)[^)]*)\)|(examples/[\w.]+\.yaml)", README)
+    assert len(named) > 5
+    for pair in named:
+        assert (ROOT / (pair[0] or pair[1])).exists()

@@ -25,6 +25,7 @@ from scipy.optimize import least_squares
 from sinuous.bench.problems import ProblemSet
 from sinuous.checks import Floats
 from sinuous.kernels import batch
+from sinuous.kernels.compile import entry
 from sinuous.kernels.starts import single_arc
 from sinuous.robot import Robot
 from sinuous.target import Target
@@ -43,9 +44,13 @@ class Peer(Protocol):
 def start_of(robot: Robot, target: Target) -> Floats:
     """Return the single arc to the target (3 n,), where every method of a comparison begins."""
     q, frames = np.empty((len(robot), 3)), np.tile(robot.base_row, (len(robot) + 1, 1))
-    x, y, z = np.array(target.position).tolist()
-    single_arc(robot.limits.copy(), frames, len(robot) - 1, (x, y, z), q)
+    _arc(robot.limits.copy(), frames, len(robot) - 1, np.array(target.position), q)
     return q.ravel()
+
+
+@entry
+def _arc(limits: Floats, frames: Floats, tip: int, goal: Floats, q: Floats) -> None:
+    single_arc(limits, frames, tip, (goal[0], goal[1], goal[2]), q)
 
 
 def _bounds(robot: Robot) -> tuple[Floats, Floats]:

@@ -1,5 +1,6 @@
 """What `import sinuous` offers, and what it costs."""
 
+import os
 import subprocess
 import sys
 
@@ -17,6 +18,21 @@ def test_every_name_is_there() -> None:
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="'teleport'"):
         _ = sn.teleport
+
+
+def test_kernels_as_users_have_them() -> None:
+    """The other tests run in a process where every kernel can be called; users have wrappers for entries alone."""
+    code = (
+        "import sinuous as sn\n"
+        "robot = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05)\n"
+        "scene = sn.Scene([sn.Sphere((1, 0, 1), 0.2)])\n"
+        "solution = sn.solve(robot, sn.Target((0, 1, 2), direction=(0, 1, 1)), scene)\n"
+        "robot.jacobian(solution.q), scene.distance(robot.backbone(solution.q))\n"
+        "print(solution.status, solution.verify().ok)"
+    )
+    environment = {key: value for key, value in os.environ.items() if key != "SINUOUS_ALL_KERNELS_CALLABLE"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "solved True"), done.stderr
 
 
 def test_the_import_brings_nothing_heavy() -> None:

@@ -1,6 +1,5 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -9,10 +8,10 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
+from sinuous.verification import Verification, Worst, find_worst, verify
 
 if TYPE_CHECKING:
     from sinuous.problem import Problem
-    from sinuous.verification import Verification
 
 
 class Status(StrEnum):
@@ -49,32 +48,8 @@ _SENTENCES = {
 }
 
 
-@dataclass(frozen=True)
-class Worst:
-    """The constraint that is farthest from being met.
-
-    Attributes
-    ----------
-    constraint : str
-        `position`, `angle` or `clearance`.
-    segment : int or None
-        Segment where it is, 1 = first.
-    obstacle : str or None
-        Name of the obstacle, for `clearance`.
-    amount : float
-        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); the depth of overlap
-        for `clearance` (length).
-    """
-
-    constraint: str
-    segment: int | None
-    obstacle: str | None
-    amount: float
-
-    def __str__(self) -> str:
-        where = "" if self.segment is None else f" of segment {self.segment}"
-        what = "" if self.obstacle is None else f" at {self.obstacle}"
-        return f"{self.constraint}{where}{what} by {self.amount:.3g}"
+_OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
+"""Statuses of which clearance is the reason."""
 
 
 class Solution:
@@ -171,14 +146,10 @@ class Solution:
     @cached_property
     def worst(self) -> Worst | None:
         """The constraint farthest from being met; `None` when solved."""
-        from sinuous.verification import find_worst  # noqa: PLC0415
+        return None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
 
-        return None if self.solved else find_worst(self)
-
-    def verify(self) -> "Verification":
+    def verify(self) -> Verification:
         """Recompute everything by an independent, slow path; see `sinuous.verification`."""
-        from sinuous.verification import verify  # noqa: PLC0415
-
         return verify(self.problem, self.q)
 
     def raise_for_status(self) -> "Solution":

@@ -8,7 +8,6 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.solution import Solution, Status, Worst
 
 if TYPE_CHECKING:
     from sinuous.problem import Problem
@@ -21,6 +20,34 @@ SAMPLES = 200
 LIMIT_SLACK = 1e-9
 ROUNDING = 1e-9
 """What rounding may add to an error, relative to the robot's length."""
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The constraint that is farthest from being met.
+
+    Attributes
+    ----------
+    constraint : str
+        `position`, `angle` or `clearance`.
+    segment : int or None
+        Segment where it is, 1 = first.
+    obstacle : str or None
+        Name of the obstacle, for `clearance`.
+    amount : float
+        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); the depth of overlap
+        for `clearance` (length).
+    """
+
+    constraint: str
+    segment: int | None
+    obstacle: str | None
+    amount: float
+
+    def __str__(self) -> str:
+        where = "" if self.segment is None else f" of segment {self.segment}"
+        what = "" if self.obstacle is None else f" at {self.obstacle}"
+        return f"{self.constraint}{where}{what} by {self.amount:.3g}"
 
 
 @dataclass(frozen=True)
@@ -165,21 +192,23 @@ def _corner(excess: Floats) -> Floats:
     return np.asarray(np.where(outside > 0.0, outside, excess.max(axis=-1)))
 
 
-def find_worst(solution: Solution) -> Worst | None:
-    """The constraint of an unsolved answer that is farthest from being met, lengths relative to the robot's length."""
-    problem, robot = solution.problem, solution.problem.robot
-    ends = segment_ends(robot, solution.q)
+def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
+    """The constraint that `q` (n, 3) is farthest from meeting, lengths relative to the robot's length.
+
+    With `overlap` it is known to be the clearance, however deep.
+    """
+    robot, tolerance = problem.robot, problem.tolerance
+    ends = segment_ends(robot, q)
     unit = robot.mean_length
-    found: list[tuple[float, Worst]] = []
+    clearance, where, which = least_clearance(problem, q, ends)
+    blocked = Worst("clearance", where, which, -clearance)
+    if overlap:
+        return blocked
+    found = [(-clearance / unit, blocked)]
     for target in problem.targets:
         off, turn = target_errors(robot, target, ends)
         segment = len(robot) if target.segment is None else target.segment
-        miss = off - (problem.tolerance.position or 0.0)
+        miss, twist = off - (tolerance.position or 0.0), turn - tolerance.angle
         found.append((miss / unit, Worst("position", segment, None, miss)))
-        found.append((turn - problem.tolerance.angle, Worst("angle", segment, None, turn - problem.tolerance.angle)))
-    clearance, where, which = least_clearance(problem, solution.q, ends)
-    overlap = Worst("clearance", where, which, -clearance)
-    if solution.status in (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED):
-        return overlap
-    found.append((-clearance / unit, overlap))
+        found.append((twist, Worst("angle", segment, None, twist)))
     return max(found, key=lambda pair: pair[0])[1]

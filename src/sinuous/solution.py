@@ -2,7 +2,7 @@
 
 from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -52,6 +52,31 @@ _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET
 """Statuses of which clearance is the reason."""
 
 
+STARTS = ("given", "arc", "random")
+"""Kinds of starts, as an outcome numbers them."""
+
+
+class Outcome(NamedTuple):
+    """What a method found for one problem: the best configuration, how far it is from solved, and at what effort.
+
+    `code` and `kind` are the method's own numbers for how it ended and which kind of start won (see `STARTS`).
+    `clearance` is proved when it is solved, else the least that was seen; `merit` is what is left of the residual,
+    squared; `bound` says whether limits stopped the best.
+    """
+
+    q: Floats
+    code: int
+    iterations: int
+    starts: int
+    kind: int
+    position_error: float
+    angle_error: float
+    clearance: float
+    bound: bool
+    merit: float
+    seconds: float
+
+
 class Solution:
     """What a solve found; frozen. On failure it holds the best configuration found, which keeps all limits.
 
@@ -76,43 +101,31 @@ class Solution:
         What was asked.
     """
 
-    __slots__ = (
-        "__dict__",
-        "_angle",
-        "_clearance",
-        "_position",
-        "iterations",
-        "method",
-        "problem",
-        "q",
-        "seconds",
-        "seed",
-        "start",
-        "starts",
-        "status",
-    )
-
     def __init__(
-        self,
-        problem: "Problem",
-        status: Status,
-        q: Floats,
-        errors: tuple[float, float],
-        clearance: float,
-        effort: tuple[int, int, str],
-        seconds: float,
-        method: str,
-        seed: int,
+        self, problem: "Problem", status: Status, outcome: Outcome, seconds: float, method: str, seed: int
     ) -> None:
         self.problem = problem
         self.status = status
-        self.q = q
-        self._position, self._angle = errors
-        self._clearance = clearance
-        self.iterations, self.starts, self.start = effort
+        self.q = outcome.q
         self.seconds = seconds
         self.method = method
         self.seed = seed
+        self._outcome = outcome
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of all starts together."""
+        return self._outcome.iterations
+
+    @property
+    def starts(self) -> int:
+        """How many starts were tried."""
+        return self._outcome.starts
+
+    @property
+    def start(self) -> str:
+        """Which kind of start won: given, arc or random."""
+        return STARTS[self._outcome.kind]
 
     @property
     def solved(self) -> bool:
@@ -122,13 +135,13 @@ class Solution:
     @property
     def position_error(self) -> float | None:
         """Largest distance of an end to its target position; `None` where none is asked for."""
-        return self._position if any(t.position is not None for t in self.problem.targets) else None
+        return self._outcome.position_error if any(t.position is not None for t in self.problem.targets) else None
 
     @property
     def angle_error(self) -> float | None:
         """Largest angle (rad) of an end to its target orientation; `None` where none is asked for."""
         return (
-            self._angle
+            self._outcome.angle_error
             if any(t.direction is not None or t.rotation is not None for t in self.problem.targets)
             else None
         )
@@ -136,7 +149,7 @@ class Solution:
     @property
     def clearance(self) -> float | None:
         """Proved lower bound of the distance between body and obstacles."""
-        return self._clearance if self.solved and len(self.problem.scene) else None
+        return self._outcome.clearance if self.solved and len(self.problem.scene) else None
 
     @property
     def base(self) -> Floats:

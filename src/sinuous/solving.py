@@ -10,11 +10,10 @@ import numpy as np
 from sinuous import checks, methods
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.methods import Outcome
 from sinuous.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance
 from sinuous.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution import Solution, Status
+from sinuous.solution import Outcome, Solution, Status
 from sinuous.target import Target, Targets, target_list
 
 TIME = 1.0
@@ -228,17 +227,7 @@ class Solver:
         return float((((q - reference) / [1.0, 1.0, unit]) ** 2).sum())
 
     def _solution(self, problem: Problem, outcome: Outcome, seconds: float) -> Solution:
-        return Solution(
-            problem,
-            self._status(outcome),
-            outcome.q,
-            (outcome.position_error, outcome.angle_error),
-            outcome.clearance,
-            (outcome.iterations, outcome.starts, methods.KINDS[outcome.kind]),
-            seconds,
-            self.method,
-            self.seed,
-        )
+        return Solution(problem, self._status(outcome), outcome, seconds, self.method, self.seed)
 
     def _given(self, start: Any) -> Floats:
         if isinstance(start, Solution):
@@ -266,9 +255,8 @@ class Solver:
     def _status(self, outcome: Outcome) -> Status:
         if self._base_blocked:
             return Status.BASE_BLOCKED
-        status = _STATUS.get(outcome.code)
-        if status is not None:
-            return status
+        if outcome.code in _STATUS:
+            return _STATUS[outcome.code]
         if outcome.clearance < 0.0:
             return Status.BLOCKED
         return Status.LIMIT_BOUND if outcome.bound else Status.STALLED

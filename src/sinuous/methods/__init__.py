@@ -4,10 +4,11 @@ A method is prepared once for a robot, a scene and tolerances; `run` then tries 
 targets and returns the best that it found.
 """
 
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.solution import Outcome
 
 if TYPE_CHECKING:
     from sinuous.problem import Preferences, Tolerance
@@ -15,24 +16,7 @@ if TYPE_CHECKING:
     from sinuous.scene.scene import Scene
 
 
-class Outcome(NamedTuple):
-    """What a run found for one problem: the best configuration, and how far it is from solved."""
-
-    q: Floats
-    code: int
-    iterations: int
-    starts: int
-    kind: int
-    position_error: float
-    angle_error: float
-    clearance: float
-    bound: bool
-    merit: float
-    seconds: float
-
-
 SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED = range(6)
-KINDS = ("given", "arc", "random")
 
 
 class Method(Protocol):

@@ -9,10 +9,10 @@ from sinuous.kernels.compile import announce
 from sinuous.kernels.newton import SETTINGS, workspace_size
 from sinuous.kernels.preferences import prefer
 from sinuous.kernels.search import OUTCOME, SOLVED, search, search_many
-from sinuous.methods import Outcome
 from sinuous.problem import Preferences, Tolerance
 from sinuous.robot import Robot
 from sinuous.scene.scene import Scene
+from sinuous.solution import Outcome
 from sinuous.target import WIDTH as TARGET_WIDTH
 
 ITERATIONS = 60

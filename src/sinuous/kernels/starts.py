@@ -67,8 +67,8 @@ def _uniform(key: np.uint64) -> float:
 def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
     """Shape number `index` of the sequence `seed`: bends evenly over their discs, lengths over their ranges.
 
-    Hashed, not low-discrepancy: in the dimensions of a robot (3 n) additive recurrences and Halton's sequence put
-    long runs of shapes into the same few directions; on poses of three segments they needed up to twice the starts.
+    Hashed, not low-discrepancy: in the 3 n dimensions of a robot an additive recurrence puts long runs of shapes into
+    the same few directions, and hard poses waited for their turn.
     """
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):

@@ -270,33 +270,33 @@ def descend(
     Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
     the clearance that the proof saw, and whether limits bound the last step.
     """
-    depth = problem.depth
-    start = pick(states, at)
-    enter(problem, start, work)
-    linearise(problem, start, work, depth, 0.0)
-    easing = 1.0
+    enter(problem, pick(states, at), work)
+    depth, looked_at, merit, easing = problem.depth, at, math.inf, 1.0
     slow = iteration = 0
     bound = False
     while True:
-        state, trial = pick(states, at), pick(states, 1 - at)
+        looked = pick(states, looked_at)
+        linearise_here(problem, looked, work, depth, 0.0)
+        found = looked.norms[MERIT]
+        if found < merit:
+            if merit < math.inf:
+                slow = slow + 1 if found > 0.8 * merit else 0
+                easing = max(1e-6, 0.3 * easing)
+            at, merit = looked_at, found
+        else:
+            slow += 1
+            easing *= 10.0
+        state = pick(states, at)
         if met(problem, state):
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or depth >= problem.depth + 6:
                 return at, verdict, iteration, clearance, bound
-            depth += 2
-            linearise(problem, state, work, depth, 0.0)
+            depth, looked_at, merit = depth + 2, at, math.inf
+            continue
         if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
             return at, MISSED, iteration, 0.0, bound
         iteration += 1
-        merit = state.norms[MERIT]
         rest(work)
         bound = step_here(problem, state, work, max(EXACT, 0.01 * easing * merit))
-        move(problem, state, work, trial)
-        linearise_here(problem, trial, work, depth, 0.0)
-        if trial.norms[MERIT] < merit:
-            slow = slow + 1 if trial.norms[MERIT] > 0.8 * merit else 0
-            easing = max(1e-6, 0.3 * easing)
-            at = 1 - at
-        else:
-            slow += 1
-            easing *= 10.0
+        looked_at = 1 - at
+        move(problem, state, work, pick(states, looked_at))

@@ -18,7 +18,7 @@ def test_values() -> None:
         ('{"a": 1e400}', "a", "not finite"),
         ('{"a": ' + "9" * 5000 + "}", "a", "not finite"),
         ('{"a": 1, "a": 1}', "a", "stands twice"),
-        ('{"a": 1,\n}', "line 2", "Expecting property name"),
+        ('{"a": 1,\nb}', "line 2", "Expecting property name"),
         ('{"a": 1}\n{"a": 1}', "line 2", "Extra data"),
         ("", "line 1", "Expecting value"),
         ("[" * 100_000, "file", "nested too deeply"),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels import verdicts
-from sinuous.kernels.newton import Problem
+from sinuous.kernels.states import Problem
 from sinuous.kernels.verdicts import OUT_OF_REACH, POSSIBLE, TARGET_BLOCKED
 from sinuous.poses import pose
 from sinuous.robot import Robot, Segment

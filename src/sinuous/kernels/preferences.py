@@ -11,24 +11,8 @@ from sinuous.kernels import limits
 from sinuous.kernels.body import CLEAR
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.newton import (
-    ANGLE,
-    EXACT,
-    POSITION,
-    WISH,
-    Problem,
-    State,
-    Work,
-    carve,
-    linearise,
-    make_problem,
-    met,
-    move,
-    pick,
-    proof,
-    rest,
-    step,
-)
+from sinuous.kernels.newton import EXACT, linearise, met, move, proof, rest, step
+from sinuous.kernels.states import ANGLE, POSITION, WISH, Problem, State, Work, carve, make_problem, pick
 from sinuous.kernels.vectors import Array, copy, get_vec, put_vec, scale
 
 Wishes = namedtuple("Wishes", ["start", "bends", "clearance", "reference"])

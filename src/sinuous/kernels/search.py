@@ -5,22 +5,9 @@ import math
 from sinuous.kernels.body import CLEAR, UNDECIDED
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.newton import (
-    ANGLE,
-    MERIT,
-    MISSED,
-    POSITION,
-    SEEN,
-    Problem,
-    State,
-    Work,
-    carve,
-    descend,
-    linearise,
-    make_problem,
-    pick,
-)
+from sinuous.kernels.newton import MISSED, descend, linearise
 from sinuous.kernels.starts import face, scattered, single_arc
+from sinuous.kernels.states import ANGLE, MERIT, POSITION, SEEN, Problem, State, Work, carve, make_problem, pick
 from sinuous.kernels.targets import HAS_POSITION, end_segment
 from sinuous.kernels.targets import POSITION as PLACE
 from sinuous.kernels.vectors import Array, Vec, copy, get_vec
@@ -156,7 +143,7 @@ def search(
 ) -> Numbers:
     """Solve for the targets (t, 15), from the starts `given` (g, n, 3), the single arc, then scattered shapes.
 
-    `poses` (2, 12) are the base and the tool; `settings` is laid out as `newton.SETTINGS` says; `buffer` is
+    `poses` (2, 12) are the base and the tool; `settings` is laid out as `states.SETTINGS` says; `buffer` is
     workspace. Starts are counted; this call tries number `first` up to, without it, `most`, for at most `seconds`.
     Fills `best` (n, 3) with the best configuration found and returns what `OUTCOME` lists.
     """

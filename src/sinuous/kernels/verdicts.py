@@ -6,7 +6,7 @@ from sinuous.kernels.chain import frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.distances import nearest
 from sinuous.kernels.limits import HIGH, LOW, RADIUS, bend_cap
-from sinuous.kernels.newton import Problem
+from sinuous.kernels.states import Problem
 from sinuous.kernels.targets import DIRECTION, GOAL, HAS_POSITION, ORIENTATION, POSITION, ROTATION, end_segment
 from sinuous.kernels.vectors import Vec, dot, get_vec, mat_vec, norm, sub, transpose
 

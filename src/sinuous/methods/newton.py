@@ -6,9 +6,9 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.newton import SETTINGS, workspace_size
 from sinuous.kernels.preferences import prefer
 from sinuous.kernels.search import OUTCOME, SOLVED, search, search_many
+from sinuous.kernels.states import SETTINGS, workspace_size
 from sinuous.problem import Preferences, Tolerance
 from sinuous.robot import Robot
 from sinuous.scene.scene import Scene

@@ -98,5 +98,6 @@ def inline(compiled: Function) -> Function:
 
 def announce(compiled: Callable[..., Any]) -> None:
     """Say on standard error that the kernels are about to be compiled, when an entry is not in the cache yet."""
-    if not any(CACHE.rglob(f"*.{compiled.__name__}-*.nbi")):
+    loaded: bool = bool(compiled.signatures)  # type: ignore[attr-defined]
+    if not loaded and not any(CACHE.rglob(f"*.{compiled.__name__}-*.nbi")):
         print("sinuous: compiling the kernels, once on this machine (about 20 s)", file=sys.stderr, flush=True)  # noqa: T201

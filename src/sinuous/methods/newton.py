@@ -56,7 +56,12 @@ class Newton:
         self._local = threading.local()
         announce(search)
         nothing = np.empty((0, len(robot), 3))
-        self.run(np.zeros((1, TARGET_WIDTH)), nothing, 0, 0, 0, 0.0)  # compiles, or loads from the cache
+        no_target = np.zeros((1, TARGET_WIDTH))
+        outcome = self.run(no_target, nothing, 0, 0, 0, 0.0)  # compiles, or loads from the cache
+        if preferences:
+            announce(prefer)
+            outcome.q[:] = 0.0
+            self._prefer(outcome, no_target, nothing, 0.0, self._workspace(1))
 
     def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
         """Solve for one table of targets; see `Method.run`."""
@@ -83,7 +88,6 @@ class Newton:
 
     def _prefer(self, outcome: Outcome, rows: Floats, given: Floats, seconds: float, workspace: Floats) -> Outcome:
         """Improve a solved outcome, in place, by what is preferred."""
-        announce(prefer)
         reference = given[0] if len(given) else outcome.q.copy()
         proved = outcome.position_error, outcome.angle_error, outcome.clearance
         used, *better = prefer(*self._tables, rows, reference, proved, seconds, workspace, outcome.q)

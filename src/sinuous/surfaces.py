@@ -9,7 +9,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.robot import Robot
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
 
 AROUND = 20
 """Facets around a round body."""
@@ -68,6 +68,8 @@ def obstacle_surface(obstacle: Obstacle, center: Floats, span: float) -> Floats:
         near = center - (center - obstacle.point) @ obstacle.normal * obstacle.normal
         local = _square(0.5 * span)
         return near + local @ obstacle.row[5:14].reshape(3, 3).T
+    if not isinstance(obstacle, Primitive):
+        raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
     row = obstacle.row
     place, rotation, half = row[2:5], row[5:14].reshape(3, 3), row[14:17]
     local = _box(half) if isinstance(obstacle, Box) else _revolved(_profile(obstacle, float(half[2])))

@@ -80,10 +80,11 @@ class Field(Obstacle):
 
 def _shape(extent: Floats, spacing: float) -> tuple[int, ...]:
     """Points along every axis that cover `extent`."""
-    steps = extent / spacing
-    if not float(np.prod(steps + 1.0)) <= MOST:
-        count = f"{float(np.prod(steps + 1.0)):.3g} samples"
-        raise InputError("spacing", f"makes {count}", spacing, f"a coarser one: at most {MOST} samples")
+    with np.errstate(over="ignore"):
+        steps = extent / spacing
+        count = float(np.prod(steps + 1.0))
+    if count > MOST:
+        raise InputError("spacing", f"makes {count:.3g} samples", spacing, f"a coarser one: at most {MOST} samples")
     return tuple(max(1, math.ceil(s - 1e-9)) + 1 for s in steps.tolist())
 
 

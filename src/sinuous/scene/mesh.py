@@ -9,7 +9,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene import topology
+from sinuous.scene import orientation, topology
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
 from sinuous.scene.topology import Integers
@@ -24,9 +24,11 @@ class Mesh(Obstacle):
 
     Watertight means that every edge has exactly two triangles, which run along it in opposite directions, and that the
     whole encloses a volume. Distances to a solid are negative inside; to a surface they are unsigned, less half of its
-    `thickness`. Vertices that are exactly equal are taken for one unless the surface is closed without that (STL files
-    repeat them); triangles without area and vertices without a triangle are dropped; a solid whose triangles all face
-    inwards is turned.
+    `thickness`.
+
+    Vertices that are exactly equal are taken for one unless the surface is closed without that (STL files repeat them).
+    Triangles without area and vertices without a triangle are dropped. Bodies that face inwards, and single triangles
+    that face another way than their neighbours, are turned.
 
     Parameters
     ----------
@@ -128,7 +130,7 @@ class Mesh(Obstacle):
         placement = Placement(scale, position, rotation)
         vertices, faces = read_mesh(Path(file))
         try:
-            mesh = cls(placement.apply(vertices), faces, thickness=thickness, inside=inside, name=name)
+            mesh = cls(placement.apply(checks.points("vertices", vertices)), faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
         object.__setattr__(mesh, "scale", placement.scale)
@@ -184,14 +186,24 @@ def _cleaned(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool,
     if not good.all():
         flaws.append(f"{_counted(int((~good).sum()), 'triangle')} without area dropped")
     vertices, faces = topology.drop_unused(vertices, faces[good])
-    edges, volume = topology.edges(faces), topology.volume(vertices, faces)
-    if edges.closed and volume < 0.0:
-        faces = faces[:, ::-1].copy()
-        flaws.append("all triangles faced inwards and were turned")
+    edges = topology.edges(faces)
+    if edges.clashing and not edges.border and not edges.crowded:
+        faces, turned = orientation.turn_alike(faces)
+        flaws += _turned(turned, "another way than the neighbours")
+        edges = topology.edges(faces)
+    if edges.closed:
+        faces, turned = orientation.turn_outwards(vertices, faces)
+        flaws += _turned(turned, "inwards")
+    volume = topology.volume(vertices, faces)
     reason = _open(edges, volume)
     if reason:
         flaws.append(f"{reason}, so it is used as a shell and not as a solid")
     return vertices, faces, not reason, flaws
+
+
+def _turned(count: int, how: str) -> list[str]:
+    were = "was" if count == 1 else "were"
+    return [f"{_counted(count, 'triangle')} faced {how} and {were} turned"] if count else []
 
 
 def _open(edges: topology.Edges, volume: float) -> str:

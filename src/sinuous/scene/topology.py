@@ -77,7 +77,14 @@ def volume(vertices: Floats, faces: Integers) -> float:
 
     Up to rounding zero (`FLAT`) is zero.
     """
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    a, b, c = np.moveaxis((vertices - 0.5 * (low + high))[faces], 1, 0)
-    total = float((a * np.cross(b, c)).sum()) / 6.0
-    return total if abs(total) > FLAT * float(np.linalg.norm(high - low)) ** 3 else 0.0
+    total = float(cones(vertices, faces).sum())
+    extent = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    return total if abs(total) > FLAT * extent**3 else 0.0
+
+
+def cones(vertices: Floats, faces: Integers) -> Floats:
+    """Signed volumes (f,) between the triangles and the middle of their box; a closed body's sum up to its own."""
+    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    a, b, c = np.moveaxis((vertices - middle)[faces], 1, 0)
+    result: Floats = (a * np.cross(b, c)).sum(axis=-1) / 6.0
+    return result

@@ -17,6 +17,7 @@ from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
 from sinuous.problem import Preferences, Problem, Tolerance, check_sizes
 from sinuous.robot import Robot
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene
 from sinuous.target import Target
 
@@ -51,6 +52,16 @@ class ProblemFile:
     tolerance: Tolerance
     start: Floats | None
     prefer: Preferences
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is not as it should be, and what became of it: the flaws of all meshes."""
+        return tuple(
+            f"{self.scene.name(i)}: {flaw}"
+            for i, obstacle in enumerate(self.scene.obstacles)
+            if isinstance(obstacle, Mesh)
+            for flaw in obstacle.flaws
+        )
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""

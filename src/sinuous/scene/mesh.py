@@ -130,7 +130,8 @@ class Mesh(Obstacle):
         placement = Placement(scale, position, rotation)
         vertices, faces = read_mesh(Path(file))
         try:
-            mesh = cls(placement.apply(checks.points("vertices", vertices)), faces, thickness=thickness, inside=inside, name=name)
+            moved = placement.apply(checks.points("vertices", vertices))
+            mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
         object.__setattr__(mesh, "scale", placement.scale)

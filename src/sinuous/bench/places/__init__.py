@@ -39,10 +39,13 @@ class Family:
         From a seed to a place.
     words : str
         What it is.
+    published : bool
+        Whether it repeats what others were measured on.
     """
 
     make: Callable[[int], Place]
     words: str
+    published: bool = False
 
 
 _DRAWN: dict[str, tuple[Draw, str]] = {
@@ -59,21 +62,27 @@ _DRAWN: dict[str, tuple[Draw, str]] = {
 }
 SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
 
+_PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
+    "p3": (polyhedra.fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
+    "p4 direction": (
+        partial(polyhedra.extensible, whole=False),
+        "four scenes of balls, 3 to 6 extensible segments, position and direction",
+    ),
+    "p4 pose": (
+        partial(polyhedra.extensible, whole=True),
+        "four scenes of balls, 3 to 6 extensible segments, position and rotation",
+    ),
+}
+
 
 def _families() -> dict[str, Family]:
-    drawn = {f"{name}": pair for name, pair in _DRAWN.items()}
-    drawn |= {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
+    scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
     families = {
         name: Family(partial(settle, name, draw=draw), words)  # the name is part of what the draws begin with
-        for name, (draw, words) in drawn.items()
+        for name, (draw, words) in (_DRAWN | scanned).items()
     }
-    families["p3"] = Family(polyhedra.fixed, "protocol P3: four scenes of balls, 3 inextensible segments, full poses")
-    families["p4 direction"] = Family(
-        partial(polyhedra.extensible, whole=False), "protocol P4: four scenes of balls, 3 to 6 segments, directions"
-    )
-    families["p4 pose"] = Family(
-        partial(polyhedra.extensible, whole=True), "protocol P4: four scenes of balls, 3 to 6 segments, full poses"
-    )
+    for name, (made, words) in _PUBLISHED.items():
+        families[name] = Family(made, words, published=True)
     return families
 
 

@@ -225,3 +225,22 @@ def test_a_scale_that_cannot_be_meant_is_refused(size: float, fits: bool) -> Non
         mesh.check_size(1.0)
     else:
         refused("vertices", lambda: mesh.check_size(1.0), "the unit of the robot")
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8])
+@pytest.mark.parametrize("share", [0.5, 0.3])
+def test_slivers_leave_a_solid_closed(count: int, share: float) -> None:
+    """Where a triangle has more corners along a side than the one beside it, slivers fill the gap of no width."""
+    turn = random_rotation(np.random.default_rng(0))
+    vertices, faces = cube()[0] @ turn.T, cube()[1]
+    for _ in range(count):
+        a, b, c = faces[0].tolist()
+        new = len(vertices)
+        vertices = np.concatenate([vertices, [share * vertices[a] + (1.0 - share) * vertices[b]]])
+        faces = np.concatenate([[[a, new, c], [new, b, c], [a, b, new]], faces[1:]])
+    mesh = Mesh(vertices, faces)
+    assert mesh.watertight
+    assert volume(mesh) == pytest.approx(1.0)
+    assert mesh.flaws[0].startswith(f"{count} triangle")
+    assert len(mesh.flaws) == 1
+    assert topology.are_triangles(mesh.vertices, mesh.faces).all()

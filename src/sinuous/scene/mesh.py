@@ -12,6 +12,7 @@ from sinuous.errors import InputError
 from sinuous.scene import orientation, topology
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
+from sinuous.scene.slivers import without_slivers
 from sinuous.scene.topology import Integers
 
 ODD = 1000.0
@@ -186,7 +187,10 @@ def _cleaned(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool,
         raise InputError("faces", "has only triangles without area", len(faces), "at least one triangle with an area")
     if not good.all():
         flaws.append(f"{_counted(int((~good).sum()), 'triangle')} without area dropped")
-    vertices, faces = topology.drop_unused(vertices, faces[good])
+        if topology.edges(faces).closed:
+            faces = without_slivers(vertices, faces)
+        faces = faces[topology.are_triangles(vertices, faces)]
+    vertices, faces = topology.drop_unused(vertices, faces)
     edges = topology.edges(faces)
     if edges.clashing and not edges.border and not edges.crowded:
         faces, turned = orientation.turn_alike(faces)

@@ -118,8 +118,8 @@ def expand_lzf(data: bytes, size: int) -> bytes:
         at += 1
         if back > len(out):
             raise ValueError("damaged compression")
-        for _ in range(length + 2):
-            out.append(out[-back])
+        piece = out[len(out) - back : len(out) - back + length + 2]  # repeated where it runs into itself
+        out += (piece * (length // back + 2))[: length + 2]
     if len(out) != size:
         raise ValueError(f"{len(out)} bytes after expanding, not {size}")
     return bytes(out)

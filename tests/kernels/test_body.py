@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.kernels import body
+from sinuous.kernels import body, distances
 from sinuous.kernels.body import CLEAR, PER_SEGMENT, TOUCHING, UNDECIDED
+from sinuous.kernels.solids import EXACT
 from sinuous.kernels.sweeps import INNER, SOFT
 from sinuous.robot import Robot, Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
@@ -59,7 +60,7 @@ def sampled(q: Floats, scene: Scene, mount: float = 0.0) -> tuple[float, float]:
 
 def prove(q: Floats, scene: Scene, mount: float = 0.0, slack: float = SLACK) -> tuple[int, float, int, float, int]:
     among = np.empty(len(scene), np.int64)
-    return body.prove(ROBOT.limits, q, frames_of(q), scene.table, mount, slack, FINEST, among)
+    return body.prove(ROBOT.limits, q, frames_of(q), distances.Scene(*scene.tables), mount, slack, FINEST, among)
 
 
 @pytest.mark.parametrize("reach", [0.7, 2.0, 5.0])
@@ -177,7 +178,20 @@ def contacts(
     origin = (0.0, 0.0, 0.0) if case is None else case.origin
     among = np.empty(len(scene), np.int64)
     at, least = body.contacts(
-        ROBOT.limits, q, frames, scene.table, k, mount, *margins, depth, origin, 2.0, among, rows, 0
+        ROBOT.limits,
+        q,
+        frames,
+        distances.Scene(*scene.tables),
+        k,
+        mount,
+        *margins,
+        depth,
+        EXACT,
+        origin,
+        2.0,
+        among,
+        rows,
+        0,
     )
     return rows, at, least
 

@@ -64,7 +64,7 @@ def draw(kind: str, rng: np.random.Generator, inside: bool = False) -> tuple[Pri
 
 def ask(obstacle: Primitive, points: Floats) -> tuple[Floats, Floats]:
     values, gradients, which = np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points), np.int64)
-    distances.many(Scene([obstacle]).table, points, values, gradients, which)
+    distances.many(*Scene([obstacle]).tables, points, values, gradients, which)
     assert (which == 0).all()
     return values, gradients
 
@@ -190,23 +190,23 @@ def test_a_hair_off_the_axis_of_a_capsule() -> None:
 def test_the_nearest_of_many() -> None:
     rng = np.random.default_rng(50)
     obstacles = [draw(kind, rng)[0] for kind in KINDS * 4]
-    table = Scene(obstacles).table
+    scene = distances.Scene(*Scene(obstacles).tables)
     points = rng.normal(size=(100, 3)) * 2
     single = np.stack([ask(obstacle, points)[0] for obstacle in obstacles])
     values, gradients, which = np.empty(100), np.empty((100, 3)), np.empty(100, np.int64)
-    distances.many(table, points, values, gradients, which)
+    distances.many(*scene, points, values, gradients, which)
     np.testing.assert_array_equal(values, single.min(axis=0))
     np.testing.assert_array_equal(which, single.argmin(axis=0))
     for i, p in enumerate(points[:10]):
-        assert distances.nearest(table, vec(p)) == (values[i], which[i])
-        d, g = distances.obstacle(table, int(which[i]), vec(p))
+        assert distances.nearest(scene, vec(p)) == (values[i], which[i])
+        d, g = distances.obstacle(scene, int(which[i]), vec(p))
         assert d == values[i]
         np.testing.assert_array_equal(g, gradients[i])
 
 
 def test_nothing_is_infinitely_far() -> None:
     values, gradients, which = np.empty(2), np.empty((2, 3)), np.empty(2, np.int64)
-    distances.many(Scene().table, np.zeros((2, 3)), values, gradients, which)
+    distances.many(*Scene().tables, np.zeros((2, 3)), values, gradients, which)
     assert (values == math.inf).all()
     assert (gradients == 0.0).all()
     assert (which == -1).all()

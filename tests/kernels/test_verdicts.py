@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.kernels import verdicts
+from sinuous.kernels import distances, verdicts
 from sinuous.kernels.states import Problem
 from sinuous.kernels.verdicts import OUT_OF_REACH, POSSIBLE, TARGET_BLOCKED
 from sinuous.poses import pose
@@ -25,7 +25,7 @@ def verdict(robot: Robot, targets: Any, scene: Scene | None = None) -> int:
         "actuation": robot.actuation,
         "base": robot.base_row,
         "tool": robot.tool_row,
-        "scene": (scene or Scene()).table,
+        "scene": distances.Scene(*(scene or Scene()).tables),
         "targets": target_table(robot, target_list("targets", targets)).copy(),
         "mount": robot.mount,
         "unit": robot.mean_length,

@@ -3,15 +3,17 @@
 A distance field changes by at most the distance moved. Of a piece of backbone of arc length h, no point is farther
 than h / 2 from the midpoint, so `distance(midpoint) - h / 2 - radius` bounds the clearance of the piece from below.
 Pieces are halved until that bound decides. Obstacles that a whole segment is clear of are not asked again for its
-pieces.
+pieces. Where an obstacle has samples, their lower bound is tried first; the exact distance is asked only where that
+bound is what keeps a piece from being decided.
 """
 
 import math
 
 from sinuous.kernels.chain import body_columns, body_point, frame
-from sinuous.kernels.compile import kernel
-from sinuous.kernels.distances import distance, obstacle
+from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.distances import Scene, look, slope
 from sinuous.kernels.limits import RADIUS
+from sinuous.kernels.solids import BOUND, EXACT
 from sinuous.kernels.sweeps import INNER, SOFT, Rows
 from sinuous.kernels.vectors import Array, Vec, cross, dot, norm, put_vec, scale, sub
 
@@ -24,7 +26,13 @@ SOFTNESS = 1e-4
 ROUNDING = 1e-13
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
 
+LOOSENESS = 0.25
+"""Most that a bound may be off, in half lengths of a piece, for halving to be better than an exact distance."""
+
 CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
+
+
+look_here = inline(look)
 
 
 @kernel
@@ -38,11 +46,11 @@ def free_part(q: Array, k: int, mount: float) -> float:
 
 
 @kernel
-def near(scene: Array, p: Vec, reach: float, among: Array) -> tuple[int, float]:
-    """List in `among` the obstacles closer to `p` than `reach`: their number, and the least distance of the others."""
+def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
+    """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others."""
     count, rest = 0, math.inf
-    for i in range(scene.shape[0]):
-        d = distance(scene, i, p)
+    for i in range(scene.table.shape[0]):
+        d, _ = look_here(scene, i, p, reach, BOUND)
         if d < reach:
             among[count] = i
             count += 1
@@ -64,14 +72,18 @@ def following(level: int, piece: int) -> tuple[int, int]:
 
 
 @kernel
-def closest(scene: Array, among: Array, count: int, p: Vec) -> tuple[float, int]:
-    """Least distance of `p` to the first `count` obstacles that `among` lists, and the obstacle."""
-    least, which = math.inf, -1
+def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, how: int) -> tuple[float, float, int]:
+    """Least distance of `p` to the first `count` obstacles that `among` lists, an upper bound of it, and the obstacle.
+
+    `how` to ask, and `reach`, beyond which nobody is interested: see `distances.look`.
+    """
+    least, most, which = math.inf, math.inf, -1
     for j in range(count):
-        d = distance(scene, among[j], p)
+        d, upper = look_here(scene, among[j], p, min(reach, least), how)
+        most = min(most, upper)
         if d < least:
             least, which = d, among[j]
-    return least, which
+    return least, most, which
 
 
 @kernel
@@ -79,12 +91,13 @@ def contacts(
     limits: Array,
     q: Array,
     frames: Array,
-    scene: Array,
+    scene: Scene,
     k: int,
     mount: float,
     margin: float,
     wish: float,
     depth: int,
+    how: int,
     origin: Vec,
     unit: float,
     among: Array,
@@ -94,6 +107,7 @@ def contacts(
     """Write a row for every place of segment `k` that is closer than `margin` to an obstacle, from row `at` on.
 
     Between `margin` and `wish` the row is SOFT. The segment is halved `depth` times where it may be too close.
+    Distances are asked for as `how` says, STEP or EXACT.
     Returns the next free row and the least clearance that was seen at a place (infinite: none was looked at closely).
     """
     start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
@@ -111,7 +125,7 @@ def contacts(
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)
-        d, _ = closest(scene, among, count, p)
+        d, _, _ = closest(scene, among, count, p, near_by + 0.5 * length * width, how)
         if level < depth and d < near_by + 0.5 * length * width:
             level, piece = level + 1, 2 * piece
             continue
@@ -120,7 +134,9 @@ def contacts(
         if d < near_by:
             for j in range(count):
                 if at < last:
-                    at = _contact(q, frames, scene, among[j], k, s, p, radius + margin, near_by, origin, unit, rows, at)
+                    at = _contact(
+                        q, frames, scene, among[j], k, s, p, radius + margin, near_by, how, origin, unit, rows, at
+                    )
     return at, least
 
 
@@ -128,19 +144,20 @@ def contacts(
 def _contact(
     q: Array,
     frames: Array,
-    scene: Array,
+    scene: Scene,
     i: int,
     k: int,
     s: float,
     p: Vec,
     needed: float,
     wished: float,
+    how: int,
     origin: Vec,
     unit: float,
     rows: Rows,
     at: int,
 ) -> int:
-    d, g = obstacle(scene, i, p)
+    d, g = slope(scene, i, p, wished, how)
     if d >= wished:
         return at
     soft = d >= needed
@@ -160,8 +177,14 @@ def _contact(
 
 
 @kernel
+def _decided(sure: float, least: float, slack: float) -> bool:
+    """Whether a bound proves something, and as much as is worth proving when `least` is the best that can be true."""
+    return sure > 0.0 and sure >= (1.0 - slack) * least
+
+
+@kernel
 def prove(
-    limits: Array, q: Array, frames: Array, scene: Array, mount: float, slack: float, finest: float, among: Array
+    limits: Array, q: Array, frames: Array, scene: Scene, mount: float, slack: float, finest: float, among: Array
 ) -> tuple[int, float, int, float, int]:
     """Prove that the whole body is clear of every obstacle, or find where it is not.
 
@@ -191,14 +214,18 @@ def prove(
             width = part / (1 << level)
             s = start + (piece + 0.5) * width
             half = 0.5 * length * width
-            d, nearest_one = closest(scene, among, count, body_point(q, frames, k, s))
-            seen = d - radius
-            if seen < least:
-                least, where, fraction, which = seen, k, s, nearest_one
+            p = body_point(q, frames, k, s)
+            away = max(0.0, least) + half + radius + rounding
+            d, most, nearest_one = closest(scene, among, count, p, away, BOUND)
+            decided = _decided(d - half - radius - rounding, min(least, most - radius), slack)
+            if not decided and most > d and (most - d > LOOSENESS * half or 2.0 * half <= finest):
+                d, most, nearest_one = closest(scene, among, count, p, away, EXACT)
+            sure = d - half - radius - rounding
+            if most - radius < least:
+                least, where, fraction, which = most - radius, k, s, nearest_one
             if least < 0.0:
                 return TOUCHING, least, where, fraction, which
-            sure = seen - half - rounding
-            if 2.0 * half > finest and (sure <= 0.0 or sure < (1.0 - slack) * least):
+            if 2.0 * half > finest and not _decided(sure, least, slack):
                 level, piece = level + 1, 2 * piece
                 continue
             undecided = undecided or sure <= 0.0

@@ -7,13 +7,14 @@ the cache is named by a hash of every kernel's source, so that a change anywhere
 import hashlib
 import os
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
 from numba.core import config as numba_config
+
+from sinuous.caches import places, writable
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
@@ -38,29 +39,10 @@ def _sources_hash() -> str:
     return digest.hexdigest()[:16]
 
 
-def _user_cache() -> Path:
-    if "XDG_CACHE_HOME" in os.environ:
-        return Path(os.environ["XDG_CACHE_HOME"])
-    return Path.home() / ".cache"
-
-
-def _writable(directory: Path) -> bool:
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=directory):
-            return True
-    except OSError:
-        return False
-
-
 def _find_cache() -> Path:
     name = _sources_hash()
-    candidates = [
-        Path(__file__).parent / "__pycache__" / name,
-        _user_cache() / "sinuous" / name,
-        Path(tempfile.gettempdir()) / f"sinuous-{os.getuid() if hasattr(os, 'getuid') else 0}" / name,
-    ]
-    return next((directory for directory in candidates if _writable(directory)), candidates[-1])
+    candidates = [Path(__file__).parent / "__pycache__" / name, *places(name)]
+    return next((directory for directory in candidates if writable(directory)), candidates[-1])
 
 
 CACHE = _find_cache()

@@ -1,18 +1,25 @@
-"""Signed distance, positive outside, to the exact obstacles of a scene.
+"""Signed distance, positive outside, to the obstacles of a scene.
 
-A scene is a table with one row an obstacle: kind, sign (-1: the body must stay inside), center (3), rotation (9, its
-columns are the obstacle's axes in the world), half extents (3), rounding. Spheres, capsules and boxes are all one
-shape, a box of half extents `h`, possibly zero, rounded by `r`; the sphere has a kind of its own because it is so
-common.
+A scene is a table with one row an obstacle, and one array of numbers, the store. The row of a primitive says all: kind,
+sign (-1: the body must stay inside), center (3), rotation (9, its columns are the obstacle's axes in the world), half
+extents (3), rounding. Spheres, capsules and boxes are all one shape, a box of half extents `h`, possibly zero, rounded
+by `r`; the sphere has a kind of its own because it is so common. Meshes, clouds and grids keep their numbers in the
+store; see `solids`.
 """
 
 import math
+from collections import namedtuple
 
+from sinuous.kernels import solids
 from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.solids import ABOVE, EXACT, STEP, TREE
 from sinuous.kernels.vectors import Array, Mat, Vec, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
 
 SPHERE, BOX, CYLINDER, HALF_SPACE = 0, 1, 2, 3
 WIDTH = 18
+
+Scene = namedtuple("Scene", ["table", "store"])
+"""Rows (m, 18), and the numbers (s,) that they point to."""
 
 
 @kernel
@@ -63,45 +70,101 @@ def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
 
 
 @kernel
-def obstacle(scene: Array, i: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to obstacle `i`, and its gradient."""
-    local = sub(p, get_vec(scene, i, 2))
-    if scene[i, 0] == SPHERE:
+def _primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
+    local = sub(p, get_vec(table, i, 2))
+    if table[i, 0] == SPHERE:
         d, g = sphere(local)
     else:
-        d, g = _shape(int(scene[i, 0]), get_mat(scene, i, 5), get_vec(scene, i, 14), local)
-    sign = scene[i, 1]
-    return sign * (d - scene[i, 17]), scale(sign, g)
+        d, g = _shape(int(table[i, 0]), get_mat(table, i, 5), get_vec(table, i, 14), local)
+    sign = table[i, 1]
+    return sign * (d - table[i, 17]), scale(sign, g)
 
 
 @kernel
-def distance(scene: Array, i: int, p: Vec) -> float:
-    """Signed distance of the point `p` to obstacle `i`, without the gradient where that is cheaper."""
-    if scene[i, 0] == SPHERE:
-        local = sub(p, get_vec(scene, i, 2))
-        return scene[i, 1] * (norm(local) - scene[i, 17])
-    return obstacle(scene, i, p)[0]
+def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, how: int) -> tuple[float, float]:
+    if scene.table[i, 0] >= TREE:
+        return solids.look(scene.table, scene.store, i, p, reach, how)
+    d, _ = _primitive(scene.table, i, p)
+    return d, d
 
 
 @kernel
-def nearest(scene: Array, p: Vec) -> tuple[float, int]:
+def look(scene: Scene, i: int, p: Vec, reach: float, how: int) -> tuple[float, float]:
+    """Signed distance of the point `p` to obstacle `i`, and an upper bound of it: the same where it is exact.
+
+    `how` is one of STEP, BOUND, EXACT and ABOVE of `solids`; primitives are always exact. What is not less than
+    `reach` need not be exact: any lower bound that is not less than `reach` either will do.
+    """
+    if scene.table[i, 0] != SPHERE:
+        return _look_at_other(scene, i, p, reach, how)
+    d = scene.table[i, 1] * (norm(sub(p, get_vec(scene.table, i, 2))) - scene.table[i, 17])
+    return d, d
+
+
+@kernel
+def slope(scene: Scene, i: int, p: Vec, reach: float, how: int) -> tuple[float, Vec]:
+    """Signed distance of the point `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
+    if scene.table[i, 0] >= TREE:
+        return solids.slope(scene.table, scene.store, i, p, reach, how)
+    return _primitive(scene.table, i, p)
+
+
+@kernel
+def obstacle(scene: Scene, i: int, p: Vec) -> tuple[float, Vec]:
+    """Signed distance of the point `p` to obstacle `i` and its gradient: interpolated where there are samples."""
+    return slope(scene, i, p, math.inf, STEP)
+
+
+@kernel
+def distance(scene: Scene, i: int, p: Vec) -> float:
+    """Signed distance of the point `p` to obstacle `i`; a lower bound where only samples of it are known."""
+    return look(scene, i, p, math.inf, EXACT)[0]
+
+
+@kernel
+def bounded(scene: Scene, i: int, p: Vec, reach: float) -> float:
+    """Distance where it is less than `reach`; otherwise some lower bound that is not less than `reach`."""
+    return look(scene, i, p, reach, EXACT)[0]
+
+
+@kernel
+def has_samples(scene: Scene) -> bool:
+    """Whether some obstacle can be asked less than exactly."""
+    found = False
+    for i in range(scene.table.shape[0]):
+        found = found or (scene.table[i, 0] >= TREE and scene.table[i, solids.AT] >= 0.0)
+    return found
+
+
+@kernel
+def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
     """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none)."""
     least, which = math.inf, -1
-    for i in range(scene.shape[0]):
-        d = distance(scene, i, p)
+    for i in range(scene.table.shape[0]):
+        d = bounded(scene, i, p, least)
         if d < least:
             least, which = d, i
     return least, which
 
 
+@kernel
+def at_most(scene: Scene, p: Vec) -> float:
+    """Upper bound of the distance of the point `p` to the scene: exact unless only samples are known."""
+    least = math.inf
+    for i in range(scene.table.shape[0]):
+        least = min(least, look(scene, i, p, least, ABOVE)[0])
+    return least
+
+
 @entry
-def many(scene: Array, points: Array, values: Array, gradients: Array, which: Array) -> None:
+def many(table: Array, store: Array, points: Array, values: Array, gradients: Array, which: Array) -> None:
     """Fill signed distance, gradient and obstacle for every row of `points` (m, 3); inf, 0, -1 without obstacles."""
+    scene = Scene(table, store)
     for j in range(points.shape[0]):
         p = get_vec(points, j, 0)
         values[j], which[j] = nearest(scene, p)
         if which[j] >= 0:
-            _, g = obstacle(scene, which[j], p)
+            _, g = slope(scene, which[j], p, math.inf, EXACT)
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = g
         else:
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = 0.0, 0.0, 0.0

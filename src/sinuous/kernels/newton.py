@@ -2,11 +2,12 @@
 
 import math
 
-from sinuous.kernels import actuation, limits, sweeps
+from sinuous.kernels import actuation, limits, solids, sweeps
 from sinuous.kernels.body import CLEAR, SOFTNESS, contacts, prove
 from sinuous.kernels.chain import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.distances import has_samples
 from sinuous.kernels.states import ANGLE, MERIT, POSITION, SEEN, WISH, Problem, State, Work, pick
 from sinuous.kernels.sweeps import SOFT
 from sinuous.kernels.targets import add_rows, end_segment
@@ -32,8 +33,11 @@ ROUNDS = 3
 
 
 @kernel
-def linearise(problem: Problem, state: State, work: Work, depth: int, wish: float) -> None:
-    """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows."""
+def linearise(problem: Problem, state: State, work: Work, depth: int, how: int, wish: float) -> None:
+    """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
+
+    Contacts are looked for as deep as `depth` and as exactly as `how` says (see `body.contacts`).
+    """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
     origin = frame(frames, 0)[1]
@@ -44,7 +48,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, wish: floa
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
-        if problem.scene.shape[0] > 0:
+        if problem.scene.table.shape[0] > 0:
             at, least = contacts(
                 problem.limits,
                 q,
@@ -55,6 +59,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, wish: floa
                 problem.margin,
                 wish,
                 depth,
+                how,
                 origin,
                 problem.unit,
                 work.among,
@@ -138,7 +143,7 @@ def met(problem: Problem, state: State) -> bool:
 @kernel
 def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and clearance of the whole body at `state`; see `body.prove`."""
-    if problem.scene.shape[0] == 0:
+    if problem.scene.table.shape[0] == 0:
         return CLEAR, math.inf
     verdict, clearance, _, _, _ = prove(
         problem.limits, state.q, state.frames, problem.scene, problem.mount, SLACK, FINEST * problem.unit, work.among
@@ -155,16 +160,20 @@ def descend(
 ) -> tuple[int, int, int, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
+    Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
+    when it fails again, contacts are looked for more closely.
+
     Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
     the clearance that the proof saw, and whether limits bound the last step.
     """
     enter(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.depth, at, math.inf, 1.0
+    how = solids.STEP if has_samples(problem.scene) else solids.EXACT
     slow = iteration = 0
     bound = False
     while True:
         looked = pick(states, looked_at)
-        linearise_here(problem, looked, work, depth, 0.0)
+        linearise_here(problem, looked, work, depth, how, 0.0)
         found = looked.norms[MERIT]
         if found < merit:
             if merit < math.inf:
@@ -179,7 +188,11 @@ def descend(
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or depth >= problem.depth + 6:
                 return at, verdict, iteration, clearance, bound
-            depth, looked_at, merit = depth + 2, at, math.inf
+            if how == solids.STEP:
+                how = solids.EXACT
+            else:
+                depth += 2
+            looked_at, merit = at, math.inf
             continue
         if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
             return at, MISSED, iteration, 0.0, bound

@@ -7,7 +7,7 @@ the sweeps; rows of the targets and contacts, met exactly, take out of it what f
 
 from collections import namedtuple
 
-from sinuous.kernels import limits
+from sinuous.kernels import limits, solids
 from sinuous.kernels.body import CLEAR
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
@@ -59,10 +59,10 @@ def _correct(problem: Problem, states: State, at: int, spare: int, work: Work, d
         if met(problem, state):
             return at
         rest(work)
-        linearise(problem, state, work, depth, 0.0)
+        linearise(problem, state, work, depth, solids.EXACT, 0.0)
         step(problem, state, work, EXACT)
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, wish)
+        linearise(problem, trial, work, depth, solids.EXACT, wish)
         at, spare = spare, at
     return at
 
@@ -76,7 +76,7 @@ def improve(
     at, free, spare = 0, 1, 2
     start = pick(states, at)
     copy(best, start.q)
-    linearise(problem, start, work, depth, wishes.clearance)
+    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance)
     least = cost(problem, start, wishes)
     share = 1.0
     for iteration in range(most):
@@ -89,7 +89,7 @@ def improve(
             for k in range(state.q.shape[0]):
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, wishes.clearance)
+        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance)
         found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance)
         free, spare = found_at, free + spare - found_at
         found = pick(states, free)
@@ -112,7 +112,8 @@ def prefer(
     limits: Array,
     actuation: Array,
     poses: Array,
-    scene: Array,
+    table: Array,
+    store: Array,
     settings: Array,
     targets: Array,
     reference: Array,
@@ -126,14 +127,14 @@ def prefer(
     `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what
     is in `best` then.
     """
-    problem = make_problem(limits, actuation, poses, scene, settings, targets)
+    problem = make_problem(limits, actuation, poses, table, store, settings, targets)
     states, work = carve(buffer, problem)
     wishes = Wishes(settings[8], settings[9], settings[10], reference)
     copy(best, work.solved)
     used = improve(problem, states, work, wishes, best, int(settings[7]), now(work.clock) + seconds)
     state = pick(states, 0)
     copy(best, state.q)
-    linearise(problem, state, work, problem.depth, 0.0)
+    linearise(problem, state, work, problem.depth, solids.EXACT, 0.0)
     verdict, clearance = proof(problem, state, work)
     if verdict == CLEAR and met(problem, state):
         return used, state.norms[POSITION], state.norms[ANGLE], clearance

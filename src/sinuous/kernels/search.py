@@ -2,6 +2,9 @@
 
 import math
 
+import numpy as np
+
+from sinuous.kernels import solids
 from sinuous.kernels.body import CLEAR, UNDECIDED
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
@@ -68,7 +71,7 @@ def _start(
         scattered(problem.limits, DRAWS * (index - given.shape[0]) + draw, seed, trial.q)
         if tip >= 0:
             face(trial.frames, problem.tool, tip, goal, trial.q)
-        linearise(problem, trial, work, problem.coarse, 0.0)
+        linearise(problem, trial, work, problem.coarse, solids.STEP, 0.0)
         if draw == 0 or trial.norms[MERIT] < least:
             least = trial.norms[MERIT]
             copy(trial.q, state.q)
@@ -98,7 +101,7 @@ def _solve(
     status, total, best_kind, least = FAILED, 0, GIVEN, math.inf
     off = turn = clearance = math.inf
     stopped = False
-    at, index = 0, first
+    at, index = int(np.int64(0)), first  # a mere 0 would have everything compiled once more, for it
     while index < most:
         kind = _start(problem, pick(states, at), pick(states, 1 - at), work, given, index, seed, tip, goal)
         index += 1
@@ -130,7 +133,8 @@ def search(
     limits: Array,
     actuation: Array,
     poses: Array,
-    scene: Array,
+    table: Array,
+    store: Array,
     settings: Array,
     targets: Array,
     given: Array,
@@ -143,11 +147,12 @@ def search(
 ) -> Numbers:
     """Solve for the targets (t, 15), from the starts `given` (g, n, 3), the single arc, then scattered shapes.
 
-    `poses` (2, 12) are the base and the tool; `settings` is laid out as `states.SETTINGS` says; `buffer` is
-    workspace. Starts are counted; this call tries number `first` up to, without it, `most`, for at most `seconds`.
-    Fills `best` (n, 3) with the best configuration found and returns what `OUTCOME` lists.
+    `poses` (2, 12) are the base and the tool; `table` (m, 18) and `store` (s,) are the scene; `settings` is laid out as
+    `states.SETTINGS` says; `buffer` is workspace. Starts are counted; this call tries number `first` up to, without it,
+    `most`, for at most `seconds`. Fills `best` (n, 3) with the best configuration found and returns what `OUTCOME`
+    lists.
     """
-    problem = make_problem(limits, actuation, poses, scene, settings, targets)
+    problem = make_problem(limits, actuation, poses, table, store, settings, targets)
     states, work = carve(buffer, problem)
     return _solve(problem, states, work, given, first, most, seed, int(settings[7]), seconds, best)
 
@@ -157,7 +162,8 @@ def search_many(
     limits: Array,
     actuation: Array,
     poses: Array,
-    scene: Array,
+    table: Array,
+    store: Array,
     settings: Array,
     targets: Array,
     given: Array,
@@ -173,9 +179,9 @@ def search_many(
 
     `targets` (m, t, 15), `given` (m, g, n, 3); fills `best` (m, n, 3) and `outcomes` (m, 10).
     """
-    states, work = carve(buffer, make_problem(limits, actuation, poses, scene, settings, targets[0]))
+    states, work = carve(buffer, make_problem(limits, actuation, poses, table, store, settings, targets[0]))
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, scene, settings, targets[i])
+        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
         found = _solve(problem, states, work, given[i], first, most, seed, int(settings[7]), seconds, best[i])
         outcomes[i, 0], outcomes[i, 1], outcomes[i, 2], outcomes[i, 3], outcomes[i, 4] = found[:5]
         outcomes[i, 5], outcomes[i, 6], outcomes[i, 7], outcomes[i, 8], outcomes[i, 9] = found[5:]

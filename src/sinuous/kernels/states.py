@@ -7,6 +7,7 @@ import numpy as np
 from sinuous.kernels.body import PER_SEGMENT
 from sinuous.kernels.chain import frame, put_frame
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.distances import Scene
 from sinuous.kernels.sweeps import carve_rows, pick_rows, rows_size
 from sinuous.kernels.vectors import Array
 
@@ -61,15 +62,15 @@ MERIT, POSITION, ANGLE, SEEN, WISH = 0, 1, 2, 3, 4
 
 @kernel
 def make_problem(
-    limits: Array, actuation: Array, poses: Array, scene: Array, settings: Array, targets: Array
+    limits: Array, actuation: Array, poses: Array, table: Array, store: Array, settings: Array, targets: Array
 ) -> Problem:
-    """Put the tables together; `poses` (2, 12) are the base and the tool."""
+    """Put the tables together; `poses` (2, 12) are the base and the tool, `table` and `store` the scene."""
     return Problem(
         limits,
         actuation,
         poses[0:1],
         poses[1:2],
-        scene,
+        Scene(table, store),
         targets,
         settings[0],
         settings[1],
@@ -90,7 +91,7 @@ def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) 
 @kernel
 def carve(buffer: Array, problem: Problem) -> tuple[State, Work]:
     """Lay out workspace: several states, as arrays with one more axis in front (see `pick`), and scratch."""
-    n, m, c = problem.limits.shape[0], problem.scene.shape[0], STATES
+    n, m, c = problem.limits.shape[0], problem.scene.table.shape[0], STATES
     capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
     size = c * (33 * n + 17)
     frames = buffer[3 * n * c : (15 * n + 12) * c].reshape((c, n + 1, 12))

@@ -4,7 +4,7 @@ import math
 
 from sinuous.kernels.chain import frame
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.distances import nearest
+from sinuous.kernels.distances import at_most
 from sinuous.kernels.limits import HIGH, LOW, RADIUS, bend_cap
 from sinuous.kernels.states import Problem
 from sinuous.kernels.targets import DIRECTION, GOAL, HAS_POSITION, ORIENTATION, POSITION, ROTATION, end_segment
@@ -66,7 +66,7 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
 
 @kernel
 def _target_blocked(problem: Problem, i: int, k: int) -> bool:
-    if problem.scene.shape[0] == 0 or problem.targets[i, HAS_POSITION] == 0.0:
+    if problem.scene.table.shape[0] == 0 or problem.targets[i, HAS_POSITION] == 0.0:
         return False
     shortest = 0.0
     for j in range(k + 1):
@@ -74,8 +74,10 @@ def _target_blocked(problem: Problem, i: int, k: int) -> bool:
     if shortest <= problem.mount:
         return False
     place, loose = _backbone_end(problem, i, k)
-    distance, _ = nearest(problem.scene, place)
-    return bool(distance + loose + problem.position_tolerance < problem.limits[k, RADIUS] - 1e-9 * problem.unit)
+    return bool(
+        at_most(problem.scene, place) + loose + problem.position_tolerance
+        < problem.limits[k, RADIUS] - 1e-9 * problem.unit
+    )
 
 
 @kernel

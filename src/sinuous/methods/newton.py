@@ -44,13 +44,13 @@ class Newton:
             "clearance": preferences.clearance,
         }
         # Copies: the kernels are compiled for one type of array, a writable one.
-        self._tables = (
+        self._robot = (
             robot.limits.copy(),
             robot.actuation.copy(),
             np.concatenate([robot.base_row, robot.tool_row]),
-            scene.table.copy(),
-            np.array([settings[key] for key in SETTINGS], np.float64),
         )
+        self._scene = scene
+        self._settings = np.array([settings[key] for key in SETTINGS], np.float64)
         self._sizes = len(robot), len(robot.actuation), len(scene)
         self._preferences = preferences
         self._local = threading.local()
@@ -67,7 +67,7 @@ class Newton:
         """Solve for one table of targets; see `Method.run`."""
         best = np.empty((self._sizes[0], 3))
         workspace = self._workspace(len(rows))
-        outcome = Outcome(best, *search(*self._tables, rows, given, first, last, seed, seconds, workspace, best))
+        outcome = Outcome(best, *search(*self._tables(), rows, given, first, last, seed, seconds, workspace, best))
         if self._preferences and outcome.code == SOLVED:
             return self._prefer(outcome, rows, given, seconds, workspace)
         return outcome
@@ -77,7 +77,7 @@ class Newton:
         announce(search_many)
         best, found = np.empty((len(rows), self._sizes[0], 3)), np.empty((len(rows), len(OUTCOME)))
         workspace = self._workspace(rows.shape[1])
-        search_many(*self._tables, rows, given, first, last, seed, seconds, workspace, best, found)
+        search_many(*self._tables(), rows, given, first, last, seed, seconds, workspace, best, found)
         outcomes = [_as_outcome(q, numbers) for q, numbers in zip(best, found.tolist(), strict=True)]
         if not self._preferences:
             return outcomes
@@ -86,11 +86,15 @@ class Newton:
             for i, outcome in enumerate(outcomes)
         ]
 
+    def _tables(self) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
+        """What does not depend on the targets; the scene may have changed since the last time."""
+        return *self._robot, *self._scene.tables, self._settings
+
     def _prefer(self, outcome: Outcome, rows: Floats, given: Floats, seconds: float, workspace: Floats) -> Outcome:
         """Improve a solved outcome, in place, by what is preferred."""
         reference = given[0] if len(given) else outcome.q.copy()
         proved = outcome.position_error, outcome.angle_error, outcome.clearance
-        used, *better = prefer(*self._tables, rows, reference, proved, seconds, workspace, outcome.q)
+        used, *better = prefer(*self._tables(), rows, reference, proved, seconds, workspace, outcome.q)
         position_error, angle_error, clearance = better
         return outcome._replace(
             iterations=outcome.iterations + used,

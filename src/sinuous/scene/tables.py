@@ -1,0 +1,164 @@
+"""What the kernels read of a scene: a table with one row an obstacle, and one store of numbers for all."""
+
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.scene import sampling, trees
+from sinuous.scene.field import Field
+from sinuous.scene.grid import Grid
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.sampling import Progress
+from sinuous.scene.trees import Pieces
+
+WIDTH = 18
+
+Tables = tuple[Floats, Floats]
+"""Rows (m, 18) and store (s,): new arrays, for the kernels alone."""
+
+NOTHING = np.empty(0)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What the kernels read of one obstacle.
+
+    Attributes
+    ----------
+    row : ndarray (18,)
+        Its places in the store are counted from the beginning of its own.
+    store : ndarray (s,)
+    """
+
+    row: Floats
+    store: Floats
+
+
+_PREPARED: "WeakKeyDictionary[Obstacle, Part]" = WeakKeyDictionary()
+_LOCK = threading.RLock()
+
+
+def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> Part:
+    """Make what the kernels read of an obstacle, once for all scenes that it is in.
+
+    Raises
+    ------
+    InputError
+        For a mesh that cuts through itself.
+    """
+    if isinstance(obstacle, Primitive):
+        return Part(obstacle.row, NOTHING)
+    with _LOCK:
+        part = _PREPARED.get(obstacle)
+        if part is None:
+            part = _PREPARED[obstacle] = _prepare(obstacle, name, progress)
+    return part
+
+
+def live(cloud: PointCloud) -> Part:
+    """Make what the kernels read of a cloud that will soon be replaced: without samples, which take longer."""
+    with _LOCK:
+        part = _PREPARED[cloud] = _of_pieces(trees.balls(cloud))
+    return part
+
+
+def join(parts: Sequence[Part]) -> Tables:
+    """Put the obstacles of a scene together."""
+    from sinuous.kernels.solids import AT, ITEMS, NODES, NORMALS, TREE  # noqa: PLC0415
+
+    table = np.array([part.row for part in parts], np.float64).reshape(-1, WIDTH)
+    at = 0
+    for row, part in zip(table, parts, strict=True):
+        if row[0] >= TREE:
+            for column in (NODES, ITEMS, NORMALS, AT):
+                if row[column] >= 0.0:
+                    row[column] += at
+        at += len(part.store)
+    stores = [part.store for part in parts if len(part.store)]
+    return table, np.concatenate(stores) if stores else np.zeros(1)
+
+
+def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
+    if isinstance(obstacle, Field) or (isinstance(obstacle, Grid) and not obstacle.occupancy):
+        return _of_samples(obstacle.values, obstacle.origin, obstacle.spacing)
+    if isinstance(obstacle, Grid):
+        occupied = np.argwhere(obstacle.values)
+        return _sampled(trees.cubes(obstacle.origin + obstacle.spacing * occupied, obstacle.spacing), progress)
+    if isinstance(obstacle, PointCloud):
+        return _sampled(trees.balls(obstacle), progress)
+    if isinstance(obstacle, Mesh):
+        part = _sampled(trees.triangles(obstacle), progress)
+        if obstacle.watertight:
+            _check_sides(part, name)
+        return part
+    raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
+
+
+def _of_pieces(pieces: Pieces) -> Part:
+    """Row and store of a tree."""
+    from sinuous.kernels import solids  # noqa: PLC0415
+
+    row = np.zeros(WIDTH)
+    row[[solids.KIND, solids.SIGN]] = solids.TREE, pieces.sign
+    row[[solids.LEVELS, solids.COUNT, solids.ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
+    row[[solids.HALF, solids.ROUNDING]] = pieces.half, pieces.rounding
+    items = pieces.nodes.size
+    normals = items + pieces.items.size
+    row[[solids.NODES, solids.ITEMS]] = 0.0, items
+    row[[solids.NORMALS, solids.AT]] = normals if len(pieces.normals) else -1.0, -1.0
+    return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
+
+
+def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
+    """Row and store of a tree with samples."""
+    part = _of_pieces(pieces)
+    if not len(pieces.items):
+        return part
+    wanted = min(max(sampling.PER_PIECE * len(pieces.items), sampling.LEAST), sampling.MOST)
+    low, spacing, shape = sampling.lattice(pieces.low, pieces.high, wanted)
+    row = _with_grid(part.row, -1, shape, low, spacing)
+    values = sampling.sample(row, part.store, low, spacing, shape, progress)
+    return Part(
+        _with_grid(part.row, part.store.size, shape, low, spacing), np.concatenate([part.store, values.ravel()])
+    )
+
+
+def _of_samples(values: Floats, low: Floats, spacing: float) -> Part:
+    """Row and store of samples alone."""
+    from sinuous.kernels import solids  # noqa: PLC0415
+
+    row = np.zeros(WIDTH)
+    row[[solids.KIND, solids.SIGN, solids.NODES, solids.ITEMS, solids.NORMALS]] = solids.SAMPLES, 1.0, -1.0, -1.0, -1.0
+    return Part(_with_grid(row, 0, values.shape, low, spacing), values.ravel().copy())
+
+
+def _with_grid(row: Floats, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
+    from sinuous.kernels import solids  # noqa: PLC0415
+
+    result = row.copy()
+    result[solids.AT], result[solids.SPACING] = at, spacing
+    result[solids.SHAPE : solids.SHAPE + 3] = shape
+    result[solids.LOW : solids.LOW + 3] = low
+    return result
+
+
+def _check_sides(part: Part, name: str) -> None:
+    """Refuse a solid whose sides cannot be told apart: where its surface cuts through itself, distances jump."""
+    from sinuous.kernels import solids  # noqa: PLC0415
+
+    at, spacing = int(part.row[solids.AT]), float(part.row[solids.SPACING])
+    shape = part.row[solids.SHAPE : solids.SHAPE + 3].astype(int)
+    values = part.store[at:].reshape(shape)
+    for axis in range(3):
+        jump = np.abs(np.diff(values, axis=axis)).max()
+        if jump > spacing * (1.0 + 1e-6):
+            expected = "bodies that overlap as meshes of their own"
+            raise InputError(name, "cuts through itself", f"a distance that jumps by {jump:.3g}", expected)

@@ -1,0 +1,311 @@
+"""The laws of every distance field: whoever adds one adds it to `FIELDS`, and it goes through all of them.
+
+The truth comes from elsewhere: libigl for triangles, a k-d tree for points, all cubes one by one, a formula.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import igl
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from sinuous.kernels import distances, solids
+from sinuous.measures.obstacles import measure
+from sinuous.poses import pose
+from sinuous.scene.field import Field
+from sinuous.scene.grid import Grid
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.samples import sample_points
+from sinuous.scene.scene import Scene
+from sinuous.scene.topology import Integers
+from tests.helpers import Floats, random_rotation, vec
+from tests.scene import shapes
+
+Oracle = Callable[[Floats], Floats]
+RNG = np.random.default_rng(0)
+TURN = random_rotation(RNG)
+CENTER, HALF = np.array([0.4, -0.3, 0.7]), np.array([1.4, 1.4, 0.7])
+
+
+@dataclass(frozen=True)
+class Case:
+    """An obstacle, and the distance to it by other code.
+
+    `spacing` is that of the samples when there is nothing else to know it by; else 0.
+    """
+
+    obstacle: Obstacle
+    truth: Oracle
+    spacing: float = 0.0
+
+
+def primitive(obstacle: Obstacle) -> Case:
+    return Case(obstacle, lambda p: measure(obstacle, p))
+
+
+def by_triangles(mesh: Mesh) -> Case:
+    vertices, faces = np.array(mesh.vertices), np.array(mesh.faces)
+    signed, unsigned = igl.SIGNED_DISTANCE_TYPE_PSEUDONORMAL, igl.SIGNED_DISTANCE_TYPE_UNSIGNED
+
+    def truth(p: Floats) -> Floats:
+        d = np.asarray(igl.signed_distance(p, vertices, faces, sign_type=signed if mesh.watertight else unsigned)[0])
+        return (-d if mesh.inside else d) - 0.5 * mesh.thickness
+
+    return Case(mesh, truth)
+
+
+def by_points(points: Floats, radii: Floats) -> Case:
+    def truth(p: Floats) -> Floats:
+        each = [cKDTree(points[radii == r]).query(p)[0] - r for r in np.unique(radii)]
+        return np.asarray(np.min(each, axis=0))
+
+    return Case(PointCloud(points, radii), truth)
+
+
+def by_cubes(values: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]", spacing: float) -> Case:
+    origin = CENTER - 0.5 * spacing * np.array(values.shape)
+    boxes = [Box(origin + spacing * index, np.full(3, spacing)) for index in np.argwhere(values)]
+    return Case(Grid(values, origin, spacing), lambda p: np.min([measure(box, p) for box in boxes], axis=0))
+
+
+def torus(p: Floats) -> Floats:
+    local = p - CENTER
+    return np.asarray(np.hypot(np.hypot(local[:, 0], local[:, 1]) - 0.8, local[:, 2]) - 0.3)
+
+
+def sampled_torus(spacing: float) -> Case:
+    low, shape = CENTER - HALF, (round(2.8 / spacing), round(2.8 / spacing), round(1.4 / spacing))
+    values = torus(sample_points(low, spacing, shape, 0, math.prod(shape))).reshape(shape)
+    return Case(Grid(values, low, spacing), torus, spacing)
+
+
+def placed(body: shapes.Triangles, size: float = 1.0) -> tuple[Floats, Integers]:
+    return size * body[0] @ TURN.T + CENTER, body[1]
+
+
+def hollow() -> Mesh:
+    """A ball with a cube cut out of its middle, and a cube aside."""
+    aside = shapes.cube(0.5, (1.5, 0.0, 0.0))
+    return Mesh(*placed(shapes.together(shapes.ball(3), shapes.inverted(shapes.cube(0.7)), aside)))
+
+
+def pocket() -> Mesh:
+    """A cube with a dent: edges and corners that point inwards."""
+    vertices, faces = shapes.cube()
+    vertices = np.concatenate([vertices, [[0.1, 0.05, -0.2]]])
+    top = [f for f in faces.tolist() if all(vertices[i][2] > 0 for i in f)]
+    rest = [f for f in faces.tolist() if f not in top]
+    border = [(f[i], f[(i + 1) % 3]) for f in top for i in range(3)]
+    fan = [[a, b, 8] for a, b in border if (b, a) not in border]
+    return Mesh(*placed((vertices, np.array(rest + fan))))
+
+
+SCAN = RNG.normal(size=(500, 3))
+SCAN = SCAN / np.linalg.norm(SCAN, axis=1)[:, None] + CENTER
+
+FIELDS: dict[str, Callable[[], Case]] = {
+    "sphere": lambda: primitive(Sphere(CENTER, 0.9)),
+    "room": lambda: primitive(Sphere(CENTER, 1.5, inside=True)),
+    "box": lambda: primitive(Box(CENTER, (1.0, 0.5, 1.5), TURN)),
+    "capsule": lambda: primitive(Capsule(CENTER, CENTER + TURN[0], 0.4)),
+    "cylinder": lambda: primitive(Cylinder(CENTER, CENTER + TURN[0], 0.4)),
+    "half-space": lambda: primitive(HalfSpace(CENTER, TURN[1])),
+    "ball of triangles": lambda: by_triangles(Mesh(*placed(shapes.ball(3)))),
+    "cube of triangles": lambda: by_triangles(Mesh(*placed(shapes.cube()))),
+    "hollow mesh": lambda: by_triangles(hollow()),
+    "mesh with a dent": lambda: by_triangles(pocket()),
+    "mesh around": lambda: by_triangles(Mesh(*placed(shapes.ball(2), 1.5), inside=True)),
+    "shell": lambda: by_triangles(Mesh(*placed((shapes.ball(3)[0], shapes.ball(3)[1][:300])), thickness=0.1)),
+    "surface": lambda: by_triangles(Mesh(*placed((shapes.cube()[0], shapes.cube()[1][:7])))),
+    "one triangle": lambda: by_triangles(Mesh(np.eye(3), [[0, 1, 2]])),
+    "needles": lambda: by_triangles(Mesh(*placed((shapes.cube()[0] * [1e-4, 1e-2, 1.0], shapes.cube()[1])))),
+    "cloud": lambda: by_points(SCAN, np.full(len(SCAN), 0.07)),
+    "cloud of all sizes": lambda: by_points(SCAN, RNG.choice([0.0, 0.05, 0.3], len(SCAN))),
+    "one point": lambda: by_points(SCAN[:1], np.array([0.5])),
+    "cubes": lambda: by_cubes(np.random.default_rng(1).random((6, 5, 4)) < 0.3, 0.25),
+    "flat cubes": lambda: by_cubes(np.ones((4, 1, 1), bool), 0.5),
+    "sampled distances": lambda: sampled_torus(0.1),
+    "function": lambda: Case(Field(torus, CENTER - HALF, CENTER + HALF, 0.1), torus, 0.1),
+}
+EXACT = [name for name in FIELDS if name not in ("sampled distances", "function")]
+SAMPLED = [name for name in FIELDS if name not in EXACT]
+CASES: dict[str, Case] = {}
+
+
+def case(name: str) -> Case:
+    """Make an obstacle once; what the kernels read of it is kept with it."""
+    if name not in CASES:
+        CASES[name] = FIELDS[name]()
+    return CASES[name]
+
+
+def tables(name: str) -> distances.Scene:
+    return distances.Scene(*Scene([case(name).obstacle]).tables)
+
+
+def around(seed: int, count: int, far: bool = False) -> Floats:
+    """Points in and around the obstacle; also very far when asked."""
+    rng = np.random.default_rng(seed)
+    spread = rng.choice([0.3, 1.0, 3.0, *([100.0, 1e4] if far else [])], (count, 1))
+    return np.asarray(CENTER + rng.normal(size=(count, 3)) * spread)
+
+
+def close(name: str, seed: int, count: int) -> Floats:
+    """Points close to the surface, or as close as one step along the gradient brings them."""
+    points = around(seed, count)
+    scene = Scene([case(name).obstacle])
+    feet = points - scene.distance(points)[:, None] * scene.gradient(points)
+    return np.asarray(feet + np.random.default_rng(seed).normal(size=points.shape) * 0.02)
+
+
+def ask(name: str, points: Floats, how: int, reach: float = math.inf) -> Floats:
+    """Lower and upper bound (m, 2) by the kernel."""
+    scene = tables(name)
+    return np.array([distances.look(scene, 0, vec(p), reach, solids.WAYS[how]) for p in points])
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_the_scene_says_the_truth(name: str) -> None:
+    points = np.concatenate([around(1, 1500), around(2, 300, far=True), close(name, 3, 500)])
+    scene = Scene([case(name).obstacle])
+    d, true = scene.distance(points), case(name).truth(points)
+    assert np.isfinite(d).all()
+    if name == "sampled distances":
+        assert (d <= true + 1e-12).all()
+    else:
+        np.testing.assert_allclose(d, true, rtol=1e-9, atol=1e-9)
+    assert (d < 0).any() or not case(name).truth(np.concatenate([around(4, 500), points])).min() < 0
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_a_distance_changes_by_at_most_the_distance_moved(name: str) -> None:
+    scene = Scene([case(name).obstacle])
+    rng = np.random.default_rng(5)
+    a = np.concatenate([around(6, 1000), close(name, 7, 500)])
+    b = a + rng.normal(size=a.shape) * rng.choice([1e-9, 1e-3, 0.1, 1.0], (len(a), 1))
+    change = abs(scene.distance(a) - scene.distance(b))
+    assert (change <= np.linalg.norm(a - b, axis=1) + 1e-13).all()
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_gradients_are_unit_and_the_slope(name: str) -> None:
+    points = np.concatenate([around(8, 300), close(name, 9, 200)])
+    scene = Scene([case(name).obstacle])
+    gradients = scene.gradient(points)
+    np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 1.0, atol=1e-9)
+    h = 1e-6
+    slopes, smooth = np.empty_like(points), np.ones(len(points), bool)
+    for i, axis in enumerate(np.eye(3)):
+        forward, here, back = (scene.distance(points + step * axis) for step in (h, 0.0, -h))
+        slopes[:, i] = (forward - back) / (2 * h)
+        smooth &= abs(forward - 2 * here + back) < 1e-3 * h  # no kink within the stencil
+    assert smooth.mean() > 0.9
+    np.testing.assert_allclose(slopes[smooth], gradients[smooth], atol=2e-3)
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_bounds_are_bounds(name: str) -> None:
+    """Near, far, out of the samples and at them."""
+    row, _ = tables(name)
+    nodes = around(10, 0)
+    if row[0, 0] >= solids.TREE and row[0, solids.AT] >= 0:
+        shape = row[0, solids.SHAPE : solids.SHAPE + 3]
+        index = np.random.default_rng(11).integers(0, shape, (200, 3))
+        nodes = row[0, solids.LOW : solids.LOW + 3] + row[0, solids.SPACING] * index
+    points = np.concatenate([around(12, 500), around(13, 200, far=True), close(name, 14, 300), nodes])
+    true = case(name).truth(points)
+    rounding = 1e-12 * (1.0 + abs(true))
+    bounds, above = ask(name, points, 1), ask(name, points, 3)
+    assert (bounds[:, 0] <= true + rounding).all()
+    assert (above[:, 0] >= true - rounding).all()
+    if name in EXACT:
+        assert (bounds[:, 1] >= true - rounding).all()
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_what_is_within_reach_is_exact_and_the_rest_is_beyond(name: str) -> None:
+    points = np.concatenate([around(15, 200), around(16, 50, far=True), close(name, 17, 50)])
+    exact = ask(name, points, 2)[:, 0]
+    for reach in (-0.1, 0.0, 0.05, 0.5, 2.0):
+        low, high = ask(name, points, 2, reach).T
+        within = exact < reach
+        np.testing.assert_allclose(low[within], exact[within], rtol=1e-12, atol=1e-12)
+        assert (low[~within] >= reach).all()
+        assert (low <= exact + 1e-9 * (1.0 + abs(exact))).all()
+        assert (high >= exact - 1e-9 * (1.0 + abs(exact))).all()
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_steps_see_nearly_the_truth_and_its_own_slope(name: str) -> None:
+    scene = tables(name)
+    table = scene.table
+    rich = table[0, 0] >= solids.TREE and table[0, solids.AT] >= 0
+    cell = table[0, solids.SPACING] if rich else 0.0
+    points = close(name, 18, 300)
+    if rich:
+        low = table[0, solids.LOW : solids.LOW + 3]
+        high = low + cell * (table[0, solids.SHAPE : solids.SHAPE + 3] - 1)
+        points = points[((points > low) & (points < high)).all(axis=1)]
+    true = case(name).truth(points)
+    assert len(points) > 50
+    step = 1e-7
+    for p, d in zip(points, true, strict=True):
+        seen, slope = distances.obstacle(scene, 0, vec(p))
+        assert abs(seen - d) <= cell + 1e-9
+        assert distances.look(scene, 0, vec(p), math.inf, solids.STEP)[0] == pytest.approx(seen, abs=1e-14)
+        if rich:
+            place = (p - low) / cell % 1.0
+            if ((place > 1e-5) & (place < 1 - 1e-5)).all():
+                ahead = [distances.obstacle(scene, 0, vec(p + step * axis))[0] for axis in np.eye(3)]
+                np.testing.assert_allclose((np.array(ahead) - seen) / step, slope, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", [name for name in FIELDS if isinstance(FIELDS[name]().obstacle, Mesh)])
+def test_on_triangles_edges_and_corners_distance_is_nothing(name: str) -> None:
+    mesh = case(name).obstacle
+    assert isinstance(mesh, Mesh)
+    corners = mesh.vertices[mesh.faces[:200]]
+    weights = np.array([[1, 0, 0], [0, 1, 0], [0.5, 0.5, 0], [0, 0.3, 0.7], [0.2, 0, 0.8], [0.2, 0.3, 0.5]])
+    points = np.einsum("wi,fij->fwj", weights, corners).reshape(-1, 3)
+    scene = Scene([mesh])
+    np.testing.assert_allclose(scene.distance(points), -0.5 * mesh.thickness, atol=2e-13)
+    np.testing.assert_allclose(np.linalg.norm(scene.gradient(points), axis=1), 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["ball of triangles", "hollow mesh", "shell", "mesh around"])
+def test_the_field_moves_with_the_mesh(name: str) -> None:
+    mesh = case(name).obstacle
+    assert isinstance(mesh, Mesh)
+    motion = pose((3.0, -1.0, 0.5), rotation=TURN @ TURN)
+    moved = Mesh(
+        mesh.vertices @ motion[:3, :3].T + motion[:3, 3], mesh.faces, thickness=mesh.thickness, inside=mesh.inside
+    )
+    points = around(19, 500)
+    there = points @ motion[:3, :3].T + motion[:3, 3]
+    np.testing.assert_allclose(Scene([moved]).distance(there), Scene([mesh]).distance(points), atol=1e-12)
+
+
+@pytest.mark.parametrize("name", SAMPLED)
+def test_samples_alone_prove_less_but_not_much_less(name: str) -> None:
+    """Within their box the bound is below the truth by no more than the way to the nearest sample, twice."""
+    points = around(20, 2000)
+    points = points[(abs(points - CENTER) < [1.2, 1.2, 0.5]).all(axis=1)]
+    lost = case(name).truth(points) - ask(name, points, 2)[:, 0]
+    assert len(points) > 200
+    assert lost.max() <= math.sqrt(3.0) * case(name).spacing
+    assert np.median(lost) < 0.6 * case(name).spacing
+
+
+def test_all_together_are_their_union() -> None:
+    cases = [case(name) for name in FIELDS if name not in ("room", "mesh around", "sampled distances")]
+    scene = Scene([each.obstacle for each in cases])
+    points = np.concatenate([around(21, 300), around(22, 50, far=True)])
+    each = np.stack([c.truth(points) for c in cases])
+    np.testing.assert_allclose(scene.distance(points), each.min(axis=0), rtol=1e-9, atol=1e-9)
+    chosen = np.take_along_axis(each, scene.nearest(points)[None], axis=0)[0]
+    np.testing.assert_allclose(chosen, each.min(axis=0), rtol=1e-9, atol=1e-9)

@@ -129,6 +129,13 @@ def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, fl
     return pair
 
 
+def flag(key: str, value: Any) -> bool:
+    """Check a truth value."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(key, "not a truth value", value, "true or false")
+    return bool(value)
+
+
 def text(key: str, value: Any) -> str:
     """Check a piece of text that is not empty."""
     if not isinstance(value, str) or not value:

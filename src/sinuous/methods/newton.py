@@ -25,32 +25,40 @@ MARGIN = 1e-4
 """Clearance that the steps aim for beyond none, of the robot's mean length: room for the proof to decide."""
 
 
+def kernel_tables(
+    robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences | None = None
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """Robot, scene and settings as the kernels read them."""
+    wishes = preferences or Preferences()
+    unit = robot.mean_length
+    settings = {
+        "mount": robot.mount,
+        "unit": unit,
+        "margin": MARGIN * unit,
+        "position_tolerance": tolerance.position,
+        "angle_tolerance": tolerance.angle,
+        "coarse": COARSE,
+        "depth": DEPTH,
+        "iterations": ITERATIONS,
+        "start": wishes.start,
+        "bends": wishes.bends,
+        "clearance": wishes.clearance,
+    }
+    # Copies: the kernels are compiled for one type of array, a writable one.
+    return (
+        robot.limits.copy(),
+        robot.actuation.copy(),
+        np.concatenate([robot.base_row, robot.tool_row]),
+        scene.table.copy(),
+        np.array([settings[key] for key in SETTINGS], np.float64),
+    )
+
+
 class Newton:
     """The method `newton`, prepared: tables for the kernels, and one workspace a thread."""
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> None:
-        unit = robot.mean_length
-        settings = {
-            "mount": robot.mount,
-            "unit": unit,
-            "margin": MARGIN * unit,
-            "position_tolerance": tolerance.position,
-            "angle_tolerance": tolerance.angle,
-            "coarse": COARSE,
-            "depth": DEPTH,
-            "iterations": ITERATIONS,
-            "start": preferences.start,
-            "bends": preferences.bends,
-            "clearance": preferences.clearance,
-        }
-        # Copies: the kernels are compiled for one type of array, a writable one.
-        self._tables = (
-            robot.limits.copy(),
-            robot.actuation.copy(),
-            np.concatenate([robot.base_row, robot.tool_row]),
-            scene.table.copy(),
-            np.array([settings[key] for key in SETTINGS], np.float64),
-        )
+        self._tables = kernel_tables(robot, scene, tolerance, preferences)
         self._sizes = len(robot), len(robot.actuation), len(scene)
         self._preferences = preferences
         self._local = threading.local()

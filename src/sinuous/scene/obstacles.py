@@ -39,12 +39,6 @@ def _row(kind: int, inside: bool, center: Floats, rotation: Floats, half: Any, r
     return np.concatenate([[kind, sign], center, np.asarray(rotation).ravel(), half, [rounding]])
 
 
-def _flag(value: Any) -> bool:
-    if not isinstance(value, (bool, np.bool_)):
-        raise InputError("inside", "not a truth value", value, "true or false")
-    return bool(value)
-
-
 @dataclass(frozen=True, init=False, eq=False)
 class Sphere(Obstacle):
     """A ball.
@@ -67,7 +61,7 @@ class Sphere(Obstacle):
             name,
             center=checks.vector("center", center),
             radius=checks.number("radius", radius, above=0.0),
-            inside=_flag(inside),
+            inside=checks.flag("inside", inside),
         )
 
     @property
@@ -106,7 +100,7 @@ class Box(Obstacle):
             center=checks.vector("center", center),
             size=extents,
             rotation=IDENTITY if rotation is None else rotation_matrix("rotation", rotation),
-            inside=_flag(inside),
+            inside=checks.flag("inside", inside),
         )
 
     @property
@@ -176,7 +170,13 @@ class Cylinder(Obstacle):
         first, last = checks.vector("start", start), checks.vector("end", end)
         if np.array_equal(first, last):
             raise InputError("end", "is where the cylinder starts", last.tolist(), "another point than start")
-        self._keep(name, start=first, end=last, radius=checks.number("radius", radius, above=0.0), inside=_flag(inside))
+        self._keep(
+            name,
+            start=first,
+            end=last,
+            radius=checks.number("radius", radius, above=0.0),
+            inside=checks.flag("inside", inside),
+        )
 
     @property
     def row(self) -> Floats:

@@ -6,8 +6,10 @@ import runpy
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+import sinuous as sn
 from sinuous.cli.app import main
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -26,6 +28,18 @@ def test_problem_files_are_solved(capsys: pytest.CaptureFixture[str], file: Path
 def test_scripts_run(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(file), run_name="__main__")
+
+
+def test_the_duct_is_made_by_its_script(tmp_path: Path) -> None:
+    """Up to the last digit, in which sines may differ from machine to machine."""
+    runpy.run_path(os.fspath(shutil.copy(EXAMPLES / "make_duct.py", tmp_path)), run_name="__main__")
+    made, kept = (np.loadtxt(folder / "duct_scan.xyz") for folder in (tmp_path, EXAMPLES))
+    np.testing.assert_allclose(made, kept, atol=0.11)
+    fresh, old = (sn.Mesh.load(folder / "duct.stl", 1) for folder in (tmp_path, EXAMPLES))
+    np.testing.assert_array_equal(fresh.faces, old.faces)
+    np.testing.assert_allclose(fresh.vertices, old.vertices, atol=1e-3)
+    assert old.watertight
+    assert old.flaws == ()
 
 
 def test_the_path_through_spheres_is_made_by_its_script(tmp_path: Path) -> None:

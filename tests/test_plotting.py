@@ -8,6 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.plotting import plot_solution
+from tests.scene.shapes import cube
 
 matplotlib = pytest.importorskip("matplotlib")
 
@@ -22,6 +23,13 @@ SCENE = sn.Scene(
         sn.Sphere((0, 0, 0), 8, inside=True),
         sn.Box((0, 0, 0), (12, 12, 12), inside=True),
         sn.Cylinder((0, 0, -6), (0, 0, 6), 6, inside=True),
+        sn.Mesh(*cube(0.5, (-2, -2, 2)), name="solid"),
+        sn.Mesh(cube()[0] + [2, 2, 2], cube()[1][1:], name="shell"),
+        sn.Mesh(*cube(15.0), inside=True),
+        sn.PointCloud(np.random.default_rng(0).normal(size=(500, 3)) * 0.2 + [2, -2, 1], 0.02),
+        sn.Grid(np.ones((2, 3, 4), bool), (2, 0, 3), 0.1),
+        sn.Grid(np.zeros((2, 2, 2), bool), (2, 0, 3), 0.1),
+        sn.Field(lambda p: np.linalg.norm(p - [-2, 1, 3], axis=-1) - 0.3, (-9, -9, -9), (9, 9, 9), 0.3),
     ]
 )
 TARGETS: list[sn.Target | list[sn.Target]] = [

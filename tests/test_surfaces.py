@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.measures.obstacles import measure
 from sinuous.scene.obstacles import Obstacle
 from sinuous.surfaces import body, edges, normals, obstacle_surface
+from tests.scene.shapes import cube
 
 TURNED = sn.pose(rotation=(1, 2, 3, 4))[:3, :3]
 
@@ -28,6 +30,26 @@ def test_obstacles(obstacle: Obstacle) -> None:
     outward, middles = normals(surface), surface.mean(axis=1)
     alike = (scene.gradient(middles + 1e-6 * outward) * outward).sum(axis=-1)
     assert alike[np.linalg.norm(outward, axis=-1) > 0.5].min() > 0.99
+
+
+def test_meshes_are_cut_into_small_facets_that_face_outwards() -> None:
+    mesh = sn.Mesh(*cube(2.0))
+    surface = obstacle_surface(mesh, np.zeros(3), 5.0)
+    assert np.linalg.norm(np.roll(surface, -1, axis=1) - surface, axis=-1).max() <= 0.2
+    assert np.abs(measure(mesh, surface.reshape(-1, 3))).max() < 1e-12
+    outward, middles = normals(surface), surface.mean(axis=1)
+    assert (measure(mesh, (middles + 1e-3 * outward)[::9]) > 0.0).all()
+    sides = np.cross(surface[:, 1] - surface[:, 0], surface[:, 2] - surface[:, 0])
+    assert 0.5 * np.linalg.norm(sides, axis=-1).sum() == pytest.approx(24.0)
+
+
+def test_meshes_to_stay_in_face_inwards_and_shells_both_ways() -> None:
+    vertices, faces = cube()
+    inside = obstacle_surface(sn.Mesh(vertices, faces, inside=True), np.zeros(3), 5.0)
+    assert (np.einsum("mx,mx->m", inside.mean(axis=1), normals(inside)) < 0.0).all()
+    shell = obstacle_surface(sn.Mesh(vertices, faces[1:]), np.zeros(3), 5.0)
+    assert np.linalg.norm(normals(shell).sum(axis=0)) < 1e-9
+    assert (np.einsum("mx,mx->m", shell.mean(axis=1), normals(shell)) < 0.0).mean() == 0.5
 
 
 @pytest.mark.parametrize("obstacle", [sn.Box((1, 2, 3), (1, 2, 3), TURNED, True), sn.Sphere((1, 2, 3), 2, True)])

@@ -9,30 +9,11 @@ from sinuous.problem import Problem
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.1, base=sn.pose((1, 2, 3), direction=(1, 1, 0)))
 Q = np.array([[0.5, 0.2, 1.0], [-0.7, 0.4, 0.9], [0.0, 1.1, 1.1], [0.3, -0.3, 1.0]])
-OBSTACLES = [
-    sn.Sphere((0.2, 0.3, 1.0), 0.5),
-    sn.Sphere((0.2, 0.3, 1.0), 3.0, inside=True),
-    sn.Box((0.5, 0, 0.5), (0.4, 0.6, 0.8), (0.9, 0.1, 0.3, 0.2)),
-    sn.Box((0.5, 0, 0.5), (4, 6, 8), (0.9, 0.1, 0.3, 0.2), inside=True),
-    sn.Capsule((0, 0, 1), (1, 0, 2), 0.3),
-    sn.Capsule((0, 0, 1), (0, 0, 1), 0.3),
-    sn.Cylinder((0, 0, 1), (1, 0.5, 2), 0.3),
-    sn.Cylinder((0, 0, -5), (1, 0.5, 5), 4.0, inside=True),
-    sn.HalfSpace((0, 0, -1), (0.1, 0, 1)),
-]
 
 
 def test_poses_agree_with_the_kernels() -> None:
     ends = verification.segment_ends(ROBOT, Q)
     np.testing.assert_allclose(ends[1:], ROBOT.forward(Q), atol=1e-13)
-
-
-@pytest.mark.parametrize("obstacle", OBSTACLES, ids=lambda o: type(o).__name__)
-def test_distances_agree_with_the_kernels(obstacle: sn.Sphere) -> None:
-    points = np.random.default_rng(0).uniform(-3, 3, (2000, 3))
-    np.testing.assert_allclose(
-        verification.measure(obstacle, points), sn.Scene([obstacle]).distance(points), atol=1e-12
-    )
 
 
 def problem(**changes: object) -> Problem:

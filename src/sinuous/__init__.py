@@ -22,11 +22,15 @@ if TYPE_CHECKING:
     from sinuous.robot import Segment as Segment
     from sinuous.robot import arc_parameters as arc_parameters
     from sinuous.robot import from_arc_parameters as from_arc_parameters
+    from sinuous.scene.field import Field as Field
+    from sinuous.scene.grid import Grid as Grid
+    from sinuous.scene.mesh import Mesh as Mesh
     from sinuous.scene.obstacles import Box as Box
     from sinuous.scene.obstacles import Capsule as Capsule
     from sinuous.scene.obstacles import Cylinder as Cylinder
     from sinuous.scene.obstacles import HalfSpace as HalfSpace
     from sinuous.scene.obstacles import Sphere as Sphere
+    from sinuous.scene.point_cloud import PointCloud as PointCloud
     from sinuous.scene.scene import Scene as Scene
     from sinuous.solution import Solution as Solution
     from sinuous.solution import Status as Status
@@ -44,7 +48,11 @@ _HOMES = {
     "poses": ("pose",),
     "problem": ("Preferences", "Problem", "Tolerance"),
     "robot": ("Robot", "Segment", "arc_parameters", "from_arc_parameters"),
+    "scene.field": ("Field",),
+    "scene.grid": ("Grid",),
+    "scene.mesh": ("Mesh",),
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
+    "scene.point_cloud": ("PointCloud",),
     "scene.scene": ("Scene",),
     "solution": ("Solution", "Status"),
     "solving": ("Solver", "solve", "solve_all"),

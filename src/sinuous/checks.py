@@ -14,6 +14,9 @@ from sinuous.errors import InputError
 
 Floats = NDArray[np.float64]
 
+LARGEST = 1e100
+"""Largest coordinate of a point: squares and cubes of it are numbers still."""
+
 
 @contextmanager
 def inside(key: str) -> Iterator[None]:
@@ -64,18 +67,24 @@ def integer(key: str, value: Any, low: int, high: int) -> int:
 def array(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
     """Check an array of finite numbers; `None` in `shape` stands for any extent. Returns a new read-only array."""
     expected = "finite numbers of shape (" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
-    try:
-        result = np.array(value, order="C")
-    except (ValueError, TypeError, OverflowError):
-        raise InputError(key, "not an array of numbers", value, expected) from None
-    if result.dtype.kind not in "iuf" or _has_truth_value(value):
-        raise InputError(key, "not numbers", value, expected)
+    result = _numbers(key, value, expected)
     if result.ndim != len(shape) or any(s is not None and s != d for s, d in zip(shape, result.shape, strict=True)):
         raise InputError(key, f"wrong shape {result.shape}", value, expected)
     result = result.astype(np.float64)
     if not np.isfinite(result).all():
         raise InputError(key, "not finite", value, expected)
     result.flags.writeable = False
+    return result
+
+
+def _numbers(key: str, value: Any, expected: str) -> NDArray[Any]:
+    """Make a new array of numbers of any kind and shape."""
+    try:
+        result = np.array(value, order="C")
+    except (ValueError, TypeError, OverflowError):
+        raise InputError(key, "not an array of numbers", value, expected) from None
+    if result.dtype.kind not in "iuf" or _has_truth_value(value):
+        raise InputError(key, "not numbers", value, expected)
     return result
 
 
@@ -129,8 +138,26 @@ def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, fl
     return pair
 
 
-def flag(key: str, value: Any) -> bool:
-    """Check a truth value."""
+def points(key: str, value: Any) -> Floats:
+    """Check rows of three finite numbers, at least one; a refusal names the first bad row. Returns a new array."""
+    expected = "finite numbers of shape (any, 3)"
+    result = _numbers(key, value, expected)
+    if result.size == 0:
+        raise InputError(key, "is empty", value, "at least one point")
+    if result.ndim != 2 or result.shape[1] != 3:
+        raise InputError(key, f"wrong shape {result.shape}", value, expected)
+    result = result.astype(np.float64)
+    good = (np.abs(result) <= LARGEST).all(axis=1)
+    if not good.all():
+        first = int(np.flatnonzero(~good)[0])
+        problem = "too large" if np.isfinite(result[first]).all() else "not finite"
+        raise InputError(f"{key}[{first}]", problem, result[first].tolist(), "three finite numbers")
+    result.flags.writeable = False
+    return result
+
+
+def truth(key: str, value: Any) -> bool:
+    """Check true or false; numbers are neither."""
     if not isinstance(value, (bool, np.bool_)):
         raise InputError(key, "not a truth value", value, "true or false")
     return bool(value)

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.dots import Dotted, dots
 from sinuous.errors import InputError
+from sinuous.scene.obstacles import Primitive
 from sinuous.scene.scene import Scene
 from sinuous.solution import Solution
 from sinuous.surfaces import body, edges, normals, obstacle_surface
@@ -19,7 +21,7 @@ from sinuous.tracking import Track
 
 SEGMENTS = ("#1f6f8b", "#e0a458")
 """Colours of the segments, in turn."""
-OBSTACLE, OUTLINE, TOOL = "#8a8f98", "#9aa3ad", "#555b63"
+OBSTACLE, OUTLINE, DOTS, TOOL = "#8a8f98", "#9aa3ad", "#8a8f98", "#555b63"
 TARGET, FAILED, GHOST = "#c8384a", "#c8384a", "#1f6f8b"
 X, Y, Z = "#c8384a", "#3c9d5d", "#3a6ec2"
 SEE_THROUGH = 0.4
@@ -71,13 +73,14 @@ def plot_solution(answer: Solution | Track, file: str | Path) -> None:
     figure = Figure(figsize=(12.0, 6.4) if two else (7.2, 6.8), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.7, 1.0)) if two else figure.add_gridspec(1, 1)
-    _draw_shape(figure.add_subplot(grid[0, 0], projection="3d", computed_zorder=False), solutions)
+    draw_shape(figure.add_subplot(grid[0, 0], projection="3d", computed_zorder=False), solutions)
     if two:
         _draw_times(figure.add_subplot(grid[0, 1]), solutions)
     figure.savefig(file, bbox_inches="tight", pad_inches=0.15)
 
 
-def _draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
+def draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
+    """Draw the last of `solutions`, its scene and all targets; `axes` are 3D ones with `computed_zorder=False`."""
     last = solutions[-1]
     robot, scene = last.problem.robot, last.problem.scene
     targets = [target for solution in solutions for target in solution.problem.targets]
@@ -101,7 +104,12 @@ def _bounds(points: Floats, scene: Scene) -> tuple[Floats, Floats]:
     low, high = points.min(axis=0), points.max(axis=0)
     reach = 0.35 * float((high - low).max())
     for obstacle in scene.obstacles:
-        corners = obstacle_surface(obstacle, 0.5 * (low + high), 0.0).reshape(-1, 3)
+        if isinstance(obstacle, Dotted):
+            corners = dots(obstacle)
+        else:
+            corners = obstacle_surface(obstacle, 0.5 * (low + high), 0.0).reshape(-1, 3)
+        if not len(corners):
+            continue
         low = np.minimum(low, np.maximum(corners.min(axis=0), points.min(axis=0) - reach))
         high = np.maximum(high, np.minimum(corners.max(axis=0), points.max(axis=0) + reach))
     return low, high
@@ -115,7 +123,9 @@ def _draw_surfaces(axes: Any, solution: Solution, center: Floats, span: float, a
     for k, surface in enumerate(body(solution.problem.robot, solution.q, 0.008 * span)):
         parts.append(_shaded(surface, SEGMENTS[k % 2], 1.0, azimuth))
     for obstacle in solution.problem.scene.obstacles:
-        if getattr(obstacle, "inside", False):
+        if isinstance(obstacle, Dotted):
+            axes.scatter(*dots(obstacle).T, color=DOTS, s=1.5, linewidths=0.0, depthshade=False, zorder=1)
+        elif isinstance(obstacle, Primitive) and getattr(obstacle, "inside", False):
             axes.add_collection3d(Line3DCollection(edges(obstacle), colors=OUTLINE, linewidths=0.8, zorder=1))
         else:
             parts.append(_shaded(obstacle_surface(obstacle, center, span), OBSTACLE, SEE_THROUGH, azimuth))

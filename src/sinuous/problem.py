@@ -7,6 +7,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.robot import Robot
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene
 from sinuous.target import Target, target_list, target_table
 
@@ -82,6 +83,7 @@ class Problem:
         self.tolerance = as_tolerance(tolerance).for_robot(robot)
         self.targets: tuple[Target, ...] = target_list("targets", targets)
         self.rows: Floats = target_table(robot, self.targets)
+        check_sizes(robot, self.scene)
 
     @classmethod
     def prepared(cls, robot: Robot, targets: tuple[Target, ...], scene: Scene, tolerance: Tolerance) -> "Problem":
@@ -100,6 +102,14 @@ def as_scene(scene: Any) -> Scene:
     if scene is None:
         return Scene()
     return scene if isinstance(scene, Scene) else Scene(scene)
+
+
+def check_sizes(robot: Robot, scene: Scene) -> None:
+    """Refuse a scene with a mesh that must be in another length unit than the robot, as `Mesh.check_size` says."""
+    for i, obstacle in enumerate(scene.obstacles):
+        if isinstance(obstacle, Mesh):
+            with checks.inside(f"scene[{i}].mesh"):
+                obstacle.check_size(robot.mean_length)
 
 
 def as_tolerance(tolerance: Any) -> Tolerance:

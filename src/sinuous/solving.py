@@ -104,7 +104,7 @@ class Solver:
         self.seed = checks.integer("seed", seed, 0, 2**31 - 1)
         self._prepared = methods.prepare(method, robot, self.scene, self.tolerance, self.prefer)
         self._router = (
-            Router(robot, self.scene, self.tolerance) if checks.flag("routes", routes) and len(self.scene) else None
+            Router(robot, self.scene, self.tolerance) if checks.truth("routes", routes) and len(self.scene) else None
         )
         self._first = LOCAL if self._router else FIRST_CHUNK
         self._no_start: Floats = np.empty((0, len(robot), 3))

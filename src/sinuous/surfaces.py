@@ -9,7 +9,8 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.robot import Robot
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
 
 AROUND = 20
 """Facets around a round body."""
@@ -63,16 +64,45 @@ def _cap(center: Floats, frame: Floats, radius: float, side: float) -> list[Floa
 
 
 def obstacle_surface(obstacle: Obstacle, center: Floats, span: float) -> Floats:
-    """Facets of an obstacle; of a half-space a square of edge `span` near `center`."""
+    """Facets of an exact obstacle or a mesh; of a half-space a square of edge `span` near `center`.
+
+    Those of a mesh that the body must stay within face inwards.
+    """
+    if isinstance(obstacle, Mesh):
+        return _of_mesh(obstacle)
     if isinstance(obstacle, HalfSpace):
         near = center - (center - obstacle.point) @ obstacle.normal * obstacle.normal
         local = _square(0.5 * span)
         return near + local @ obstacle.row[5:14].reshape(3, 3).T
+    if not isinstance(obstacle, Primitive):
+        raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
     row = obstacle.row
     place, rotation, half = row[2:5], row[5:14].reshape(3, 3), row[14:17]
     local = _box(half) if isinstance(obstacle, Box) else _revolved(_profile(obstacle, float(half[2])))
     surface: Floats = place + local @ rotation.T
     return surface
+
+
+def _of_mesh(mesh: Mesh) -> Floats:
+    """Triangles as facets whose last two corners are one; of a shell both sides."""
+    corners = _cut(mesh.vertices[mesh.faces], 0.1 * float(np.ptp(mesh.vertices, axis=0).max()))
+    outside, inside = corners[:, [0, 1, 2, 2]], corners[:, [2, 1, 0, 0]]
+    if not mesh.watertight:
+        return np.concatenate([outside, inside])
+    return inside if mesh.inside else outside
+
+
+def _cut(corners: Floats, longest: float) -> Floats:
+    """Cut triangles (m, 3, 3) in four until no side is longer, because a picture sorts facets by their middles."""
+    whole = []
+    while len(corners):
+        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=-1).max(axis=1)
+        whole.append(corners[sides <= longest])
+        rest = corners[sides > longest]
+        middles = 0.5 * (rest + np.roll(rest, -1, axis=1))
+        at_corners = [np.stack([rest[:, i], middles[:, i], middles[:, i - 1]], axis=1) for i in range(3)]
+        corners = np.concatenate([*at_corners, middles])
+    return np.concatenate(whole)
 
 
 def _profile(obstacle: Obstacle, half: float) -> Floats:

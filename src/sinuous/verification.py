@@ -5,9 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.checks import Floats
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.measures.obstacles import measure
 
 if TYPE_CHECKING:
     from sinuous.problem import Problem
@@ -140,56 +141,27 @@ def least_clearance(problem: "Problem", q: Floats, ends: Floats) -> tuple[float,
     least, where, which = math.inf, None, None
     if len(problem.scene) == 0:
         return least, where, which
-    before = 0.0
-    for k, segment in enumerate(q):
-        length = float(segment[2])
-        points = (ends[k] @ arc_poses(segment, SAMPLES))[:, :3, 3]
-        points = points[before + np.linspace(0.0, length, SAMPLES + 1) >= problem.robot.mount]
-        before += length
-        for i, obstacle in enumerate(problem.scene.obstacles):
-            clearance = float(measure(obstacle, points).min(initial=math.inf)) - problem.robot.radii[k]
-            if clearance < least:
-                least, where, which = clearance, k + 1, problem.scene.name(i)
+    places, segments = body_places(problem.robot, q, ends)
+    radii = np.array(problem.robot.radii)[segments]
+    for i, obstacle in enumerate(problem.scene.obstacles):
+        clearances = measure(obstacle, places) - radii
+        nearest = int(clearances.argmin()) if len(clearances) else 0
+        if clearances.min(initial=math.inf) < least:
+            least, where, which = float(clearances[nearest]), int(segments[nearest]) + 1, problem.scene.name(i)
     return least, where, which
 
 
-def measure(obstacle: Obstacle, points: Floats) -> Floats:
-    """Signed distance (m,) of `points` (m, 3) to one obstacle, by its closest point."""
-    if isinstance(obstacle, Sphere):
-        distance = np.linalg.norm(points - obstacle.center, axis=-1) - obstacle.radius
-    elif isinstance(obstacle, Box):
-        distance = _box((points - obstacle.center) @ obstacle.rotation, 0.5 * obstacle.size)
-    elif isinstance(obstacle, Capsule):
-        foot = obstacle.start + _along(obstacle, points).clip(0.0, 1.0)[:, None] * (obstacle.end - obstacle.start)
-        distance = np.linalg.norm(points - foot, axis=-1) - obstacle.radius
-    elif isinstance(obstacle, Cylinder):
-        t, span = _along(obstacle, points), obstacle.end - obstacle.start
-        axial = (np.abs(t - 0.5) - 0.5) * np.linalg.norm(span)
-        radial = np.linalg.norm(points - obstacle.start - t[:, None] * span, axis=-1) - obstacle.radius
-        distance = _corner(np.stack([axial, radial], axis=-1))
-    elif isinstance(obstacle, HalfSpace):
-        distance = (points - obstacle.point) @ obstacle.normal
-    else:
-        raise NotImplementedError(f"no independent distance for {type(obstacle).__name__}")
-    return np.asarray(-distance if getattr(obstacle, "inside", False) else distance)
-
-
-def _along(obstacle: "Capsule | Cylinder", points: Floats) -> Floats:
-    """Where points project on the axis: 0 at its start, 1 at its end."""
-    span = obstacle.end - obstacle.start
-    square = float(span @ span)
-    result: Floats = (points - obstacle.start) @ span / (square if square > 0.0 else 1.0)
-    return result
-
-
-def _box(points: Floats, half: Floats) -> Floats:
-    return _corner(np.abs(points) - half)
-
-
-def _corner(excess: Floats) -> Floats:
-    """Distance to where all of `excess` (m, d) are negative."""
-    outside = np.linalg.norm(np.maximum(excess, 0.0), axis=-1)
-    return np.asarray(np.where(outside > 0.0, outside, excess.max(axis=-1)))
+def body_places(robot: "Robot", q: Floats, ends: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Sampled places (m, 3) of the backbone beyond the mount, and the segment (m,), 0 = first, that each is on."""
+    places, segments = [], []
+    before = 0.0
+    for k, segment in enumerate(q):
+        length = float(segment[2])
+        free = before + np.linspace(0.0, length, SAMPLES + 1) >= robot.mount
+        places.append((ends[k] @ arc_poses(segment, SAMPLES))[free, :3, 3])
+        segments.append(np.full(len(places[-1]), k))
+        before += length
+    return np.concatenate(places), np.concatenate(segments)
 
 
 def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:

@@ -14,8 +14,12 @@ PROBLEMS = {
     "torn.yaml": ROBOT + "targets: [{position: [1, 0, 2]}, {position: [-1, 0, 2]}]\n",
     "path.yaml": ROBOT + "path: [{position: [1, 0, 2]}, {position: [1, 0.1, 2]}, {position: [1, 0.2, 2]}]\n",
     "half.yaml": ROBOT + "path: [{position: [1, 0, 2]}, {position: [0, 0, 9]}, {position: [1, 0.2, 2]}]\n",
+    "shell.yaml": ROBOT
+    + "target: {position: [1, 0, 2]}\n"
+    + "scene: [{mesh: {file: sheet.obj, scale: 1e-1, position: [9, 0, 0], name: sheet}}]\n",
     "bad.yaml": ROBOT + "target: {position: [1, 0]}\n",
 }
+SHEET = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n"
 
 
 @pytest.fixture
@@ -25,6 +29,8 @@ def problem(tmp_path: Path) -> Callable[[str], str]:
     def write(name: str) -> str:
         file = tmp_path / name
         file.write_text(PROBLEMS[name])
+        if "sheet.obj" in PROBLEMS[name]:
+            (tmp_path / "sheet.obj").write_text(SHEET)
         return str(file)
 
     return write

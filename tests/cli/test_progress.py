@@ -2,10 +2,12 @@
 
 import io
 import sys
+import time
 
 import pytest
 
-from sinuous.cli.progress import LONG, Bar
+from sinuous.cli import progress
+from sinuous.cli.progress import LONG, Bar, Waiting
 
 
 class Terminal(io.StringIO):
@@ -24,3 +26,23 @@ def test_it_shows_when_it_should(monkeypatch: pytest.MonkeyPatch, *, total: int,
         with bar.hidden():
             pass
     assert (stream.getvalue() != "") is shows
+
+
+@pytest.mark.parametrize(
+    ("terminal", "patience", "shows"), [(True, 0.0, True), (True, 60.0, False), (False, 0.0, False)]
+)
+def test_reading_is_shown_when_it_takes_long(
+    monkeypatch: pytest.MonkeyPatch, *, terminal: bool, patience: float, shows: bool
+) -> None:
+    stream = Terminal() if terminal else io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr(progress, "PATIENCE", patience)
+    with Waiting() as waiting:
+        waiting.begin("engine.yaml")
+        if shows:
+            until = time.monotonic() + 10.0
+            while "engine.yaml" not in stream.getvalue() and time.monotonic() < until:
+                time.sleep(0.01)
+        waiting.told("housing", 0.5)
+    assert ("reading engine.yaml" in stream.getvalue()) is shows
+    assert ("housing" in stream.getvalue()) is shows

@@ -10,7 +10,10 @@ import pytest
 from sinuous.errors import InputError
 from sinuous.files.problem_file import read_problem
 from sinuous.poses import pose
+from sinuous.scene.grid import Grid
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
+from sinuous.scene.point_cloud import PointCloud
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
 TARGET = "target: {position: [0, 0, 3]}\n"
@@ -73,6 +76,46 @@ def test_every_key_arrives(tmp_path: Path) -> None:
     assert (problem.prefer.start, problem.prefer.bends, problem.prefer.clearance) == (1.0, 0.5, 0.1)
     assert problem.start is not None
     assert problem.start.shape == (4, 3)
+
+
+def test_obstacles_from_files_are_found_beside_the_problem(tmp_path: Path) -> None:
+    folder = tmp_path / "shapes"
+    folder.mkdir()
+    _write(folder, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n", "corner.obj")
+    _write(folder, "0 0 1\n0 0 2\n", "scan.xyz")
+    np.savez(folder / "mask.npz", values=np.ones((2, 2, 2), bool), origin=(5, 5, 5), spacing=0.5)
+    scene = read_problem(
+        _write(
+            tmp_path,
+            ROBOT
+            + TARGET
+            + "scene:\n"
+            + "  - mesh: {file: shapes/corner.obj, scale: 2, position: [5, 0, 0], rotation: [1, 0, 0, 1], name: c}\n"
+            + "  - points: {file: shapes/scan.xyz, scale: 1e-1, radius: 0.2}\n"
+            + "  - grid: {file: shapes/mask.npz, name: mask}\n"
+            + "  - sphere: {center: [0, 9, 0], radius: 1}\n",
+        )
+    ).scene
+    mesh, cloud, grid, _ = scene.obstacles
+    assert isinstance(mesh, Mesh)
+    assert mesh.watertight
+    np.testing.assert_allclose(mesh.vertices.max(axis=0), (5, 2, 2), atol=1e-12)
+    np.testing.assert_allclose(mesh.vertices.min(axis=0), (3, 0, 0), atol=1e-12)
+    assert isinstance(cloud, PointCloud)
+    np.testing.assert_allclose(cloud.points, [[0, 0, 0.1], [0, 0, 0.2]])
+    assert isinstance(grid, Grid)
+    assert grid.occupancy
+    assert [scene.name(0), scene.name(2)] == ["c", "mask"]
+
+
+@pytest.mark.parametrize("scale", [1e5, 1e-5])
+def test_a_mesh_in_another_unit_is_refused(tmp_path: Path, scale: float) -> None:
+    _write(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 3 2\n", "sheet.obj")
+    scene = f"scene: [{{mesh: {{file: sheet.obj, scale: {scale}}}}}]"
+    with pytest.raises(InputError) as caught:
+        read_problem(_write(tmp_path, ROBOT + TARGET + scene))
+    assert "problem.yaml: scene[0].mesh.scale: makes " in str(caught.value)
+    assert f"(got {scale}), expected a mesh in the unit of the robot, which is 3 long" in str(caught.value)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
@@ -153,9 +196,17 @@ BAD = {
     ROBOT + "scene: [{sphere: {center: [0, 0, 0], radius: 1, inside: 1}}]": "scene[0].sphere.inside: not a truth value",
     ROBOT
     + "scene: [{half_space: {point: [0, 0, 0], normal: [0, 0, 1], inside: true}}]": "scene[0].half_space.inside: unk",
-    ROBOT + "scene: [{mesh: {file: a.stl}}]": "scene[0].mesh: not supported yet",
-    ROBOT + "scene: [{points: {file: a.ply}}]": "scene[0].points: not supported yet",
-    ROBOT + "scene: [{grid: {file: a.npz}}]": "scene[0].grid: not supported yet",
+    ROBOT + "scene: [{mesh: {file: a.stl}}]": "scene[0].mesh.scale: is missing",
+    ROBOT + "scene: [{mesh: {file: a.stl, scale: 1}}]": "scene[0].mesh.file: cannot be read: No such file",
+    ROBOT + "scene: [{mesh: {file: a.step, scale: 1}}]": "scene[0].mesh.file: of an unknown kind",
+    ROBOT + "scene: [{mesh: {file: [a.stl], scale: 1}}]": "scene[0].mesh.file: not a text (got ['a.stl'])",
+    ROBOT + "scene: [{mesh: {file: a.stl, scale: 0}}]": "scene[0].mesh.scale: out of range (got 0)",
+    ROBOT + "scene: [{mesh: {fiel: a.stl, scale: 1}}]": "scene[0].mesh.fiel: unknown key (got 'a.stl')",
+    ROBOT + "scene: [{points: {file: a.ply}}]": "scene[0].points.radius: is missing",
+    ROBOT + "scene: [{points: {file: a.pcd, radius: 1}}]": "scene[0].points.file: cannot be read: No such file",
+    ROBOT + "scene: [{points: {file: a.pcd, radius: -1}}]": "scene[0].points.",
+    ROBOT + "scene: [{grid: {file: a.npz}}]": "scene[0].grid.file: cannot be read: No such file",
+    ROBOT + "scene: [{grid: {file: a.npz, scale: 1}}]": "scene[0].grid.scale: unknown key",
     ROBOT: "target: is missing",
     ROBOT + TARGET + "path: tips.csv": "target: stands beside path",
     ROBOT + "target: {}": "target.position: nothing is asked",

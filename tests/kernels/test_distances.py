@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels import distances
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_rotation, vec
 
@@ -17,7 +17,7 @@ KINDS = ("sphere", "box", "capsule", "cylinder", "half_space")
 Gauge = Callable[[Floats], Floats]
 
 
-def draw(kind: str, rng: np.random.Generator, inside: bool = False) -> tuple[Obstacle, Any, Gauge]:
+def draw(kind: str, rng: np.random.Generator, inside: bool = False) -> tuple[Primitive, Any, Gauge]:
     """Make an obstacle, the same for FCL, and a gauge of its own: less than 0 inside, 0 on the surface."""
     center, rotation = rng.normal(size=3), random_rotation(rng)
     radius, half = rng.uniform(0.2, 1.0), rng.uniform(0.2, 1.0)
@@ -62,7 +62,7 @@ def draw(kind: str, rng: np.random.Generator, inside: bool = False) -> tuple[Obs
     return HalfSpace(center, 3.0 * axis), big, lambda p: (p - center) @ axis
 
 
-def ask(obstacle: Obstacle, points: Floats) -> tuple[Floats, Floats]:
+def ask(obstacle: Primitive, points: Floats) -> tuple[Floats, Floats]:
     values, gradients, which = np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points), np.int64)
     distances.many(Scene([obstacle]).table, points, values, gradients, which)
     assert (which == 0).all()
@@ -162,7 +162,7 @@ def test_inside_out_is_the_negative(kind: str) -> None:
 
 def test_delicate_places_have_unit_gradients_too() -> None:
     """Centers, axes, faces, edges and corners, where several answers are right and NaN is none."""
-    obstacles: list[Obstacle] = [
+    obstacles: list[Primitive] = [
         Sphere((0, 0, 0), 1.0),
         Box((0, 0, 0), (2, 2, 2)),
         Capsule((0, 0, -1), (0, 0, 1), 0.5),

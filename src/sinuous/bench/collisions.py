@@ -1,7 +1,8 @@
 """Does the body touch anything? Asked of python-fcl, with the body as balls so close that little is left between.
 
 The balls are inside the body, so an overlap that is found is one. What fcl computes between a ball and a sphere, box,
-capsule or cylinder is a closed form, exact to rounding.
+capsule or cylinder is a closed form, exact to rounding. Of a mesh it sees the triangles, not the solid, and of clouds,
+grids and fields nothing: there `sinuous.bench.clearances` is asked as well.
 """
 
 from functools import singledispatch
@@ -9,11 +10,16 @@ from functools import singledispatch
 import fcl
 import numpy as np
 
+from sinuous.bench.clearances import Clearances
 from sinuous.bench.reference import body_points
 from sinuous.checks import Floats
 from sinuous.poses import least_rotation
 from sinuous.robot import Robot
-from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.field import Field
+from sinuous.scene.grid import Grid
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 FEWEST_SAMPLES = 50
@@ -32,13 +38,18 @@ class Body:
     ----------
     robot : Robot
     scene : Scene
-        Of obstacles to stay out of, and boxes to stay within.
+        Of obstacles to stay out of, and boxes and meshes to stay within.
+    thorough : bool
+        Whether to measure clearances from exact shapes, too, at very many places.
     """
 
-    def __init__(self, robot: Robot, scene: Scene) -> None:
+    def __init__(self, robot: Robot, scene: Scene, thorough: bool = False) -> None:
         self._robot = robot
+        rich = [o for o in scene.obstacles if thorough or not isinstance(o, Primitive)]
+        self._clearances = Clearances(robot, Scene(rich)) if rich else None
+        self._grace = GRACE * robot.mean_length
         self._samples = _samples_of(robot)
-        radii = np.array(robot.radii) - GRACE * robot.mean_length
+        radii = np.array(robot.radii) - self._grace
         self._balls = [
             [fcl.CollisionObject(fcl.Sphere(max(radius, 0.0))) for _ in range(self._samples + 1)] for radius in radii
         ]
@@ -49,7 +60,11 @@ class Body:
     def overlaps(self, q: Floats) -> list[bool]:
         """Say for every configuration (m, n, 3) whether its body overlaps an obstacle."""
         points, along = body_points(self._robot, q, self._samples)
-        return [self._overlaps(*one) for one in zip(points, along, strict=True)]
+        touching = [self._overlaps(*one) for one in zip(points, along, strict=True)]
+        if self._clearances is None:
+            return touching
+        within = self._clearances.least(q, 0.0) < -self._grace
+        return [bool(one or other) for one, other in zip(touching, within, strict=True)]
 
     def _overlaps(self, points: Floats, along: Floats) -> bool:
         exposed = along >= self._robot.mount
@@ -132,6 +147,22 @@ def _cylinder(obstacle: Cylinder, size: float) -> list[Shape]:
 @_shapes.register
 def _half_space(obstacle: HalfSpace, size: float) -> list[Shape]:
     return [_wall(obstacle.point, obstacle.normal, size)]
+
+
+@_shapes.register
+def _mesh(obstacle: Mesh, size: float) -> list[Shape]:
+    model = fcl.BVHModel()
+    model.beginModel(len(obstacle.vertices), len(obstacle.faces))
+    model.addSubModel(obstacle.vertices, obstacle.faces)
+    model.endModel()
+    return [(model, fcl.Transform())]
+
+
+@_shapes.register(PointCloud)
+@_shapes.register(Grid)
+@_shapes.register(Field)
+def _left_to_others(obstacle: Obstacle, size: float) -> list[Shape]:
+    return []
 
 
 def _wall(point: Floats, normal: Floats, size: float) -> Shape:

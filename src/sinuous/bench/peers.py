@@ -145,7 +145,8 @@ class Ipopt:
         robot = problems.robot
         self._robot = robot
         x, goal = casadi.SX.sym("x", 3 * len(robot)), casadi.SX.sym("goal", 6)
-        position, direction = _symbolic_tip(robot, x)
+        rotation, position = symbolic_frames(robot, x, 1)[-1][-1]
+        direction = rotation[:, 2]
         residual = casadi.vertcat((position - goal[:3]) / robot.mean_length, direction - goal[3:])
         bends = [x[3 * k] ** 2 + x[3 * k + 1] ** 2 for k in range(len(robot))]
         lower, upper = _bounds(robot)
@@ -174,14 +175,20 @@ class Ipopt:
         return np.array(answer["x"]).reshape(-1, 3), seconds
 
 
-def _symbolic_tip(robot: Robot, x: Any) -> tuple[Any, Any]:
-    """Position and direction of the tip as expressions in the configuration."""
+def symbolic_frames(robot: Robot, x: Any, places: int) -> list[list[tuple[Any, Any]]]:
+    """Rotations and positions at `places` equal steps of each segment, as expressions in the configuration."""
     rotation, position = casadi.SX(robot.base[:3, :3]), casadi.SX(robot.base[:3, 3])
+    found = []
     for k in range(len(robot)):
         bend_x, bend_y, length = x[3 * k], x[3 * k + 1], x[3 * k + 2]
-        angle = casadi.sqrt(bend_x**2 + bend_y**2 + 1e-16)  # never 0, where derivatives have none
-        s, g = casadi.sin(angle) / angle, (1.0 - casadi.cos(angle)) / angle**2
         w = casadi.skew(casadi.vertcat(-bend_y, bend_x, 0))
-        position += rotation @ (length * casadi.vertcat(g * bend_x, g * bend_y, s))
-        rotation = rotation @ (casadi.SX.eye(3) + s * w + g * (w @ w))
-    return position, rotation[:, 2]
+        angle = casadi.sqrt(bend_x**2 + bend_y**2 + 1e-16)  # never 0, where derivatives have none
+        segment = []
+        for i in range(1, places + 1):
+            part = i / places * angle
+            s, g = casadi.sin(part) / angle, (1.0 - casadi.cos(part)) / angle**2
+            move = length * casadi.vertcat(g * bend_x, g * bend_y, s)
+            segment.append((rotation @ (casadi.SX.eye(3) + s * w + g * (w @ w)), position + rotation @ move))
+        rotation, position = segment[-1]
+        found.append(segment)
+    return found

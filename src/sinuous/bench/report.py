@@ -148,8 +148,13 @@ HEADINGS = ["what", "goal", "reached", "", "solved", "runs", "median", "p95", "p
 
 
 def _table(rows: list[list[str]]) -> str:
-    """Markdown whose columns are also straight to the eye: the first to the left, the others to the right."""
-    widths = [max(3, *(len(row[column]) for row in rows)) for column in range(len(HEADINGS))]
+    """Markdown whose columns are also straight to the eye: the first to the left, the others to the right.
+
+    Columns without anything in them are left out.
+    """
+    used = [column for column in range(len(HEADINGS)) if column == 0 or any(row[column] for row in rows[1:])]
+    rows = [[row[column] for column in used] for row in rows]
+    widths = [max(3, *(len(row[column]) for row in rows)) for column in range(len(used))]
     ruler = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
     lines = []
     for row in [rows[0], ruler, *rows[1:]]:
@@ -167,8 +172,8 @@ def _row(line: Line) -> list[str]:
 def _spread(line: Line) -> list[str]:
     if line.times is None:
         return [""] * 5
-    unit = line.unit if line.unit in UNITS else "us"
     t = line.times
+    unit = line.unit if line.unit in UNITS else ("us" if t.median < 1e-3 else "ms")
     return [str(t.count), *(_number(value, unit) for value in (t.median, t.p95, t.p99, t.worst))]
 
 

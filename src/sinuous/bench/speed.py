@@ -1,15 +1,12 @@
 """`sinuous bench speed`: every figure that this project claims, measured in one run."""
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 
-from sinuous.bench import machine
+from sinuous.bench.conduct import conduct, require
 from sinuous.bench.plan import Plan
-from sinuous.bench.report import Line, Report
-from sinuous.errors import InputError
+from sinuous.bench.report import Line
 
 SECTIONS = ("cold", "reachable", "growth", "paper", "poses", "rivals", "honesty", "startup", "endurance")
 """Experiments, in order: files in `sinuous.bench.sections`."""
@@ -43,29 +40,16 @@ def run(
     Returns
     -------
     int
-        Exit code: 0 when every goal that concerns correctness was held, whatever the speed; 1 when one was not, or
-        when the run was interrupted.
+        Exit code; see `conduct`.
 
     Raises
     ------
     InputError
         When the packages to measure against are not installed.
     """
-    missing = [package for module, package in NEEDED.items() if find_spec(module) is None]
-    if missing:
-        raise InputError("bench", "needs packages that are not installed", missing, "pip install 'sinuous[bench]'")
-    report = Report(machine.describe(), seed, quick)
-    try:
-        for line in _lines(Plan(seed, quick), sections):
-            report.lines.append(line)
-    except KeyboardInterrupt:
-        report.interrupted = True
-    finally:  # also when a section breaks: what was measured until then took minutes
-        if out is not None:
-            out.write_text(report.to_json() + "\n", encoding="utf-8")
-        sys.stdout.write(report.to_json() + "\n" if json else report.to_text())
-        sys.stdout.flush()
-    return 0 if report.correct and not report.interrupted else 1
+    require(NEEDED)
+    plan = Plan(seed, quick)
+    return conduct(_lines(plan, sections), plan, json, out)
 
 
 def _lines(plan: Plan, sections: Sequence[str]) -> Iterator[Line]:

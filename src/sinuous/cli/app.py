@@ -76,16 +76,17 @@ def check(files: Files, json: Json = False) -> None:
 
 @app.command()
 def bench(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Which measurement: speed.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Which measurement: speed, clutter.")],
     json: Json = False,
     out: Out = None,
     seed: Seed = 0,
     quick: Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")] = False,
+    family: Annotated[list[str] | None, typer.Option(help="Of clutter, this family alone; may be repeated.")] = None,
 ) -> None:
     """Measure; only verified answers count."""
     from sinuous.cli.measure import measure  # noqa: PLC0415
 
-    raise typer.Exit(measure(name, json=json, out=out, seed=seed, quick=quick))
+    raise typer.Exit(measure(name, json=json, out=out, seed=seed, quick=quick, families=family or ()))
 
 
 @app.callback(invoke_without_command=True)

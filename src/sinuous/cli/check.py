@@ -5,7 +5,8 @@ from typing import Any
 
 import typer
 
-from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.cli.reading import read_all
+from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
 from sinuous.verification import Verification, verify
 
@@ -13,7 +14,7 @@ from sinuous.verification import Verification, verify
 def check_files(files: list[str], *, json: bool) -> int:
     """Read all files, then say of each what it contains; return 1 when a start does not meet its target, else 0."""
     good = True
-    for problem in [read_problem(file) for file in files]:
+    for problem in [read.problem for read in read_all(files)]:
         start = None if problem.start is None else verify(problem.problem(), problem.start)
         good = good and (start is None or start.ok)
         typer.echo(json_line(_contents(problem, start)) if json else _description(problem, start))
@@ -28,6 +29,7 @@ def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any
         "length": [sum(low for low, _ in lengths), sum(high for _, high in lengths)],
         "obstacles": len(problem.scene),
         "waypoints": len(problem.waypoints),
+        "notes": problem.notes,
         "start": None if start is None else asdict(start),
     }
 
@@ -37,7 +39,8 @@ def _description(problem: ProblemFile, start: Verification | None) -> str:
     low, high = contents["length"]
     counted = [_counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
     line = f"{problem.file}: {counted[0]}, length {low:g} to {high:g}; {counted[1]}; {counted[2]}"
-    return line if start is None else f"{line}\n  start {_verdict(start)}"
+    notes = [f"note: {note}" for note in problem.notes]
+    return "\n  ".join([line, *notes, *([] if start is None else [f"start {_verdict(start)}"])])
 
 
 def _counted(count: int, noun: str) -> str:

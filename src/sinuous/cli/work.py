@@ -8,8 +8,9 @@ import typer
 from sinuous.cli.options import Options
 from sinuous.cli.output import Output
 from sinuous.cli.progress import Bar
+from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
-from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.files.problem_file import ProblemFile
 from sinuous.solution import Solution
 from sinuous.solving import Solver
 from sinuous.tracking import Track, waypoints
@@ -22,42 +23,41 @@ Answer = Callable[[Solver, ProblemFile, Bar], Solution | Track]
 def solve_files(files: list[str], options: Options) -> int:
     """Solve the target of every file; return the exit code."""
     options.check(files)
-    problems = [read_problem(file) for file in files]
-    for problem in problems:
+    read = read_all(files)
+    for problem in (one.problem for one in read):
         if problem.is_path:
             raise InputError(
                 "path", "is for the command track", len(problem.waypoints), "target or targets", problem.file
             )
-    return _answer_all(problems, options, _solve)
+    return _answer_all(read, options, _solve)
 
 
 def track_files(files: list[str], options: Options) -> int:
     """Follow the path of every file; a single target is a path of one waypoint. Return the exit code."""
     options.check(files)
-    return _answer_all([read_problem(file) for file in files], options, _track)
+    return _answer_all(read_all(files), options, _track)
 
 
-def _answer_all(problems: list[ProblemFile], options: Options, answer: Answer) -> int:
+def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
     done = solved = 0
-    total = sum(len(problem.waypoints) for problem in problems)
+    total = sum(len(one.problem.waypoints) for one in read)
+    say_notes([one.problem for one in read])
     try:
-        with Output(options, len(problems)) as output, Bar(total) as bar:
-            for problem in problems:
+        with Output(options, len(read)) as output, Bar(total) as bar:
+            for one in read:
                 with bar.hidden():
-                    solver, prepare_seconds = _prepare(problem, options)
-                found = answer(solver, problem, bar)
+                    solver, prepare_seconds = _prepare(one.problem, options)
+                found = answer(solver, one.problem, bar)
                 with bar.hidden():
-                    output.write(problem.file, found, prepare_seconds)
+                    output.write(one.problem.file, found, one.seconds + prepare_seconds)
                 if isinstance(found, Track) and found.remaining:
                     raise KeyboardInterrupt
                 done += 1
                 solved += found.solved
     except KeyboardInterrupt:
-        typer.echo(
-            f"sinuous: interrupted after {done} of {len(problems)} files; the results so far are written", err=True
-        )
+        typer.echo(f"sinuous: interrupted after {done} of {len(read)} files; the results so far are written", err=True)
         return INTERRUPTED
-    return SOLVED if solved == len(problems) else UNSOLVED
+    return SOLVED if solved == len(read) else UNSOLVED
 
 
 def _prepare(problem: ProblemFile, options: Options) -> tuple[Solver, float]:

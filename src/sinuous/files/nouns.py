@@ -1,6 +1,7 @@
 """Robot, obstacles and targets as they stand in a problem file."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from sinuous import checks
@@ -10,7 +11,10 @@ from sinuous.errors import InputError
 from sinuous.files.build import keys_of, known_entries, make
 from sinuous.poses import pose
 from sinuous.robot import MOST_SEGMENTS, Robot, Segment
+from sinuous.scene.grid import Grid
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from sinuous.target import Target
 
@@ -21,8 +25,8 @@ OBSTACLES: dict[str, Callable[..., Obstacle]] = {
     "cylinder": Cylinder,
     "half_space": HalfSpace,
 }
-NOT_YET = ("mesh", "points", "grid")
-"""Obstacles that the format has and this version does not."""
+FROM_FILES: dict[str, Callable[..., Obstacle]] = {"mesh": Mesh.load, "points": PointCloud.load, "grid": Grid.load}
+"""Obstacles of which the problem file says where they stand."""
 
 
 def read_robot(value: Any) -> Robot:
@@ -65,24 +69,25 @@ def _read_pose(value: Any) -> Floats:
     return make(pose, value)
 
 
-def read_scene(value: Any) -> Scene:
-    """Read a list of obstacles; nothing is the empty scene."""
+def read_scene(value: Any, folder: Path) -> Scene:
+    """Read a list of obstacles; nothing is the empty scene. Names of files are relative to `folder`."""
     obstacles = []
     for i, entry in enumerate([] if value is None else _list_of("obstacles", value, least=0)):
         with checks.inside(f"[{i}]"):
-            obstacles.append(_read_obstacle(entry))
+            obstacles.append(_read_obstacle(entry, folder))
     return Scene(obstacles)
 
 
-def _read_obstacle(value: Any) -> Obstacle:
-    entries = known_entries(value, (*OBSTACLES, *NOT_YET))
+def _read_obstacle(value: Any, folder: Path) -> Obstacle:
+    kinds = (*OBSTACLES, *FROM_FILES)
+    entries = known_entries(value, kinds)
     if len(entries) != 1:
-        raise InputError("", "not one obstacle", value, "one of " + ", ".join(OBSTACLES))
+        raise InputError("", "not one obstacle", value, "one of " + ", ".join(kinds))
     ((kind, description),) = entries.items()
-    if kind in NOT_YET:
-        raise InputError(kind, "not supported yet", description, "one of " + ", ".join(OBSTACLES))
     with checks.inside(kind):
-        return make(OBSTACLES[kind], description)
+        if kind in OBSTACLES:
+            return make(OBSTACLES[kind], description)
+        return make(FROM_FILES[kind], description, {"file": lambda name: folder / checks.text("", name)})
 
 
 def read_target(value: Any, robot: Robot) -> Target:

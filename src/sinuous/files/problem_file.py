@@ -15,8 +15,9 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
-from sinuous.problem import Preferences, Problem, Tolerance
+from sinuous.problem import Preferences, Problem, Tolerance, check_sizes
 from sinuous.robot import Robot
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene
 from sinuous.target import Target
 
@@ -52,6 +53,16 @@ class ProblemFile:
     start: Floats | None
     prefer: Preferences
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is not as it should be, and what became of it: the flaws of all meshes."""
+        return tuple(
+            f"{self.scene.name(i)}: {flaw}"
+            for i, obstacle in enumerate(self.scene.obstacles)
+            if isinstance(obstacle, Mesh)
+            for flaw in obstacle.flaws
+        )
+
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""
         return Problem(self.robot, self.waypoints[waypoint], self.scene, self.tolerance)
@@ -80,10 +91,12 @@ def _problem(file: str, value: Any) -> ProblemFile:
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
     robot: Robot = _part(entries, "robot", read_robot)
+    scene: Scene = _part(entries, "scene", lambda v: read_scene(v, folder))
+    check_sizes(robot, scene)
     return ProblemFile(
         file=file,
         robot=robot,
-        scene=_part(entries, "scene", read_scene),
+        scene=scene,
         waypoints=_waypoints(entries, robot, folder),
         is_path="path" in entries,
         tolerance=_part(entries, "tolerance", lambda v: make(Tolerance, {} if v is None else v)),

@@ -1,4 +1,7 @@
-"""Exact obstacles: sphere, box, capsule, cylinder, half-space. With `inside=True` the body must stay within."""
+"""What an obstacle is; and the exact ones: sphere, box, capsule, cylinder, half-space.
+
+With `inside=True` the body must stay within.
+"""
 
 import math
 from abc import ABC, abstractmethod
@@ -23,15 +26,20 @@ class Obstacle(ABC):
 
     name: str | None
 
-    @property
-    @abstractmethod
-    def row(self) -> Floats:
-        """One row of the table that the kernels read; layout of `sinuous.kernels.distances`."""
-
     def _keep(self, name: Any, **values: Any) -> None:
         values["name"] = None if name is None else checks.text("name", name)
         for key, value in values.items():
             object.__setattr__(self, key, value)
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Primitive(Obstacle):
+    """An obstacle that a few numbers say exactly."""
+
+    @property
+    @abstractmethod
+    def row(self) -> Floats:
+        """One row of the table that the kernels read; layout of `sinuous.kernels.distances`."""
 
 
 def _row(kind: int, inside: bool, center: Floats, rotation: Floats, half: Any, rounding: float) -> Floats:
@@ -40,7 +48,7 @@ def _row(kind: int, inside: bool, center: Floats, rotation: Floats, half: Any, r
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Sphere(Obstacle):
+class Sphere(Primitive):
     """A ball.
 
     Parameters
@@ -61,17 +69,17 @@ class Sphere(Obstacle):
             name,
             center=checks.vector("center", center),
             radius=checks.number("radius", radius, above=0.0),
-            inside=checks.flag("inside", inside),
+            inside=checks.truth("inside", inside),
         )
 
     @property
     def row(self) -> Floats:
-        """See `Obstacle.row`."""
+        """See `Primitive.row`."""
         return _row(SPHERE, self.inside, self.center, IDENTITY, np.zeros(3), self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Box(Obstacle):
+class Box(Primitive):
     """A box with flat faces.
 
     Parameters
@@ -100,12 +108,12 @@ class Box(Obstacle):
             center=checks.vector("center", center),
             size=extents,
             rotation=IDENTITY if rotation is None else rotation_matrix("rotation", rotation),
-            inside=checks.flag("inside", inside),
+            inside=checks.truth("inside", inside),
         )
 
     @property
     def row(self) -> Floats:
-        """See `Obstacle.row`."""
+        """See `Primitive.row`."""
         return _row(BOX, self.inside, self.center, self.rotation, 0.5 * self.size, 0.0)
 
 
@@ -118,7 +126,7 @@ def _axis(start: Floats, end: Floats) -> tuple[Floats, Floats, float]:
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Capsule(Obstacle):
+class Capsule(Primitive):
     """All points within `radius` of the line from `start` to `end`.
 
     Parameters
@@ -142,13 +150,13 @@ class Capsule(Obstacle):
 
     @property
     def row(self) -> Floats:
-        """See `Obstacle.row`."""
+        """See `Primitive.row`."""
         center, rotation, half = _axis(self.start, self.end)
         return _row(BOX, False, center, rotation, [0.0, 0.0, half], self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Cylinder(Obstacle):
+class Cylinder(Primitive):
     """A cylinder with flat ends.
 
     Parameters
@@ -175,18 +183,18 @@ class Cylinder(Obstacle):
             start=first,
             end=last,
             radius=checks.number("radius", radius, above=0.0),
-            inside=checks.flag("inside", inside),
+            inside=checks.truth("inside", inside),
         )
 
     @property
     def row(self) -> Floats:
-        """See `Obstacle.row`."""
+        """See `Primitive.row`."""
         center, rotation, half = _axis(self.start, self.end)
         return _row(CYLINDER, self.inside, center, rotation, [self.radius, self.radius, half], 0.0)
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class HalfSpace(Obstacle):
+class HalfSpace(Primitive):
     """Everything behind a plane; free is the side that `normal` points to.
 
     Parameters
@@ -206,5 +214,5 @@ class HalfSpace(Obstacle):
 
     @property
     def row(self) -> Floats:
-        """See `Obstacle.row`."""
+        """See `Primitive.row`."""
         return _row(HALF_SPACE, False, self.point, least_rotation(self.normal), np.zeros(3), 0.0)

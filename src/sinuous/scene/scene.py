@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Primitive
 
 WIDTH = 18
 
@@ -40,7 +40,7 @@ class Scene:
             else:
                 raise InputError(f"scene[{i}]", "of the wrong kind", item, "an obstacle or a scene")
         self.obstacles: tuple[Obstacle, ...] = tuple(flat)
-        self.table: Floats = np.array([o.row for o in flat], np.float64).reshape(-1, WIDTH)
+        self.table: Floats = np.array([o.row for o in flat if isinstance(o, Primitive)]).reshape(-1, WIDTH)
         self.table.flags.writeable = False
 
     def __len__(self) -> int:

@@ -1,16 +1,13 @@
 """No false "solved": random robots among all kinds of obstacles, targets possible and not, claims judged by fcl."""
 
-import multiprocessing
-import os
-import signal
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.bench import answers
 from sinuous.bench.judges import within_limits
+from sinuous.bench.parallel import in_processes
 from sinuous.bench.plan import Plan
 from sinuous.bench.problems import clutter
 from sinuous.bench.report import Goal, Line
@@ -56,7 +53,7 @@ def examine(seed: int) -> Tally:
 def measure(plan: Plan) -> Iterator[Line]:
     """Count false claims, and answers outside the limits."""
     seeds = range(1000 * plan.seed, 1000 * plan.seed + plan.count(1000, 5))
-    found = list(plan.track(_examine_all(seeds, alone=plan.quick), "false claims", len(seeds)))
+    found = list(plan.track(in_processes(examine, seeds, alone=plan.quick, chunk=5), "false claims", len(seeds)))
     claimed, total = sum(tally.claimed for tally in found), TARGETS * len(seeds)
     false = {seed: tally.false for seed, tally in zip(seeds, found, strict=True) if tally.false}
     outside = {seed: tally.outside for seed, tally in zip(seeds, found, strict=True) if tally.outside}
@@ -64,16 +61,6 @@ def measure(plan: Plan) -> Iterator[Line]:
     goal = Goal(0, correctness=True)
     yield Line(SECTION, "false claims", _sum(false), "", goal, None, solved, _seeds(false))
     yield Line(SECTION, "answers outside limits, solved or not", _sum(outside), "", goal, None, None, _seeds(outside))
-
-
-def _examine_all(seeds: range, alone: bool) -> Iterator[Tally]:
-    """Yield tallies in the order of the seeds, made in as many processes as there are cores, or in this one alone."""
-    if alone:
-        yield from map(examine, seeds)
-        return
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(os.cpu_count(), spawn, signal.signal, (signal.SIGINT, signal.SIG_IGN)) as pool:
-        yield from pool.map(examine, seeds, chunksize=5)
 
 
 def _sum(numbers: dict[int, list[int]]) -> int:

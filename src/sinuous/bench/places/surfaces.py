@@ -1,0 +1,99 @@
+"""Closed surfaces of triangles: lofts over rings, which are watertight because every edge is made twice."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
+
+Faces = NDArray[np.int64]
+
+
+class Surface(NamedTuple):
+    """Triangles, counterclockwise as seen from outside of the solid.
+
+    Attributes
+    ----------
+    vertices : ndarray (v, 3)
+    faces : ndarray (f, 3)
+    """
+
+    vertices: Floats
+    faces: Faces
+
+    @property
+    def turned(self) -> "Surface":
+        """The same triangles, seen from the other side: the wall of a hollow."""
+        return Surface(self.vertices, self.faces[:, ::-1].copy())
+
+
+def joined(surfaces: list[Surface]) -> Surface:
+    """Return all triangles of several surfaces."""
+    firsts = np.cumsum([0, *(len(surface.vertices) for surface in surfaces[:-1])])
+    faces = [surface.faces + first for surface, first in zip(surfaces, firsts, strict=True)]
+    return Surface(np.concatenate([s.vertices for s in surfaces]), np.concatenate(faces))
+
+
+def loft(rings: Floats, poles: Floats) -> Surface:
+    """Return the skin over rings (m, s, 3), closed by a fan to a pole at each end (2, 3).
+
+    Rings run counterclockwise as seen from the end that they lead to.
+    """
+    m, s = rings.shape[:2]
+    vertices = np.concatenate([rings.reshape(-1, 3), poles])
+    first, last = np.arange(s), (m - 1) * s + np.arange(s)
+    start = np.stack([np.full(s, m * s), np.roll(first, -1), first], axis=-1)
+    end = np.stack([np.full(s, m * s + 1), last, np.roll(last, -1)], axis=-1)
+    return Surface(vertices, np.concatenate([_bands(m, s, m - 1), start, end]))
+
+
+def ring_loft(rings: Floats) -> Surface:
+    """Return the skin over rings (m, s, 3) of which the last is followed by the first."""
+    m, s = rings.shape[:2]
+    return Surface(rings.reshape(-1, 3), _bands(m, s, m))
+
+
+def _bands(m: int, s: int, count: int) -> Faces:
+    """Triangles between ring k and the next of m, for the first `count` rings of s vertices."""
+    k, j = np.meshgrid(np.arange(count), np.arange(s), indexing="ij")
+    a, b = k * s + j, k * s + (j + 1) % s
+    c, d = (k + 1) % m * s + j, (k + 1) % m * s + (j + 1) % s
+    return np.concatenate([np.stack([a, b, d], axis=-1).reshape(-1, 3), np.stack([a, d, c], axis=-1).reshape(-1, 3)])
+
+
+def tube(poses: Floats, radius: float, sides: int = 20, caps: int = 5) -> Surface:
+    """Return the surface at `radius` around a curve given by frames (m, 4, 4), with half a ball at each end.
+
+    No face is nearer to the curve than `radius`, but for what the steps between frames cut off.
+    """
+    outer = radius / math.cos(math.pi / sides)
+    lean = np.linspace(0.0, 0.5 * math.pi, caps + 1)[1:-1]
+    rings = [_ring(poses[0], outer * math.cos(a), -outer * math.sin(a), sides) for a in lean[::-1]]
+    rings += [_ring(pose, outer, 0.0, sides) for pose in poses]
+    rings += [_ring(poses[-1], outer * math.cos(a), outer * math.sin(a), sides) for a in lean]
+    ends = [poses[0, :3, 3] - outer * poses[0, :3, 2], poses[-1, :3, 3] + outer * poses[-1, :3, 2]]
+    return loft(np.array(rings), np.array(ends))
+
+
+def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
+    turn = 2.0 * math.pi * np.arange(sides) / sides
+    local = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(sides, ahead)], axis=-1)
+    ring: Floats = local @ pose[:3, :3].T + pose[:3, 3]
+    return ring
+
+
+def plate(pose: Floats, half: float, hole: float, thickness: float, sides: int = 24) -> Surface:
+    """Return a square plate across the z axis of `pose`, with a hole of radius `hole` around it.
+
+    `sides`, a multiple of 8, is also how often the outline is cut, so that it has its corners.
+    """
+    turn = 2.0 * math.pi * np.arange(sides) / sides
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    square = half * circle / np.abs(circle).max(axis=1, keepdims=True)
+    inner = hole / math.cos(math.pi / sides) * circle
+    up, down = np.full((sides, 1), 0.5 * thickness), np.full((sides, 1), -0.5 * thickness)
+    corners = [np.hstack([inner, down]), np.hstack([square, down]), np.hstack([square, up]), np.hstack([inner, up])]
+    rings = np.stack(corners, axis=1) @ pose[:3, :3].T + pose[:3, 3]
+    return ring_loft(rings).turned

@@ -1,0 +1,33 @@
+"""The distance to any obstacle."""
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.measures.primitives import to_primitive
+from sinuous.measures.samples import to_cloud, to_field, to_grid
+from sinuous.measures.triangles import to_mesh
+from sinuous.scene.field import Field
+from sinuous.scene.grid import Grid
+from sinuous.scene.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.point_cloud import PointCloud
+
+
+def measure(obstacle: Obstacle, points: Floats) -> Floats:
+    """Signed distance (m,) of points (m, 3) to one obstacle, positive where the body may be.
+
+    Of a grid of distances it is what these prove, a lower bound.
+    """
+    if isinstance(obstacle, Primitive):
+        distance = to_primitive(obstacle, points)
+    elif isinstance(obstacle, Mesh):
+        distance = to_mesh(obstacle, points)
+    elif isinstance(obstacle, PointCloud):
+        distance = to_cloud(obstacle, points)
+    elif isinstance(obstacle, Grid):
+        distance = to_grid(obstacle, points)
+    elif isinstance(obstacle, Field):
+        distance = to_field(obstacle, points)
+    else:
+        raise NotImplementedError(f"no independent distance for {type(obstacle).__name__}")
+    return np.asarray(-distance if getattr(obstacle, "inside", False) else distance)

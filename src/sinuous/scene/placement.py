@@ -1,0 +1,37 @@
+"""Where the content of a file lies in the world, and how large it is there."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.poses import pose
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Placement:
+    """The map p -> rotation * scale * p + position from a file to the world.
+
+    Parameters
+    ----------
+    scale : float
+        Greater than 0.
+    position : array_like (3,), optional
+    rotation : array_like (3, 3) or (4,), optional
+        A matrix or a quaternion wxyz.
+    """
+
+    scale: float
+    pose: Floats
+
+    def __init__(self, scale: Any, position: Any = None, rotation: Any = None) -> None:
+        object.__setattr__(self, "scale", checks.number("scale", scale, above=0.0))
+        object.__setattr__(self, "pose", pose(position, rotation=rotation))
+
+    def apply(self, points: Floats) -> Floats:
+        """Map points (m, 3); what is not finite stays so."""
+        with np.errstate(invalid="ignore", over="ignore"):
+            moved: Floats = (self.scale * points) @ self.pose[:3, :3].T + self.pose[:3, 3]
+        return moved

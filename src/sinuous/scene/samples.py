@@ -1,0 +1,63 @@
+"""Values on a regular grid of points, as they stand for a distance."""
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+
+STEPS = tuple(step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0))
+"""From a point of a grid to half of its 26 neighbours; the other half is the same, backwards."""
+
+SLACK = 1e-6
+"""What rounding may add to a difference between neighbours, relative to their distance."""
+
+
+def check_lipschitz(key: str, values: Floats, spacing: float, rounding: float) -> None:
+    """Refuse values (nx, ny, nz) that differ by more than the distance of two neighbours: no distance does.
+
+    Parameters
+    ----------
+    key : str
+    values : ndarray (nx, ny, nz)
+    spacing : float
+        Between neighbours along an axis.
+    rounding : float
+        Relative precision in which the values were stored.
+
+    Raises
+    ------
+    InputError
+        That names the pair with the steepest rise, and how steep it is.
+    """
+    allowed = rounding * float(np.abs(values).max())
+    worst, step, at = 0.0, STEPS[0], 0
+    for candidate in STEPS:
+        rise = _rise(values, candidate) - allowed
+        steepest = float(rise.max(initial=0.0)) / (spacing * float(np.linalg.norm(candidate)))
+        if steepest > worst:
+            worst, step, at = steepest, candidate, int(rise.argmax())
+    if worst > 1.0 + SLACK:
+        here = np.array(np.unravel_index(at, _rise(values, step).shape)) - np.minimum(step, 0)
+        pair = [here.tolist(), (here + step).tolist()]
+        problem = f"changes {worst:.4g} times as fast as a distance can, from {pair[0]} to {pair[1]}"
+        got = [float(values[tuple(place)]) for place in pair]
+        raise InputError(key, problem, got, "values that differ by at most the distance of their points")
+
+
+def _rise(values: Floats, step: tuple[int, ...]) -> Floats:
+    """Differences between all pairs of values that are one `step` apart, as an array of their first places."""
+    first, second = (
+        tuple(slice(max(0, -s), None if s <= 0 else -s) for s in way) for way in (step, tuple(-s for s in step))
+    )
+    result: Floats = np.abs(values[second] - values[first])
+    return result
+
+
+def sample_points(origin: Floats, spacing: float, shape: tuple[int, ...], first: int, last: int) -> Floats:
+    """Points (last - first, 3) of a grid of this shape, numbered in C order."""
+    index: NDArray[np.int64] = np.stack(np.unravel_index(np.arange(first, last), shape), axis=-1)
+    result: Floats = origin + spacing * index
+    return result

@@ -1,0 +1,46 @@
+"""Triangles for tests, made by hand: a cube, a ball, and several bodies as one."""
+
+import numpy as np
+
+from sinuous.scene.topology import Integers
+from tests.helpers import Floats
+
+Triangles = tuple[Floats, Integers]
+
+
+def cube(size: float = 1.0, center: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Triangles:
+    """Eight vertices and twelve triangles, counterclockwise as seen from outside."""
+    vertices = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)], np.float64) - 0.5
+    quads = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    return size * vertices + np.array(center), np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+
+
+def ball(rounds: int = 2) -> Triangles:
+    """Approximate the unit ball by an octahedron, the triangles of which are cut in four again and again."""
+    vertices = np.concatenate([np.eye(3), -np.eye(3)])
+    faces = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    for _ in range(rounds):
+        corners = vertices[faces]
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        ab, bc, ca = a + b, b + c, c + a
+        soup = np.concatenate([np.stack(t, axis=1) for t in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))])
+        soup /= np.linalg.norm(soup, axis=-1, keepdims=True)
+        vertices, flat = np.unique(soup.reshape(-1, 3).round(12), axis=0, return_inverse=True)
+        faces = flat.reshape(-1, 3)
+    return vertices, faces.astype(np.int64)
+
+
+def together(*bodies: Triangles) -> Triangles:
+    """Several bodies in one pair of arrays."""
+    first = np.cumsum([0, *(len(vertices) for vertices, _ in bodies)])
+    faces = [faces + start for (_, faces), start in zip(bodies, first, strict=False)]
+    return np.concatenate([vertices for vertices, _ in bodies]), np.concatenate(faces)
+
+
+def inverted(body: Triangles) -> Triangles:
+    return body[0], body[1][:, ::-1]
+
+
+def soup(body: Triangles) -> Triangles:
+    """Triangles that share no vertices, as in an STL file."""
+    return body[0][body[1]].reshape(-1, 3), np.arange(body[1].size).reshape(-1, 3)

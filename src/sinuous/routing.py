@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,17 +12,19 @@ from sinuous.kernels.lattice import HALF_DIAGONAL, lattice_size
 from sinuous.kernels.routes import PROVED_CLOSED, find
 from sinuous.kernels.states import workspace_size
 from sinuous.methods.newton import kernel_tables
-
-if TYPE_CHECKING:
-    from sinuous.problem import Problem, Tolerance
-    from sinuous.robot import Robot
-    from sinuous.scene.scene import Scene
+from sinuous.problem import Problem, Tolerance
+from sinuous.robot import Robot
+from sinuous.scene.scene import Scene
+from sinuous.target import Target
 
 COARSE, FINE = 50, 400
 """Cubes in the length of the longest robot: most of them at first, and most at all."""
 
 ALTERNATIVES = 4
 """Ways to one target that differ."""
+
+SLOTS = (1 << 15, 1 << 18, 1 << 20)
+"""Sizes of the table of cubes."""
 
 POINTS, CROSSED = 256, 8192
 """Most points of a way, and most cubes that it leads through."""
@@ -41,6 +43,8 @@ class Plan(NamedTuple):
         Size of the table of cubes; half of it is the most that are looked at.
     ways : int
         Most ways to find.
+    then : int
+        Starts at random that come before the next search.
     prove : bool
         Whether to prove that there is none, where none is found.
     """
@@ -49,6 +53,7 @@ class Plan(NamedTuple):
     least: float
     slots: int
     ways: int
+    then: int
     prove: bool
 
 
@@ -68,6 +73,8 @@ class Routes(NamedTuple):
     cubes : int
         How many of them were looked at.
     seconds : float
+    then : int
+        How many starts at random should come before the next search.
     """
 
     starts: Floats
@@ -76,6 +83,7 @@ class Routes(NamedTuple):
     cell: float
     cubes: int
     seconds: float
+    then: int
 
 
 class Router:
@@ -88,14 +96,16 @@ class Router:
     tolerance : Tolerance
     """
 
-    def __init__(self, robot: "Robot", scene: "Scene", tolerance: "Tolerance") -> None:
+    def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self._robot = robot
         self._tables = kernel_tables(robot, scene, tolerance)
         self._plans = _plans(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
         self._local = threading.local()
         announce(find)
+        nowhere = Problem(robot, Target((0.0, 0.0, 0.0)), scene, tolerance)
+        self._find(nowhere, 0, self._plans[0]._replace(slots=256), 0.0)  # compiles, or loads from the cache
 
-    def search(self, problem: "Problem", seconds_left: Callable[[], float]) -> Iterator[Routes]:
+    def search(self, problem: Problem, seconds_left: Callable[[], float]) -> Iterator[Routes]:
         """Yield ways to the target of a problem, from coarse to fine, while time is left."""
         which = _goal(problem)
         told: dict[float, int] = {}
@@ -109,7 +119,7 @@ class Router:
             if routes.closed:
                 return
 
-    def _find(self, problem: "Problem", which: int, plan: Plan, seconds: float) -> Routes:
+    def _find(self, problem: Problem, which: int, plan: Plan, seconds: float) -> Routes:
         workspace = np.empty(
             workspace_size(len(self._robot), len(self._robot.actuation), len(problem.scene), len(problem.targets))
         )
@@ -135,7 +145,7 @@ class Router:
             starts,
         )
         shown = [ways[i, : counts[i]].copy() for i in range(found)]
-        return Routes(starts[:found].copy(), shown, ended == PROVED_CLOSED, plan.cell, cubes, spent)
+        return Routes(starts[:found].copy(), shown, ended == PROVED_CLOSED, plan.cell, cubes, spent, plan.then)
 
     def _scratch(self, slots: int) -> tuple[Floats, Floats]:
         """Points of a way, and the largest lattice that this thread has needed."""
@@ -158,13 +168,14 @@ def _plans(radius: float, length: float) -> list[Plan]:
     proves = fine <= 0.5 * radius
     plans = []
     if coarse > fine:
-        plans += [Plan(coarse, radius - 0.5 * coarse, 1 << 15, ways, prove=False) for ways in (1, ALTERNATIVES)]
-    plans += [Plan(fine, through, 1 << 18, ways, prove=proves) for ways in (1, ALTERNATIVES)]
-    plans.append(Plan(fine, through, 1 << 20, ALTERNATIVES, prove=proves))
+        narrow = radius - 0.5 * coarse
+        plans += [Plan(coarse, narrow, SLOTS[0], 1, 20, False), Plan(coarse, narrow, SLOTS[0], ALTERNATIVES, 40, False)]
+    plans += [Plan(fine, through, SLOTS[1], 1, 80, proves), Plan(fine, through, SLOTS[1], ALTERNATIVES, 160, proves)]
+    plans.append(Plan(fine, through, SLOTS[2], ALTERNATIVES, 0, proves))
     return plans
 
 
-def _goal(problem: "Problem") -> int:
+def _goal(problem: Problem) -> int:
     """Number of the most distal target that has a position; -1: none has."""
     placed = [i for i, target in enumerate(problem.targets) if target.position is not None]
     ends = len(problem.robot)

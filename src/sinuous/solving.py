@@ -266,30 +266,35 @@ class Solver:
         return given.reshape(1, len(self.robot), 3).copy()
 
     def _go_on(self, best: Outcome, problem: Problem, given: Floats) -> Outcome:
-        """Try ways through free space, then more starts, until something is decided."""
+        """Try ways through free space and starts at random in turn, until something is decided."""
         search = Search(best, self.starts, self.time)
-        if self._router is not None:
-            self._follow_routes(search, self._router, problem)
         number = best.starts
-        while search.open:
-            chunk = search.affordable(SLICE)
-            found = self._prepared.run(problem.rows, given, number, number + chunk, self.seed, search.seconds_left)
-            number += chunk
-            search.take(found)
-        return search.outcome
-
-    def _follow_routes(self, search: Search, router: Router, problem: Problem) -> None:
-        """Start from the chain laid into ways, as they are found."""
-        for routes in router.search(problem, lambda: search.seconds_left):
+        for routes in self._router.search(problem, lambda: search.seconds_left) if self._router is not None else ():
             search.spend(routes.seconds)
             if routes.closed:
                 search.close(routes.cell)
-            starts = routes.starts[: search.starts_left]
-            if search.open and len(starts):
-                found = self._prepared.run(problem.rows, starts, 0, len(starts), self.seed, search.seconds_left)
-                search.take(found._replace(kind=ROUTE))
+            self._follow(search, problem, routes.starts)
+            self._scatter(search, problem, given, number, routes.then)
+            number += routes.then
             if not search.open:
-                return
+                return search.outcome
+        self._scatter(search, problem, given, number, self.starts)
+        return search.outcome
+
+    def _follow(self, search: Search, problem: Problem, starts: Floats) -> None:
+        """Start from the chain laid into ways."""
+        starts = starts[: search.starts_left]
+        if search.open and len(starts):
+            found = self._prepared.run(problem.rows, starts, 0, len(starts), self.seed, search.seconds_left)
+            search.take(found._replace(kind=ROUTE))
+
+    def _scatter(self, search: Search, problem: Problem, given: Floats, number: int, count: int) -> None:
+        """Go on with starts from `number` on, so many, in chunks."""
+        last = number + count
+        while search.open and number < last:
+            end = min(last, number + search.affordable(SLICE))
+            search.take(self._prepared.run(problem.rows, given, number, end, self.seed, search.seconds_left))
+            number = end
 
     def _status(self, outcome: Outcome) -> Status:
         if self._base_blocked:

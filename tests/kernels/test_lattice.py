@@ -48,6 +48,7 @@ def corridor(**changed: Any) -> Corridor:
         "turn": 0.0,
         "around": 0.0,
         "close": 0.5 * CELL,
+        "haste": 1.0,
     }
     return Corridor(**(values | changed))
 
@@ -108,6 +109,15 @@ def test_the_way_is_a_shortest_one(seed: int) -> None:
     least = ways.min(axis=0)[np.linalg.norm(middles, axis=1).argmin()]
     assert ended == (FOUND if np.isfinite(least) else CLOSED)
     assert table.cost[slot] == pytest.approx(least, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_haste_costs_no_more_than_it_says(seed: int) -> None:
+    scene, table, hasty = spheres(seed), empty_lattice(), empty_lattice()
+    _, slot, cubes = explore(table, corridor(), scene)
+    _, other, fewer = explore(hasty, corridor(haste=2.0), scene)
+    assert hasty.cost[other] <= 2.0 * table.cost[slot] + 1e-12
+    assert fewer <= cubes
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -35,12 +35,28 @@ middle to the obstacles, what other ways ask as a surcharge, whether its cost is
 
 Corridor = namedtuple(
     "Corridor",
-    ["origin", "cell", "least", "radius", "room", "reach", "start", "axis", "goal", "back", "turn", "around", "close"],
+    [
+        "origin",
+        "cell",
+        "least",
+        "radius",
+        "room",
+        "reach",
+        "start",
+        "axis",
+        "goal",
+        "back",
+        "turn",
+        "around",
+        "close",
+        "haste",
+    ],
 )
 """What a search is about. `origin`: the robot's base, and middle of the cube (0, 0, 0) of edge `cell`; no way is
 farther from it than `reach`. `least` distance that is passable, `radius` of the body, `room` beyond it that costs
 nothing. Ways run from within `close` of `start`, where they leave along `axis`, to within `around` of `goal`, where
-`back` points to where they come from (zero: anywhere); within `turn` of both nothing passes behind their backs."""
+`back` points to where they come from (zero: anywhere); within `turn` of both nothing passes behind their backs. With
+`haste` 1 the cheapest way is found; with more, one that costs at most so many times as much, sooner."""
 
 
 def lattice_size(slots: int) -> int:
@@ -243,7 +259,7 @@ def _widen(lattice: Lattice, corridor: Corridor, scene: Array, slot: int, size: 
                     lattice.cost[other] = cost
                     lattice.before[other] = slot
                     rest = norm(sub(middle(corridor, key), corridor.start))
-                    size = _push(lattice, size, cost + rest, other)
+                    size = _push(lattice, size, cost + corridor.haste * rest, other)
     return size, entered
 
 

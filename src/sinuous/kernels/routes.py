@@ -29,6 +29,9 @@ from sinuous.kernels.verdicts import backbone_end
 PROVED_CLOSED = -1
 """In place of how a search ended: it was closed, and so it is for any robot of this radius, whatever its tangents."""
 
+HASTE = 2.0
+"""See `lattice.Corridor`: among obstacles a way costs more than its length, and an honest guess looks at far more."""
+
 DETOUR = 2.0
 """Surcharge on cubes near a way that is known already."""
 
@@ -84,7 +87,7 @@ def _corridor(problem: Problem, which: int, last: int, cell: float, least: float
     past = max(problem.mount, lead)
     start = _straight(problem.scene, base, axis, past, past + 0.5 * turn, radius)
     end = _straight(problem.scene, goal, back, 0.0, 0.5 * turn, radius) if norm(back) > 0.0 else goal
-    return Corridor(base, cell, least, radius, room, reach, start, axis, end, back, turn, around, 0.9 * cell)
+    return Corridor(base, cell, least, radius, room, reach, start, axis, end, back, turn, around, 0.9 * cell, HASTE)
 
 
 @kernel
@@ -111,6 +114,7 @@ def _closed(
         0.0,
         around,
         problem.mount + HALF_DIAGONAL * cell,
+        1.0,
     )
     clear(lattice)
     ended, _, cubes = explore(lattice, corridor, problem.scene, clock, deadline, 0)

@@ -34,7 +34,7 @@ def by_section(lines: Iterator[Line]) -> dict[str, Line]:
 
 
 def tried(*ours: Attempt, arc: Attempt = RIGHT) -> list[Trial]:
-    return [Trial("spheres 12", seed, 1e-3, attempt, {ARC: arc}) for seed, attempt in enumerate(ours)]
+    return [Trial("spheres 12", seed, 1e-3, attempt, 0.3, {ARC: arc}) for seed, attempt in enumerate(ours)]
 
 
 def test_a_quick_run_holds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -50,6 +50,7 @@ def test_a_quick_run_holds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -
         figures.FALSE,
         figures.MEDIAN,
         figures.WORST,
+        figures.PROOF,
         figures.PREPARE,
         *figures.ALONE.values(),
     }
@@ -126,6 +127,8 @@ def test_a_place_is_solved_in_all_ways() -> None:
     trial = examine(Task("p3", 0, (ARC, RANDOM, IPOPT)))
     assert trial.ours.solved
     assert not trial.ours.false
+    assert trial.proof is not None
+    assert 0.0 < trial.proof < 1.0
     assert trial.ours.start in {"arc", "route", "random"}
     assert set(trial.others) == {ARC, RANDOM, IPOPT}
     assert trial.others[IPOPT].seconds > trial.ours.seconds

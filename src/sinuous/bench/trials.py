@@ -14,7 +14,7 @@ from sinuous.checks import Floats
 from sinuous.problem import Tolerance
 from sinuous.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution import Status
+from sinuous.solution import Solution, Status
 from sinuous.solving import Solver
 
 ARC, RANDOM, IPOPT = "arc", "random", "ipopt"
@@ -68,6 +68,9 @@ class Trial:
     prepare : float
         Seconds to make the solver.
     ours : Attempt
+    proof : float or None
+        Of the seconds inside the kernel, the share that one look and the proof take: those of solving again from the
+        answer. None where it is not solved.
     others : dict of str to Attempt
         By `ARC`, `RANDOM`, `IPOPT`: what was asked for and is possible.
     """
@@ -76,6 +79,7 @@ class Trial:
     seed: int
     prepare: float
     ours: Attempt
+    proof: float | None
     others: dict[str, Attempt]
 
 
@@ -92,14 +96,14 @@ def examine(task: Task) -> Trial:
     family, seed, compared = task
     place = make(family, seed)
     solver, prepare = _prepared(place.robot, place.scene, place.tolerance)
-    ours = _attempt(place, solver)
+    ours, solution = _attempt(place, solver)
     others = {}
     for name, starts in ((ARC, 1), (RANDOM, 1 + RANDOM_STARTS)):
         if name in compared:
-            others[name] = _attempt(place, _local(place.robot, place.scene, place.tolerance, starts))
+            others[name], _ = _attempt(place, _local(place.robot, place.scene, place.tolerance, starts))
     if IPOPT in compared and AmongSpheres.takes(place.robot, place.scene):
         others[IPOPT] = _interior(place)
-    return Trial(family, seed, prepare, ours, others)
+    return Trial(family, seed, prepare, ours, _proof(solver, place, solution), others)
 
 
 @lru_cache(maxsize=16)
@@ -122,14 +126,22 @@ def _judging(robot: Robot, scene: Scene) -> Body:
     return Body(robot, scene, thorough=True)
 
 
-def _attempt(place: Place, solver: Solver) -> Attempt:
+def _attempt(place: Place, solver: Solver) -> tuple[Attempt, Solution]:
     """Solve twice, of which the second time counts: the first loads code, and makes what a solver puts off."""
     for _ in range(2):
         began = perf_counter()
         solution = solver.solve(place.target)
         seconds = perf_counter() - began
     right = _right(place, solution.q)
-    return Attempt(seconds, str(solution.status), solution.start, solution.solved, right)
+    return Attempt(seconds, str(solution.status), solution.start, solution.solved, right), solution
+
+
+def _proof(solver: Solver, place: Place, solution: Solution) -> float | None:
+    """See `Trial.proof`; the least of three, because one look takes only some microseconds."""
+    if not solution.solved:
+        return None
+    again = [solver.solve(place.target, start=solution) for _ in range(3)]
+    return min(each._outcome.seconds for each in again) / solution._outcome.seconds
 
 
 def _right(place: Place, q: Floats) -> bool:

@@ -15,7 +15,7 @@ from sinuous.scene.mesh import Mesh
 
 FEWEST, MOST = 2, 6
 HOLE, THICKNESS = 1.5, 0.5
-SMALLEST, LARGEST = 5.0, 15.0
+SMALLEST, LARGEST = 5.0, 25.0
 """Half the edge of a plate: the largest one that does not cut the hidden shape elsewhere.
 
 All lengths in radii of the body.

@@ -114,9 +114,17 @@ def test_bodies_of_a_mesh_that_overlap_are_obstacles_of_their_own(tmp_path: Path
     rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
     _write(tmp_path, "\n".join(rows), "parts.obj")
     scene = read_problem(
-        _write(tmp_path, ROBOT + TARGET + "scene: [{mesh: {file: parts.obj, scale: 2, name: engine}}]")
+        _write(
+            tmp_path,
+            ROBOT
+            + TARGET
+            + "scene:\n"
+            + "  - mesh: {file: parts.obj, scale: 2, name: engine}\n"
+            + "  - mesh: {file: parts.obj, scale: 3}\n"
+            + "  - sphere: {center: [0, 9, 0], radius: 1}\n",
+        )
     ).scene
-    assert [scene.name(i) for i in range(len(scene))] == ["engine", "engine"]
+    assert [scene.name(i) for i in range(len(scene))] == ["engine", "engine", "mesh[1]", "mesh[1]", "sphere[2]"]
 
 
 @pytest.mark.parametrize("scale", [1e5, 1e-5])

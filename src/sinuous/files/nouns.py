@@ -74,7 +74,10 @@ def read_scene(value: Any, robot: Robot, folder: Path) -> Scene:
     obstacles: list[Obstacle] = []
     for i, entry in enumerate([] if value is None else _list_of("obstacles", value, least=0)):
         with checks.inside(f"[{i}]"):
-            obstacles += _read_obstacles(entry, robot, folder)
+            parts = _read_obstacles(entry, robot, folder)
+        if len(parts) > 1 or len(obstacles) > i:  # places in the scene are no longer those in the file
+            parts = [part if part.name else part.named(f"{next(iter(entry))}[{i}]") for part in parts]
+        obstacles += parts
     return Scene(obstacles)
 
 

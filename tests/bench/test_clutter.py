@@ -22,11 +22,11 @@ from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution import Solution, Status
 
-RIGHT = Attempt(1e-5, "solved", "arc", True, True)
-LIE = Attempt(1e-5, "solved", "arc", True, False)
-MISSED = Attempt(1e-2, "blocked", "random", False, False)
-EXCUSE = Attempt(1e-5, "no_route", "arc", False, False)
-LATE = Attempt(1.5, "solved", "route", True, True)
+RIGHT = Attempt(1e-5, 1e-5, "solved", "arc", True, True)
+LIE = Attempt(1e-5, 1e-5, "solved", "arc", True, False)
+MISSED = Attempt(1e-2, 1e-2, "blocked", "random", False, False)
+EXCUSE = Attempt(1e-5, 1e-5, "no_route", "arc", False, False)
+LATE = Attempt(1.5, 1.5, "solved", "route", True, True)
 
 
 def by_section(lines: Iterator[Line]) -> dict[str, Line]:
@@ -51,7 +51,7 @@ def test_a_quick_run_holds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -
         figures.MEDIAN,
         figures.WORST,
         figures.PROOF,
-        figures.PREPARE,
+        figures.FIRST,
         *figures.ALONE.values(),
     }
 

@@ -23,7 +23,7 @@ FALSE = 'wrong claims: "solved" where a judge disagrees, or "impossible" where t
 MEDIAN = "median time (one core, warm; the goal is stricter where the single arc alone solves 99 %)"
 WORST = "worst time"
 PROOF = "one look and the proof, as a share of the solve in the kernel, median (50 %: as long as all the rest)"
-PREPARE = "making the solver, once a scene, median"
+FIRST = "from robot and obstacles to the first answer, median"
 ALONE = {
     ARC: "compared: newton from the single arc alone",
     RANDOM: "compared: the single arc and 100 random starts, no routes, on every third place",
@@ -76,7 +76,7 @@ def lines_of(family: str, trials: list[Trial]) -> Iterator[Line]:
     proofs = [trial.proof for trial in trials if trial.proof is not None]
     if proofs:
         yield Line(PROOF, family, 100.0 * median(proofs), "%", Goal(50.0))
-    yield Line(PREPARE, family, median(trial.prepare for trial in trials), "ms")
+    yield Line(FIRST, family, median(trial.prepare + trial.ours.first for trial in trials), "ms")
     for name, attempts in others.items():
         if attempts:
             yield _compared(ALONE[name], family, attempts)

@@ -32,7 +32,8 @@ class Attempt:
 
     Attributes
     ----------
-    seconds : float
+    first, seconds : float
+        Of the first solve, which makes what a solver puts off, and of the second, which is what counts.
     status : str
     start : str
         Kind of the start that won.
@@ -40,6 +41,7 @@ class Attempt:
         Whether it says solved, and whether the judge finds it so.
     """
 
+    first: float
     seconds: float
     status: str
     start: str
@@ -66,7 +68,7 @@ class Trial:
     family : str
     seed : int
     prepare : float
-        Seconds to make the solver.
+        Seconds to make scene and solver.
     ours : Attempt
     proof : float or None
         Of the seconds inside the kernel, the share that one look and the proof take: those of solving again from the
@@ -110,7 +112,7 @@ def examine(task: Task) -> Trial:
 def _prepared(robot: Robot, scene: Scene, tolerance: Tolerance) -> tuple[Solver, float]:
     """Return the solver that a user gets, and the seconds that it took to make; places that share a scene share it."""
     began = perf_counter()
-    solver = Solver(robot, scene, tolerance=tolerance)
+    solver = Solver(robot, Scene(scene.obstacles), tolerance=tolerance)
     return solver, perf_counter() - began
 
 
@@ -127,13 +129,13 @@ def _judging(robot: Robot, scene: Scene) -> Body:
 
 
 def _attempt(place: Place, solver: Solver) -> tuple[Attempt, Solution]:
-    """Solve twice, of which the second time counts: the first loads code, and makes what a solver puts off."""
+    spent = []
     for _ in range(2):
         began = perf_counter()
         solution = solver.solve(place.target)
-        seconds = perf_counter() - began
+        spent.append(perf_counter() - began)
     right = _right(place, solution.q)
-    return Attempt(seconds, str(solution.status), solution.start, solution.solved, right), solution
+    return Attempt(spent[0], spent[1], str(solution.status), solution.start, solution.solved, right), solution
 
 
 def _proof(solver: Solver, place: Place, solution: Solution) -> float | None:
@@ -162,5 +164,5 @@ def _interior(place: Place) -> Attempt:
         q, seconds = program.solve(place.target, start)
         spent += seconds
         if _right(place, q):
-            return Attempt(spent, "solved", "arc" if start == 0 else "random", True, True)
-    return Attempt(spent, "failed", "", False, False)
+            return Attempt(spent, spent, "solved", "arc" if start == 0 else "random", True, True)
+    return Attempt(spent, spent, "failed", "", False, False)

@@ -27,7 +27,7 @@ STARTS = 1000
 CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
-LOCAL = 10
+LOCAL = 6
 """Starts before ways through free space are looked for: they cost little, and mostly suffice."""
 
 FIRST_CHUNK = 16

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from sinuous.kernels import lattice
 from sinuous.kernels.lattice import CLOSED, FOUND, FULL, HALF_DIAGONAL, LATE, Corridor, Lattice, lattice_size
+from sinuous.kernels.solids import EXACT
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene
@@ -49,6 +50,7 @@ def corridor(**changed: Any) -> Corridor:
         "around": 0.0,
         "close": 0.5 * CELL,
         "haste": 1.0,
+        "how": EXACT,
     }
     return Corridor(**(values | changed))
 
@@ -66,6 +68,18 @@ def spheres(seed: int) -> Scene:
         if min(np.linalg.norm(center), np.linalg.norm(center - [0.8, 0.4, 0.6])) > radius + RADIUS + 0.05:
             found.append(Sphere(center, radius))
     return Scene(found)
+
+
+def walled(where: Corridor, scene: Scene, a: Floats, b: Floats) -> bool:
+    """Whether a wall is met on the way from one to the other, with steps as long as the distance from it."""
+    way = float(np.linalg.norm(b - a))
+    gone = 0.0
+    while gone < way:
+        d = float(scene.distance(a + gone / way * (b - a)))
+        if d < where.least:
+            return True
+        gone += max(d - where.least, lattice.FINEST * way)
+    return False
 
 
 def whole_lattice(where: Corridor, scene: Scene) -> tuple[Floats, Floats, Any]:
@@ -87,7 +101,7 @@ def whole_lattice(where: Corridor, scene: Scene) -> tuple[Floats, Floats, Any]:
         way = CELL * np.linalg.norm(step)
         free = (d[a] > -np.inf) & (d[b] > -np.inf) & (way > 0.0)
         wall = d[a] + d[b] < way
-        wall[wall] = scene.distance(0.5 * (middles[a[wall]] + middles[b[wall]])) < where.least
+        wall[wall] = [walled(where, scene, middles[i], middles[j]) for i, j in zip(a[wall], b[wall], strict=True)]
         keep = free & ~wall
         rows.append(a[keep])
         columns.append(b[keep])

@@ -14,8 +14,8 @@ import numpy as np
 
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.distances import Scene, at_most
-from sinuous.kernels.vectors import Array, Vec, add, dot, norm, scale, sub
+from sinuous.kernels.distances import Scene, closest
+from sinuous.kernels.vectors import Array, Vec, add_scaled, dot, norm, sub
 
 HALF_DIAGONAL = 0.5 * math.sqrt(3.0)
 
@@ -28,6 +28,9 @@ OFFSET = 1 << 20
 """Coordinates of cubes are counted from here, so that they are positive; twenty-one bits each."""
 
 NONE = -1
+
+FINEST = 0.1
+"""Shortest step in the search for a wall between two cubes, of the way between them."""
 
 Lattice = namedtuple("Lattice", ["keys", "before", "cost", "distance", "extra", "done", "priority", "queue"])
 """A hash table of cubes, by slot: key (0: empty), slot that the way comes from, cost of the way, distance of the
@@ -50,13 +53,15 @@ Corridor = namedtuple(
         "around",
         "close",
         "haste",
+        "how",
     ],
 )
 """What a search is about. `origin`: the robot's base, and middle of the cube (0, 0, 0) of edge `cell`; no way is
 farther from it than `reach`. `least` distance that is passable, `radius` of the body, `room` beyond it that costs
 nothing. Ways run from within `close` of `start`, where they leave along `axis`, to within `around` of `goal`, where
 `back` points to where they come from (zero: anywhere); within `turn` of both nothing passes behind their backs. With
-`haste` 1 the cheapest way is found; with more, one that costs at most so many times as much, sooner."""
+`haste` 1 the cheapest way is found; with more, one that costs at most so many times as much, sooner. Distances are
+asked for as `how` says (see `solids`); a proof asks for upper bounds: what can be passed must not be called a wall."""
 
 
 def lattice_size(slots: int) -> int:
@@ -152,8 +157,7 @@ def _enter(lattice: Lattice, corridor: Corridor, scene: Scene, slot: int, key: i
     if norm(sub(p, corridor.origin)) > corridor.reach + HALF_DIAGONAL * h:
         lattice.distance[slot] = -math.inf
         return
-    # What is passable must not be called a wall, and what is far need not be known exactly.
-    d = at_most(scene, p, max(corridor.radius + corridor.room, 2.0 * h))
+    d, _ = closest(scene, p, max(corridor.radius + corridor.room, 2.0 * h), corridor.how)
     barred = _behind(corridor, p, corridor.start, corridor.axis) or _behind(corridor, p, corridor.goal, corridor.back)
     lattice.distance[slot] = -math.inf if barred or d < corridor.least else d
 
@@ -230,9 +234,20 @@ def _seed(lattice: Lattice, corridor: Corridor, scene: Scene) -> tuple[int, int]
 
 @kernel
 def _walled(corridor: Corridor, scene: Scene, one: int, other: int) -> bool:
-    """Whether a wall stands between two neighbours: asked where their own distances leave room for one."""
-    between = scale(0.5, add(middle(corridor, one), middle(corridor, other)))
-    return bool(at_most(scene, between, corridor.least) < corridor.least)
+    """Whether a wall stands between two neighbours: asked where their own distances leave room for one.
+
+    On the way from one to the other, steps are as long as the distance from what cannot be passed.
+    """
+    a, b = middle(corridor, one), middle(corridor, other)
+    line = sub(b, a)
+    way = norm(line)
+    gone = 0.0
+    while gone < way:
+        d, _ = closest(scene, add_scaled(a, gone / way, line), 2.0 * way, corridor.how)
+        if d < corridor.least:
+            return True
+        gone += max(d - corridor.least, FINEST * way)
+    return False
 
 
 @kernel

@@ -5,6 +5,8 @@ from typing import Any
 import pytest
 
 import sinuous as sn
+from tests.helpers import refused
+from tests.scene.shapes import cube
 
 ROBOT = sn.Robot.uniform(5, (45, 70))
 
@@ -30,3 +32,10 @@ def test_wrong_preferences_are_refused(key: str) -> None:
 
 def test_a_list_of_obstacles_is_a_scene() -> None:
     assert len(sn.Problem(ROBOT, sn.Target((0, 0, 9)), [sn.Sphere((0, 0, 0), 1)]).scene) == 1
+
+
+@pytest.mark.parametrize("size", [0.01, 1e6])
+def test_a_mesh_in_another_unit_is_refused(size: float) -> None:
+    scene = [sn.Sphere((0, 0, 0), 1), sn.Mesh(*cube(size))]
+    refused("scene[1].mesh.vertices", lambda: sn.Problem(ROBOT, sn.Target((0, 0, 9)), scene), "287.5 long")
+    assert len(sn.Problem(ROBOT, sn.Target((0, 0, 9)), [sn.Mesh(*cube(50.0))]).scene) == 1

@@ -14,6 +14,9 @@ from sinuous.errors import InputError
 
 Floats = NDArray[np.float64]
 
+LARGEST = 1e100
+"""Largest coordinate of a point: squares and cubes of it are numbers still."""
+
 
 @contextmanager
 def inside(key: str) -> Iterator[None]:
@@ -144,10 +147,11 @@ def points(key: str, value: Any) -> Floats:
     if result.ndim != 2 or result.shape[1] != 3:
         raise InputError(key, f"wrong shape {result.shape}", value, expected)
     result = result.astype(np.float64)
-    good = np.isfinite(result).all(axis=1)
+    good = (np.abs(result) <= LARGEST).all(axis=1)
     if not good.all():
         first = int(np.flatnonzero(~good)[0])
-        raise InputError(f"{key}[{first}]", "not finite", result[first].tolist(), "three finite numbers")
+        problem = "too large" if np.isfinite(result[first]).all() else "not finite"
+        raise InputError(f"{key}[{first}]", problem, result[first].tolist(), "three finite numbers")
     result.flags.writeable = False
     return result
 

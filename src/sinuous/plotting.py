@@ -73,13 +73,14 @@ def plot_solution(answer: Solution | Track, file: str | Path) -> None:
     figure = Figure(figsize=(12.0, 6.4) if two else (7.2, 6.8), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.7, 1.0)) if two else figure.add_gridspec(1, 1)
-    _draw_shape(figure.add_subplot(grid[0, 0], projection="3d", computed_zorder=False), solutions)
+    draw_shape(figure.add_subplot(grid[0, 0], projection="3d", computed_zorder=False), solutions)
     if two:
         _draw_times(figure.add_subplot(grid[0, 1]), solutions)
     figure.savefig(file, bbox_inches="tight", pad_inches=0.15)
 
 
-def _draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
+def draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
+    """Draw the last of `solutions`, its scene and all targets; `axes` are 3D ones with `computed_zorder=False`."""
     last = solutions[-1]
     robot, scene = last.problem.robot, last.problem.scene
     targets = [target for solution in solutions for target in solution.problem.targets]

@@ -22,11 +22,11 @@ from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution import Solution, Status
 
-RIGHT = Attempt(1e-5, "solved", "arc", True, True)
-LIE = Attempt(1e-5, "solved", "arc", True, False)
-MISSED = Attempt(1e-2, "blocked", "random", False, False)
-EXCUSE = Attempt(1e-5, "no_route", "arc", False, False)
-LATE = Attempt(1.5, "solved", "route", True, True)
+RIGHT = Attempt(1e-5, 1e-5, "solved", "arc", True, True)
+LIE = Attempt(1e-5, 1e-5, "solved", "arc", True, False)
+MISSED = Attempt(1e-2, 1e-2, "blocked", "random", False, False)
+EXCUSE = Attempt(1e-5, 1e-5, "no_route", "arc", False, False)
+LATE = Attempt(1.5, 1.5, "solved", "route", True, True)
 
 
 def by_section(lines: Iterator[Line]) -> dict[str, Line]:
@@ -34,7 +34,7 @@ def by_section(lines: Iterator[Line]) -> dict[str, Line]:
 
 
 def tried(*ours: Attempt, arc: Attempt = RIGHT) -> list[Trial]:
-    return [Trial("spheres 12", seed, 1e-3, attempt, {ARC: arc}) for seed, attempt in enumerate(ours)]
+    return [Trial("spheres 12", seed, 1e-3, attempt, 0.3, {ARC: arc}) for seed, attempt in enumerate(ours)]
 
 
 def test_a_quick_run_holds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -50,7 +50,8 @@ def test_a_quick_run_holds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -
         figures.FALSE,
         figures.MEDIAN,
         figures.WORST,
-        figures.PREPARE,
+        figures.PROOF,
+        figures.FIRST,
         *figures.ALONE.values(),
     }
 
@@ -126,6 +127,8 @@ def test_a_place_is_solved_in_all_ways() -> None:
     trial = examine(Task("p3", 0, (ARC, RANDOM, IPOPT)))
     assert trial.ours.solved
     assert not trial.ours.false
+    assert trial.proof is not None
+    assert 0.0 < trial.proof < 1.0
     assert trial.ours.start in {"arc", "route", "random"}
     assert set(trial.others) == {ARC, RANDOM, IPOPT}
     assert trial.others[IPOPT].seconds > trial.ours.seconds

@@ -14,6 +14,7 @@ from sinuous.scene.grid import Grid
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
 from sinuous.scene.point_cloud import PointCloud
+from tests.scene.shapes import cube, together
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"
 TARGET = "target: {position: [0, 0, 3]}\n"
@@ -106,6 +107,24 @@ def test_obstacles_from_files_are_found_beside_the_problem(tmp_path: Path) -> No
     assert isinstance(grid, Grid)
     assert grid.occupancy
     assert [scene.name(0), scene.name(2)] == ["c", "mask"]
+
+
+def test_bodies_of_a_mesh_that_overlap_are_obstacles_of_their_own(tmp_path: Path) -> None:
+    vertices, faces = together(cube(), cube(1.0, (0.5, 0.0, 0.0)))
+    rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
+    _write(tmp_path, "\n".join(rows), "parts.obj")
+    scene = read_problem(
+        _write(
+            tmp_path,
+            ROBOT
+            + TARGET
+            + "scene:\n"
+            + "  - mesh: {file: parts.obj, scale: 2, name: engine}\n"
+            + "  - mesh: {file: parts.obj, scale: 3}\n"
+            + "  - sphere: {center: [0, 9, 0], radius: 1}\n",
+        )
+    ).scene
+    assert [scene.name(i) for i in range(len(scene))] == ["engine", "engine", "mesh[1]", "mesh[1]", "sphere[2]"]
 
 
 @pytest.mark.parametrize("scale", [1e5, 1e-5])

@@ -169,6 +169,7 @@ def test_wrong_arrays_are_refused() -> None:
     refused("vertices", lambda: Mesh([], faces), "is empty")
     refused("vertices", lambda: Mesh("cube", faces))
     refused("vertices[3]", lambda: Mesh(np.where(np.arange(8)[:, None] == 3, np.nan, vertices), faces), "not finite")
+    refused("vertices[0]", lambda: Mesh(1e200 * vertices, faces), "too large")
     refused("faces", lambda: Mesh(vertices, []), "has no triangles")
     refused("faces", lambda: Mesh(vertices, np.zeros((0, 3), int)), "has no triangles")
     refused("faces", lambda: Mesh(vertices, faces[:, :2]), "wrong shape (12, 2)")
@@ -197,6 +198,7 @@ def test_wrong_files_are_refused(tmp_path: Path) -> None:
     for name in ("a.stl", "a.ply", "a.obj", "a.glb"):
         for content in (b"", b"This is no mesh\n", bytes(range(256))):
             refused("file", load(name, content))
+    refused("file", load("cut.stl", b"cut".ljust(80) + b"\x09\x00\x00\x00" + bytes(range(200))), "neither the text nor")
     refused("file", load("points.obj", b"v 0 0 0\nv 1 0 0\n"), "has no triangles")
     refused_each("scale", [*NOT_NUMBERS, 0.0, -1.0], lambda value: load("a.obj", b"", value)())
     with pytest.raises(TypeError, match="scale"):

@@ -100,6 +100,14 @@ def test_obstacles_are_frozen() -> None:
 
 
 def test_names() -> None:
+    for obstacle in every():
+        other = obstacle.named("other")
+        assert other.name == "other"
+        assert type(other) is type(obstacle)
+        assert {key: value for key, value in vars(other).items() if key != "name"} == {
+            key: value for key, value in vars(obstacle).items() if key != "name"
+        }
+    assert every()[0].named(None).name is None
     assert [o.name for o in every()] == ["ball", "box", "pill", "can", "floor"]
     assert Sphere((0, 0, 0), 1).name is None
     refused_each("name", ("", 3, True, b"ball"), lambda name: Sphere((0, 0, 0), 1, name=name))

@@ -1,6 +1,7 @@
 """`sinuous bench clutter`: intricate places, each of which is known to be possible."""
 
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
 from sinuous.bench.conduct import conduct, require
@@ -44,11 +45,14 @@ def run(
         When packages are not installed, or there is no such family.
     """
     require(NEEDED)
-    from sinuous.bench.figures import measure  # noqa: PLC0415
+    from sinuous.bench import far, figures  # noqa: PLC0415
     from sinuous.bench.places import FAMILIES  # noqa: PLC0415
 
     for name in families:
         if name not in FAMILIES:
             raise InputError("--family", "is not known", name, "one of " + ", ".join(FAMILIES))
     plan = Plan(seed, quick)
-    return conduct(measure(plan, families or tuple(FAMILIES)), plan, json, out)
+    lines = figures.measure(plan, families or tuple(FAMILIES))
+    if not families:
+        lines = chain(lines, far.measure(plan))
+    return conduct(lines, plan, json, out)

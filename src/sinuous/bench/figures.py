@@ -22,7 +22,8 @@ SOLVED = "solved and proved within 1 s, and found right by the judges"
 FALSE = 'wrong claims: "solved" where a judge disagrees, or "impossible" where there is the hidden shape'
 MEDIAN = "median time (one core, warm; the goal is stricter where the single arc alone solves 99 %)"
 WORST = "worst time"
-PREPARE = "making the solver, once a scene, median"
+PROOF = "one look and the proof, as a share of the solve in the kernel, median (50 %: as long as all the rest)"
+FIRST = "from robot and obstacles to the first answer, median"
 ALONE = {
     ARC: "compared: newton from the single arc alone",
     RANDOM: "compared: the single arc and 100 random starts, no routes, on every third place",
@@ -72,7 +73,10 @@ def lines_of(family: str, trials: list[Trial]) -> Iterator[Line]:
     fast = Goal(200e-6 if published else 100e-6 if local else 5e-3)
     yield Line(MEDIAN, family, times.median, "us" if fast.value < 1e-3 else "ms", fast)
     yield Line(WORST, family, times.worst, "ms", Goal(LIMIT))
-    yield Line(PREPARE, family, median(trial.prepare for trial in trials), "ms")
+    proofs = [trial.proof for trial in trials if trial.proof is not None]
+    if proofs:
+        yield Line(PROOF, family, 100.0 * median(proofs), "%", Goal(50.0))
+    yield Line(FIRST, family, median(trial.prepare + trial.ours.first for trial in trials), "ms")
     for name, attempts in others.items():
         if attempts:
             yield _compared(ALONE[name], family, attempts)

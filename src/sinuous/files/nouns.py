@@ -69,16 +69,20 @@ def _read_pose(value: Any) -> Floats:
     return make(pose, value)
 
 
-def read_scene(value: Any, folder: Path) -> Scene:
-    """Read a list of obstacles; nothing is the empty scene. Names of files are relative to `folder`."""
-    obstacles = []
+def read_scene(value: Any, robot: Robot, folder: Path) -> Scene:
+    """Read a list of obstacles for a robot; nothing is the empty scene. Names of files are relative to `folder`."""
+    obstacles: list[Obstacle] = []
     for i, entry in enumerate([] if value is None else _list_of("obstacles", value, least=0)):
         with checks.inside(f"[{i}]"):
-            obstacles.append(_read_obstacle(entry, folder))
+            parts = _read_obstacles(entry, robot, folder)
+        if len(parts) > 1 or len(obstacles) > i:  # places in the scene are no longer those in the file
+            parts = [part if part.name else part.named(f"{next(iter(entry))}[{i}]") for part in parts]
+        obstacles += parts
     return Scene(obstacles)
 
 
-def _read_obstacle(value: Any, folder: Path) -> Obstacle:
+def _read_obstacles(value: Any, robot: Robot, folder: Path) -> list[Obstacle]:
+    """Read one obstacle; a mesh of bodies that overlap becomes several."""
     kinds = (*OBSTACLES, *FROM_FILES)
     entries = known_entries(value, kinds)
     if len(entries) != 1:
@@ -86,8 +90,12 @@ def _read_obstacle(value: Any, folder: Path) -> Obstacle:
     ((kind, description),) = entries.items()
     with checks.inside(kind):
         if kind in OBSTACLES:
-            return make(OBSTACLES[kind], description)
-        return make(FROM_FILES[kind], description, {"file": lambda name: folder / checks.text("", name)})
+            return [make(OBSTACLES[kind], description)]
+        obstacle = make(FROM_FILES[kind], description, {"file": lambda name: folder / checks.text("", name)})
+        if not isinstance(obstacle, Mesh):
+            return [obstacle]
+        obstacle.check_size(robot.mean_length)
+        return [*obstacle.bodies()]
 
 
 def read_target(value: Any, robot: Robot) -> Target:

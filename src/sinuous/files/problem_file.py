@@ -15,7 +15,7 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
-from sinuous.problem import Preferences, Problem, Tolerance, check_sizes
+from sinuous.problem import Preferences, Problem, Tolerance
 from sinuous.robot import Robot
 from sinuous.scene.mesh import Mesh
 from sinuous.scene.scene import Scene
@@ -91,12 +91,10 @@ def _problem(file: str, value: Any) -> ProblemFile:
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
     robot: Robot = _part(entries, "robot", read_robot)
-    scene: Scene = _part(entries, "scene", lambda v: read_scene(v, folder))
-    check_sizes(robot, scene)
     return ProblemFile(
         file=file,
         robot=robot,
-        scene=scene,
+        scene=_part(entries, "scene", lambda v: read_scene(v, robot, folder)),
         waypoints=_waypoints(entries, robot, folder),
         is_path="path" in entries,
         tolerance=_part(entries, "tolerance", lambda v: make(Tolerance, {} if v is None else v)),

@@ -9,10 +9,10 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene import orientation, topology
+from sinuous.scene.bodies import apart
+from sinuous.scene.mending import mend
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
-from sinuous.scene.slivers import without_slivers
 from sinuous.scene.topology import Integers
 
 ODD = 1000.0
@@ -52,6 +52,8 @@ class Mesh(Obstacle):
         Whether it is a solid.
     flaws : tuple of str
         What is not as it should be, and what became of it; one sentence each.
+    extent : float
+        Length of the diagonal of its box; of a mesh that is one of several `bodies`, of all together.
     scale : float or None
         What the coordinates in its file were multiplied with; None when it comes from arrays.
 
@@ -68,13 +70,14 @@ class Mesh(Obstacle):
     inside: bool
     watertight: bool
     flaws: tuple[str, ...]
+    extent: float
     scale: float | None
 
     def __init__(
         self, vertices: Any, faces: Any, *, thickness: Any = 0.0, inside: Any = False, name: Any = None
     ) -> None:
         places = checks.points("vertices", vertices)
-        clean, used, solid, flaws = _cleaned(places, _indices(faces, len(places)))
+        clean, used, solid, flaws = mend(places, _indices(faces, len(places)))
         width, within = checks.number("thickness", thickness, low=0.0), checks.truth("inside", inside)
         if width > 0.0 and solid:
             raise InputError("thickness", "is for open meshes", width, "none: this mesh is watertight, a solid")
@@ -89,6 +92,7 @@ class Mesh(Obstacle):
             inside=within,
             watertight=solid,
             flaws=tuple(flaws),
+            extent=float(np.linalg.norm(np.ptp(clean, axis=0))),
             scale=None,
         )
 
@@ -135,8 +139,23 @@ class Mesh(Obstacle):
             mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
-        object.__setattr__(mesh, "scale", placement.scale)
+        mesh._keep(name, scale=placement.scale)
         return mesh
+
+    def bodies(self) -> "tuple[Mesh, ...]":
+        """Divide a solid whose bodies may overlap, like the parts of a machine, into solids within which none do.
+
+        Distances to bodies that overlap are known to each of them only, not to their triangles taken together. A mesh
+        that needs no dividing, is a shell, or is to be stayed within, is returned as it is. The first part has
+        all flaws.
+        """
+        groups = apart(self.vertices, self.faces) if self.watertight and not self.inside else []
+        if len(groups) < 2:
+            return (self,)
+        parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
+        for i, part in enumerate(parts):
+            part._keep(self.name, flaws=() if i else self.flaws, extent=self.extent, scale=self.scale)
+        return parts
 
     def check_size(self, length: float) -> None:
         """Refuse a mesh that no robot of this length can be meant to meet: its unit must be another one.
@@ -148,13 +167,12 @@ class Mesh(Obstacle):
         """
         corners = self.vertices[self.faces]
         longest = float(np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=-1).max()))
-        extent = float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
-        key, value = ("vertices", extent) if self.scale is None else ("scale", self.scale)
+        key, value = ("vertices", self.extent) if self.scale is None else ("scale", self.scale)
         expected = f"a mesh in the unit of the robot, which is {length:g} long"
         if longest > ODD * length:
             raise InputError(key, f"makes a triangle {longest:g} long", value, expected)
-        if extent * ODD < length:
-            raise InputError(key, f"makes the whole mesh only {extent:g} large", value, expected)
+        if self.extent * ODD < length:
+            raise InputError(key, f"makes the whole mesh only {self.extent:g} large", value, expected)
 
 
 def _indices(faces: Any, count: int) -> Integers:
@@ -175,55 +193,3 @@ def _indices(faces: Any, count: int) -> Integers:
         first = int(wrong.argmax())
         raise InputError(f"faces[{first}]", "has a vertex that is not there", result[first].tolist(), expected)
     return result.astype(np.int64)
-
-
-def _cleaned(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool, list[str]]:
-    """Vertices and triangles worth keeping, whether they are a solid, and what was not as it should be."""
-    flaws = []
-    if not topology.edges(faces).closed:
-        vertices, faces = topology.merge_equal(vertices, faces)
-    good = topology.are_triangles(vertices, faces)
-    if not good.any():
-        raise InputError("faces", "has only triangles without area", len(faces), "at least one triangle with an area")
-    if not good.all():
-        flaws.append(f"{_counted(int((~good).sum()), 'triangle')} without area dropped")
-        if topology.edges(faces).closed:
-            faces = without_slivers(vertices, faces)
-        faces = faces[topology.are_triangles(vertices, faces)]
-    vertices, faces = topology.drop_unused(vertices, faces)
-    edges = topology.edges(faces)
-    if edges.clashing and not edges.border and not edges.crowded:
-        faces, turned = orientation.turn_alike(faces)
-        flaws += _turned(turned, "another way than the neighbours")
-        edges = topology.edges(faces)
-    if edges.closed:
-        faces, turned = orientation.turn_outwards(vertices, faces)
-        flaws += _turned(turned, "inwards")
-    volume = topology.volume(vertices, faces)
-    reason = _open(edges, volume)
-    if reason:
-        flaws.append(f"{reason}, so it is used as a shell and not as a solid")
-    return vertices, faces, not reason, flaws
-
-
-def _turned(count: int, how: str) -> list[str]:
-    were = "was" if count == 1 else "were"
-    return [f"{_counted(count, 'triangle')} faced {how} and {were} turned"] if count else []
-
-
-def _open(edges: topology.Edges, volume: float) -> str:
-    """Say why triangles enclose no solid; nothing when they do."""
-    found = [
-        f"{_counted(count, 'edge')} {what}"
-        for count, what in (
-            (edges.border, "with one triangle only (holes)"),
-            (edges.crowded, "with more than two triangles (not manifold)"),
-            (edges.clashing, "between triangles that face opposite ways"),
-        )
-        if count
-    ]
-    return ", ".join(found) or ("" if volume else "encloses no volume")
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"

@@ -44,4 +44,6 @@ def load(file: Path) -> Any:
         return trimesh.load_scene(file, process=False, maintain_order=True, skip_materials=True)
     except Exception as error:  # whatever a reader trips over, from a KeyError to a struct.error
         reason = " ".join(str(error).split())[:100] or type(error).__name__
-        raise InputError("file", f"cannot be read: {reason}", str(file), f"a {file.suffix[1:].upper()} file") from None
+        if getattr(error, "name", None) == "charset_normalizer":  # trimesh would guess which text a broken file is
+            reason = "neither the text nor the numbers of such a file"
+        raise InputError("file", f"cannot be read: {reason}", str(file), f"a file of the kind {file.suffix}") from None

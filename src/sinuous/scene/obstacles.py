@@ -5,8 +5,9 @@ With `inside=True` the body must stay within.
 
 import math
 from abc import ABC, abstractmethod
+from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -25,6 +26,12 @@ class Obstacle(ABC):
     """Something the body must not touch."""
 
     name: str | None
+
+    def named(self, name: Any) -> Self:
+        """Return the same obstacle with another name, or None for none."""
+        twin = copy(self)
+        twin._keep(name)
+        return twin
 
     def _keep(self, name: Any, **values: Any) -> None:
         values["name"] = None if name is None else checks.text("name", name)

@@ -56,6 +56,13 @@ def _labels(first: Integers, second: Integers, count: int) -> Integers:
     return np.asarray(connected_components(links, directed=False)[1], np.int64)
 
 
+def pieces(vertices: Floats, faces: Integers) -> Integers:
+    """Number (f,) of the piece that each triangle belongs to: triangles with a common vertex hang together."""
+    label = _labels(faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel(), len(vertices))
+    _, result = np.unique(label[faces[:, 0]], return_inverse=True)
+    return np.asarray(result, np.int64)
+
+
 def turn_outwards(vertices: Floats, faces: Integers) -> tuple[Integers, int]:
     """Turn bodies that face inwards, unless they are cavities of another body.
 
@@ -74,7 +81,7 @@ def turn_outwards(vertices: Floats, faces: Integers) -> tuple[Integers, int]:
     volumes = cones(vertices, faces)
     sign = -1.0 if volumes.sum() < 0.0 else 1.0
     result = faces[:, ::-1].copy() if sign < 0.0 else faces.copy()
-    body = _labels(faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel(), len(vertices))[faces[:, 0]]
+    body = pieces(vertices, faces)
     for k in np.flatnonzero(np.bincount(body, sign * volumes) < 0.0):
         own = body == k
         around = winding_numbers(vertices[result[own][:1, 0]], vertices[result[~own]])

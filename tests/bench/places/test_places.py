@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 import trimesh
 
+from sinuous.bench.collisions import Body
 from sinuous.bench.judges import Flags
 from sinuous.bench.places import FAMILIES, Place, make, place
 from sinuous.bench.places.place import Sketch, settle
 from sinuous.bench.places.robots import robot_of
 from sinuous.bench.places.spheres import spheres
+from sinuous.bench.problems import random_configurations
 from sinuous.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.scene.mesh import Mesh
@@ -65,6 +67,16 @@ def test_the_hidden_shape_is_feasible(family: str) -> None:
     np.testing.assert_allclose(end[:3, 3], made.target.position, atol=1e-9 * robot.mean_length)
     if made.target.direction is not None:
         np.testing.assert_allclose(end[:3, 2], made.target.direction, atol=1e-9)
+
+
+@pytest.mark.parametrize("family", ["pipe 2.2", "duct", "pipe 1.6 scan", "duct scan"])
+def test_nobody_gets_out_of_what_is_closed(family: str) -> None:
+    """Shapes drawn at random leave the pipe, through its wall: the judge sees every one."""
+    made = make(family, 6)
+    drawn = random_configurations(made.robot, 12, np.random.default_rng(0))
+    body = Body(made.robot, made.scene, thorough=True)
+    assert all(body.overlaps(drawn))
+    assert body.overlaps(made.hidden_q[None]) == [False]
 
 
 @pytest.mark.parametrize("family", ["spheres 12", "drum scan", "duct", "p4 pose"])

@@ -1,0 +1,67 @@
+"""A picture of the places that `bench clutter` measures, solved: `python -m sinuous.bench.gallery FILE`."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from sinuous.bench.places import make
+from sinuous.plotting import check_picture, draw_shape
+from sinuous.solution import Solution
+from sinuous.solving import Solver
+
+SHOWN = {
+    "spheres 40": 6,
+    "pipe 1.3": 1,
+    "plates": 1,
+    "drum": 1,
+    "shelf": 1,
+    "duct": 1,
+    "spheres 40 scan": 6,
+    "pipe 1.6 scan": 7,
+    "plates scan": 1,
+    "drum scan": 1,
+    "shelf scan": 1,
+    "duct scan": 1,
+}
+"""Families, and the seed of the place that stands for each."""
+
+COLUMNS = 4
+ZOOM = 1.35
+
+
+def solved(family: str, seed: int) -> Solution:
+    """Solve one place as a user would."""
+    place = make(family, seed)
+    return Solver(place.robot, place.scene, tolerance=place.tolerance).solve(place.target)
+
+
+def draw(file: Path, shown: dict[str, int] = SHOWN) -> None:
+    """Draw one panel for each family that is shown.
+
+    Raises
+    ------
+    InputError
+        When Matplotlib is missing, or does not know the kind of file.
+    """
+    check_picture("file", file)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    rows = -(-len(shown) // COLUMNS)
+    figure = Figure(figsize=(4.2 * COLUMNS, 4.2 * rows), dpi=100, layout="constrained")
+    FigureCanvasAgg(figure)
+    for i, (family, seed) in enumerate(shown.items()):
+        axes = figure.add_subplot(rows, COLUMNS, i + 1, projection="3d", computed_zorder=False)
+        solution = solved(family, seed)
+        draw_shape(axes, (solution,))
+        axes.set_axis_off()
+        axes.set_box_aspect(
+            [np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())], zoom=ZOOM
+        )
+        axes.set_title(f"{family}\n{axes.get_title()}", fontsize=10, color="#333333")
+    figure.savefig(file)
+
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]))

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from sinuous.errors import InputError
-from sinuous.kernels import chain
+from sinuous.kernels import chain, distances
 from sinuous.kernels.arc import SERIES_END
 from sinuous.kernels.sweeps import IDLE, Rows
+from sinuous.scene.scene import Scene
 
 Floats = NDArray[np.float64]
 Vec = tuple[float, float, float]
@@ -132,6 +133,11 @@ def columns_of(q: Floats, base: Floats | None = None) -> Floats:
     frames, columns = frames_of(q, base), np.full((len(q), 18), np.nan)
     chain.forward_with_columns(q, frames, columns)
     return columns
+
+
+def kernel_scene(scene: Scene) -> distances.Scene:
+    """A scene as the kernels take it."""
+    return distances.Scene(*scene.tables)
 
 
 def make_rows(segments: int, capacity: int) -> Rows:

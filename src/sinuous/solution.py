@@ -1,5 +1,6 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+import math
 from enum import StrEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,6 +9,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
+from sinuous.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.verification import Verification, Worst, find_worst, verify
 
 if TYPE_CHECKING:
@@ -52,8 +54,10 @@ _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET
 """Statuses of which clearance is the reason."""
 
 
-STARTS = ("given", "arc", "random")
+STARTS = ("given", "arc", "random", "route")
 """Kinds of starts, as an outcome numbers them."""
+
+ROUTE = STARTS.index("route")
 
 
 class Outcome(NamedTuple):
@@ -61,7 +65,8 @@ class Outcome(NamedTuple):
 
     `code` and `kind` are the method's own numbers for how it ended and which kind of start won (see `STARTS`).
     `clearance` is proved when it is solved, else the least that was seen; `merit` is what is left of the residual,
-    squared; `bound` says whether limits stopped the best.
+    squared; `bound` says whether limits stopped the best; `cell` is the edge of the cubes by which it was proved that
+    there is no way.
     """
 
     q: Floats
@@ -75,6 +80,7 @@ class Outcome(NamedTuple):
     bound: bool
     merit: float
     seconds: float
+    cell: float = math.nan
 
 
 class Solution:
@@ -124,7 +130,7 @@ class Solution:
 
     @property
     def start(self) -> str:
-        """Which kind of start won: given, arc or random."""
+        """Which kind of start won: given, arc, random or route."""
         return STARTS[self._outcome.kind]
 
     @property
@@ -157,6 +163,19 @@ class Solution:
         return self.problem.robot.base
 
     @cached_property
+    def reason(self) -> Reason | None:
+        """What proves that there is no solution; `None` when nothing does."""
+        if self.status is Status.OUT_OF_REACH:
+            return unreachable(self.problem)
+        if self.status is Status.TARGET_BLOCKED:
+            return target_in(self.problem)
+        if self.status is Status.BASE_BLOCKED:
+            return base_in(self.problem)
+        if self.status is Status.NO_ROUTE:
+            return closed_in(self.problem, self._outcome.cell)
+        return None
+
+    @cached_property
     def worst(self) -> Worst | None:
         """The constraint farthest from being met; `None` when solved."""
         return None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
@@ -179,7 +198,7 @@ class Solution:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
-        worst = self.worst
+        worst, reason = self.worst, self.reason
         return {
             "status": str(self.status),
             "q": self.q.tolist(),
@@ -195,6 +214,14 @@ class Solution:
                 "obstacle": worst.obstacle,
                 "amount": worst.amount,
             },
+            "reason": None
+            if reason is None
+            else {
+                "bound": reason.bound,
+                "needed": reason.needed,
+                "available": reason.available,
+                "obstacle": reason.obstacle,
+            },
             "iterations": self.iterations,
             "starts": self.starts,
             "start": self.start,
@@ -205,6 +232,8 @@ class Solution:
 
     def __repr__(self) -> str:
         parts = [f"Solution: {self.status} ({self.status.sentence})"]
+        if self.reason is not None:
+            parts.append(f"  reason     {self.reason}")
         if self.worst is not None:
             parts.append(f"  worst      {self.worst}")
         for label, value in (

@@ -1,8 +1,8 @@
 """Solve one target: starts in order, one time budget over all of them, an honest status at the end."""
 
-import math
 import time as clock
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,10 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance
 from sinuous.robot import Robot
+from sinuous.routing import Router
 from sinuous.scene.scene import Scene
-from sinuous.solution import Outcome, Solution, Status
+from sinuous.searching import Search
+from sinuous.solution import ROUTE, Outcome, Solution, Status
 from sinuous.target import Target, Targets, target_list
 
 TIME = 1.0
@@ -25,8 +27,11 @@ STARTS = 1000
 CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
+LOCAL = 10
+"""Starts before ways through free space are looked for: they cost little, and mostly suffice."""
+
 FIRST_CHUNK = 16
-"""Starts in the first call of a method; later calls take more, but never much longer than `SLICE`."""
+"""Starts in the first call of a method without obstacles; later calls take more, never much longer than `SLICE`."""
 
 TOGETHER = 256
 """Most problems that `solve_many` hands over in one call, so that an interrupt is seen."""
@@ -40,6 +45,7 @@ _STATUS = {
     methods.LATE: Status.TIME_LIMIT,
     methods.OUT_OF_REACH: Status.OUT_OF_REACH,
     methods.TARGET_BLOCKED: Status.TARGET_BLOCKED,
+    methods.NO_ROUTE: Status.NO_ROUTE,
 }
 
 
@@ -62,6 +68,8 @@ class Solver:
         Most starts of one solve.
     seed : int
         Of the scattered starts; the same seed gives the same answer, unless the time runs out.
+    routes : bool
+        Whether to look for ways through free space when the first starts fail.
 
     Raises
     ------
@@ -80,6 +88,7 @@ class Solver:
         time: float = TIME,
         starts: int = STARTS,
         seed: int = 0,
+        routes: bool = True,
     ) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "of the wrong kind", robot, "a Robot")
@@ -94,6 +103,10 @@ class Solver:
         self.starts = checks.integer("starts", starts, 1, 10**9)
         self.seed = checks.integer("seed", seed, 0, 2**31 - 1)
         self._prepared = methods.prepare(method, robot, self.scene, self.tolerance, self.prefer)
+        self._router = (
+            Router(robot, self.scene, self.tolerance) if checks.truth("routes", routes) and len(self.scene) else None
+        )
+        self._first = LOCAL if self._router else FIRST_CHUNK
         self._no_start: Floats = np.empty((0, len(robot), 3))
         self._base_blocked = _base_blocked(robot, self.scene)
 
@@ -121,9 +134,9 @@ class Solver:
         problem = Problem.prepared(self.robot, targets, self.scene, self.tolerance)
         rows = problem.rows
         given = self._no_start if start is None else self._given(start)
-        outcome = self._prepared.run(rows, given, 0, min(self.starts, FIRST_CHUNK), self.seed, self.time)
+        outcome = self._prepared.run(rows, given, 0, min(self.starts, self._first), self.seed, self.time)
         if outcome.code != methods.SOLVED:
-            outcome = self._go_on(outcome, rows, given)
+            outcome = self._go_on(outcome, problem, given)
         return self._solution(problem, outcome, clock.perf_counter() - began)
 
     def solve_many(
@@ -162,12 +175,12 @@ class Solver:
         for first, last in _runs_of_equal([len(problem.targets) for problem in problems]):
             rows = np.stack([problem.rows for problem in problems[first:last]])
             found = self._prepared.run_many(
-                rows, given[first:last], 0, min(self.starts, FIRST_CHUNK), self.seed, self.time
+                rows, given[first:last], 0, min(self.starts, self._first), self.seed, self.time
             )
             for i, outcome in enumerate(found):
                 best = outcome
                 if outcome.code != methods.SOLVED:
-                    best = self._go_on(outcome, rows[i], given[first + i])
+                    best = self._go_on(outcome, problems[first + i], given[first + i])
                 solutions.append(self._solution(problems[first + i], best, best.seconds))
         return solutions
 
@@ -203,11 +216,8 @@ class Solver:
         given = self._no_start if start is None else self._given(start)
         found: list[Solution] = []
         shapes: list[Floats] = []
-        for index in range(self.starts):
-            left = self.time - (clock.perf_counter() - began)
-            if left <= 0.0 or len(found) >= CANDIDATES * wanted or self._base_blocked:
-                break
-            outcome = self._prepared.run(problem.rows, given, index, index + 1, self.seed, left)
+        ends = began + self.time
+        for number, outcome in enumerate(self._each_start(problem, given, lambda: ends - clock.perf_counter())):
             if outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
                 break
             if outcome.code != methods.SOLVED:
@@ -215,9 +225,29 @@ class Solver:
             shape = self.robot.backbone(outcome.q, 8)
             if all(np.linalg.norm(shape - other, axis=-1).max() > separation for other in shapes):
                 shapes.append(shape)
-                found.append(self._solution(problem, outcome._replace(starts=index + 1), clock.perf_counter() - began))
+                found.append(self._solution(problem, outcome._replace(starts=number + 1), clock.perf_counter() - began))
+            if len(found) >= CANDIDATES * wanted:
+                break
         reference = None if start is None else given[0]
         return sorted(found, key=lambda solution: self._dislike(solution.q, reference))[:wanted]
+
+    def _each_start(self, problem: Problem, given: Floats, seconds_left: Callable[[], float]) -> Iterator[Outcome]:
+        """Follow every start on its own: the first few, ways through free space, then all others."""
+        if self._base_blocked:
+            return
+        numbers = iter(range(self.starts))
+        for number in islice(numbers, self._first):
+            if seconds_left() > 0.0:
+                yield self._prepared.run(problem.rows, given, number, number + 1, self.seed, seconds_left())
+        for routes in self._router.search(problem, seconds_left) if self._router is not None else ():
+            for start in routes.starts:
+                if seconds_left() > 0.0:
+                    outcome = self._prepared.run(problem.rows, start[None].copy(), 0, 1, self.seed, seconds_left())
+                    yield outcome._replace(kind=ROUTE)
+        for number in numbers:
+            if seconds_left() <= 0.0:
+                return
+            yield self._prepared.run(problem.rows, given, number, number + 1, self.seed, seconds_left())
 
     def _dislike(self, q: Floats, reference: Floats | None) -> float:
         """By what `solve_all` orders."""
@@ -235,22 +265,36 @@ class Solver:
         given = checks.array("start", start, (len(self.robot), 3))
         return given.reshape(1, len(self.robot), 3).copy()
 
-    def _go_on(self, best: Outcome, rows: Floats, given: Floats) -> Outcome:
-        """Try more starts, in chunks, until something is decided; the best of all counts, and the effort of all."""
-        starts, iterations, used = best.starts, best.iterations, best.seconds
-        while best.code in (methods.FAILED, methods.UNPROVED) and starts < self.starts:
-            if used >= self.time:
-                best = best._replace(code=methods.LATE if best.code == methods.FAILED else best.code)
-                break
-            chunk = max(1, min(starts, math.floor(SLICE * starts / max(used, 1e-9))))
-            last = min(self.starts, starts + chunk)
-            found = self._prepared.run(rows, given, starts, last, self.seed, self.time - used)
-            starts, iterations, used = starts + found.starts, iterations + found.iterations, used + found.seconds
-            if found.code == methods.SOLVED or found.merit < best.merit:
-                best = found
-            elif found.code == methods.LATE and best.code == methods.FAILED:
-                best = best._replace(code=methods.LATE)
-        return best._replace(starts=starts, iterations=iterations, seconds=used)
+    def _go_on(self, best: Outcome, problem: Problem, given: Floats) -> Outcome:
+        """Try ways through free space and starts at random in turn, until something is decided."""
+        search = Search(best, self.starts, self.time)
+        number = best.starts
+        for routes in self._router.search(problem, lambda: search.seconds_left) if self._router is not None else ():
+            search.spend(routes.seconds)
+            if routes.closed:
+                search.close(routes.cell)
+            self._follow(search, problem, routes.starts)
+            self._scatter(search, problem, given, number, routes.then)
+            number += routes.then
+            if not search.open:
+                return search.outcome
+        self._scatter(search, problem, given, number, self.starts)
+        return search.outcome
+
+    def _follow(self, search: Search, problem: Problem, starts: Floats) -> None:
+        """Start from the chain laid into ways."""
+        starts = starts[: search.starts_left]
+        if search.open and len(starts):
+            found = self._prepared.run(problem.rows, starts, 0, len(starts), self.seed, search.seconds_left)
+            search.take(found._replace(kind=ROUTE))
+
+    def _scatter(self, search: Search, problem: Problem, given: Floats, number: int, count: int) -> None:
+        """Go on with starts from `number` on, so many, in chunks."""
+        last = number + count
+        while search.open and number < last:
+            end = min(last, number + search.affordable(SLICE))
+            search.take(self._prepared.run(problem.rows, given, number, end, self.seed, search.seconds_left))
+            number = end
 
     def _status(self, outcome: Outcome) -> Status:
         if self._base_blocked:
@@ -292,7 +336,7 @@ def _base_blocked(robot: Robot, scene: Scene) -> bool:
             return False
     sway = robot.mount * min(2.0, 0.5 * turned)
     leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
-    return bool(scene.distance(leaves) + sway < radius)
+    return bool(scene.at_most(leaves) + sway < radius)
 
 
 def solve(

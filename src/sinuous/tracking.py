@@ -110,6 +110,7 @@ class Track:
             "angle_error": _largest(waypoints, "angle_error"),
             "clearance": self.clearance,
             "worst": next((w["worst"] for w in waypoints if w["worst"] is not None), None),
+            "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
             "iterations": sum(w["iterations"] for w in waypoints),
             "starts": sum(w["starts"] for w in waypoints),
             "seconds": self.seconds,

@@ -20,6 +20,7 @@ KEYS = [
     "angle_error",
     "clearance",
     "worst",
+    "reason",
     "iterations",
     "starts",
     "start",

@@ -6,14 +6,23 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.kernels import body, distances
+from sinuous.kernels import body
 from sinuous.kernels.body import CLEAR, PER_SEGMENT, TOUCHING, UNDECIDED
 from sinuous.kernels.solids import EXACT
 from sinuous.kernels.sweeps import INNER, SOFT
 from sinuous.robot import Robot, Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats, columns_of, configurations, expm_chain, frames_of, make_rows, random_rotation
+from tests.helpers import (
+    Floats,
+    columns_of,
+    configurations,
+    expm_chain,
+    frames_of,
+    kernel_scene,
+    make_rows,
+    random_rotation,
+)
 from tests.kernels.test_targets import Case
 
 SAMPLES = 200
@@ -60,7 +69,7 @@ def sampled(q: Floats, scene: Scene, mount: float = 0.0) -> tuple[float, float]:
 
 def prove(q: Floats, scene: Scene, mount: float = 0.0, slack: float = SLACK) -> tuple[int, float, int, float, int]:
     among = np.empty(len(scene), np.int64)
-    return body.prove(ROBOT.limits, q, frames_of(q), distances.Scene(*scene.tables), mount, slack, FINEST, among)
+    return body.prove(ROBOT.limits, q, frames_of(q), kernel_scene(scene), mount, slack, FINEST, among)
 
 
 @pytest.mark.parametrize("reach", [0.7, 2.0, 5.0])
@@ -181,7 +190,7 @@ def contacts(
         ROBOT.limits,
         q,
         frames,
-        distances.Scene(*scene.tables),
+        kernel_scene(scene),
         k,
         mount,
         *margins,

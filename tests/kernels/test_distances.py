@@ -11,7 +11,7 @@ import pytest
 from sinuous.kernels import distances
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats, random_rotation, vec
+from tests.helpers import Floats, kernel_scene, random_rotation, vec
 
 KINDS = ("sphere", "box", "capsule", "cylinder", "half_space")
 Gauge = Callable[[Floats], Floats]
@@ -63,9 +63,11 @@ def draw(kind: str, rng: np.random.Generator, inside: bool = False) -> tuple[Pri
 
 
 def ask(obstacle: Primitive, points: Floats) -> tuple[Floats, Floats]:
-    values, gradients, which = np.empty(len(points)), np.empty((len(points), 3)), np.empty(len(points), np.int64)
-    distances.many(*Scene([obstacle]).tables, points, values, gradients, which)
+    values, above, gradients = np.empty(len(points)), np.empty(len(points)), np.empty((len(points), 3))
+    which = np.empty(len(points), np.int64)
+    distances.many(*Scene([obstacle]).tables, points, values, above, gradients, which)
     assert (which == 0).all()
+    np.testing.assert_array_equal(above, values)
     return values, gradients
 
 
@@ -190,11 +192,11 @@ def test_a_hair_off_the_axis_of_a_capsule() -> None:
 def test_the_nearest_of_many() -> None:
     rng = np.random.default_rng(50)
     obstacles = [draw(kind, rng)[0] for kind in KINDS * 4]
-    scene = distances.Scene(*Scene(obstacles).tables)
+    scene = kernel_scene(Scene(obstacles))
     points = rng.normal(size=(100, 3)) * 2
     single = np.stack([ask(obstacle, points)[0] for obstacle in obstacles])
-    values, gradients, which = np.empty(100), np.empty((100, 3)), np.empty(100, np.int64)
-    distances.many(*scene, points, values, gradients, which)
+    values, above, gradients, which = np.empty(100), np.empty(100), np.empty((100, 3)), np.empty(100, np.int64)
+    distances.many(*scene, points, values, above, gradients, which)
     np.testing.assert_array_equal(values, single.min(axis=0))
     np.testing.assert_array_equal(which, single.argmin(axis=0))
     for i, p in enumerate(points[:10]):
@@ -205,8 +207,8 @@ def test_the_nearest_of_many() -> None:
 
 
 def test_nothing_is_infinitely_far() -> None:
-    values, gradients, which = np.empty(2), np.empty((2, 3)), np.empty(2, np.int64)
-    distances.many(*Scene().tables, np.zeros((2, 3)), values, gradients, which)
+    values, above, gradients, which = np.empty(2), np.empty(2), np.empty((2, 3)), np.empty(2, np.int64)
+    distances.many(*Scene().tables, np.zeros((2, 3)), values, above, gradients, which)
     assert (values == math.inf).all()
     assert (gradients == 0.0).all()
     assert (which == -1).all()

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.kernels import distances, verdicts
+from sinuous.kernels import verdicts
 from sinuous.kernels.states import Problem
 from sinuous.kernels.verdicts import OUT_OF_REACH, POSSIBLE, TARGET_BLOCKED
 from sinuous.poses import pose
@@ -14,7 +14,7 @@ from sinuous.robot import Robot, Segment
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.target import Target, target_list, target_table
-from tests.helpers import Floats, random_pose
+from tests.helpers import Floats, kernel_scene, random_pose
 
 TOLERANCE = (1e-3, 1e-2)
 
@@ -25,7 +25,7 @@ def verdict(robot: Robot, targets: Any, scene: Scene | None = None) -> int:
         "actuation": robot.actuation,
         "base": robot.base_row,
         "tool": robot.tool_row,
-        "scene": distances.Scene(*(scene or Scene()).tables),
+        "scene": kernel_scene(scene or Scene()),
         "targets": target_table(robot, target_list("targets", targets)).copy(),
         "mount": robot.mount,
         "unit": robot.mean_length,

@@ -23,7 +23,7 @@ from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.samples import sample_points
 from sinuous.scene.scene import Scene
 from sinuous.scene.topology import Integers
-from tests.helpers import Floats, random_rotation, vec
+from tests.helpers import Floats, kernel_scene, random_rotation, vec
 from tests.scene import shapes
 
 Oracle = Callable[[Floats], Floats]
@@ -145,7 +145,7 @@ def case(name: str) -> Case:
 
 
 def tables(name: str) -> distances.Scene:
-    return distances.Scene(*Scene([case(name).obstacle]).tables)
+    return kernel_scene(Scene([case(name).obstacle]))
 
 
 def around(seed: int, count: int, far: bool = False) -> Floats:

@@ -12,7 +12,7 @@ from collections import namedtuple
 
 from sinuous.kernels import solids
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.solids import ABOVE, EXACT, STEP, TREE
+from sinuous.kernels.solids import ABOVE, EXACT, SAMPLES, STEP, TREE
 from sinuous.kernels.vectors import Array, Mat, Vec, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
 
 SPHERE, BOX, CYLINDER, HALF_SPACE = 0, 1, 2, 3
@@ -148,21 +148,33 @@ def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
 
 
 @kernel
-def at_most(scene: Scene, p: Vec) -> float:
-    """Upper bound of the distance of the point `p` to the scene: exact unless only samples are known."""
+def at_most(scene: Scene, p: Vec, reach: float) -> float:
+    """Upper bound of the distance of the point `p` to the scene, exact unless only samples are known.
+
+    Where it is not less than `reach` it may be anything that is not.
+    """
     least = math.inf
     for i in range(scene.table.shape[0]):
-        least = min(least, look(scene, i, p, least, ABOVE)[0])
+        least = min(least, look(scene, i, p, min(least, reach), ABOVE)[0])
     return least
 
 
 @entry
-def many(table: Array, store: Array, points: Array, values: Array, gradients: Array, which: Array) -> None:
-    """Fill signed distance, gradient and obstacle for every row of `points` (m, 3); inf, 0, -1 without obstacles."""
+def many(
+    table: Array, store: Array, points: Array, values: Array, above: Array, gradients: Array, which: Array
+) -> None:
+    """Fill signed distance, an upper bound of it, gradient and obstacle for every row of `points` (m, 3).
+
+    Without obstacles inf, inf, 0 and -1.
+    """
     scene = Scene(table, store)
+    uncertain = False
+    for i in range(table.shape[0]):
+        uncertain = uncertain or table[i, 0] == SAMPLES
     for j in range(points.shape[0]):
         p = get_vec(points, j, 0)
         values[j], which[j] = nearest(scene, p)
+        above[j] = at_most(scene, p, math.inf) if uncertain else values[j]
         if which[j] >= 0:
             _, g = slope(scene, which[j], p, math.inf, EXACT)
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = g

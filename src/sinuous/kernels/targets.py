@@ -42,6 +42,16 @@ def end_segment(targets: Array, i: int, segments: int) -> int:
 
 
 @kernel
+def tangent_back(targets: Array, i: int) -> Vec:
+    """Where the backbone comes from at the target; zero where it may come from anywhere."""
+    if targets[i, ORIENTATION] == FREE:
+        return NONE
+    if targets[i, ORIENTATION] == DIRECTION:
+        return scale(-1.0, get_vec(targets, i, GOAL))
+    return (-targets[i, GOAL + 2], -targets[i, GOAL + 5], -targets[i, GOAL + 8])
+
+
+@kernel
 def end_pose(frames: Array, tool: Array, k: int) -> tuple[Mat, Vec]:
     """Pose of the end of segment `k`; at the tip, of the tool."""
     rotation, position = frame(frames, k + 1)

@@ -7,14 +7,24 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.distances import at_most
 from sinuous.kernels.limits import HIGH, LOW, RADIUS, bend_cap
 from sinuous.kernels.states import Problem
-from sinuous.kernels.targets import DIRECTION, GOAL, HAS_POSITION, ORIENTATION, POSITION, ROTATION, end_segment
-from sinuous.kernels.vectors import Vec, dot, get_vec, mat_vec, norm, sub, transpose
+from sinuous.kernels.targets import (
+    DIRECTION,
+    FREE,
+    GOAL,
+    HAS_POSITION,
+    ORIENTATION,
+    POSITION,
+    ROTATION,
+    end_segment,
+    tangent_back,
+)
+from sinuous.kernels.vectors import Array, Vec, dot, get_vec, mat_vec, norm, scale, sub, transpose
 
 POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
 
 
 @kernel
-def _backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
+def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
     """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
     place = get_vec(problem.targets, i, POSITION)
     if k < problem.limits.shape[0] - 1:
@@ -31,8 +41,46 @@ def _backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
 
 
 @kernel
+def sine_area(angle: float) -> float:
+    """Integral of sin(min(t, pi / 2)) over t from 0 to `angle`."""
+    return 1.0 - math.cos(angle) if angle < 0.5 * math.pi else 1.0 + angle - 0.5 * math.pi
+
+
+@kernel
+def cosine_area(angle: float) -> float:
+    """Integral of cos(min(t, pi)) over t from 0 to `angle`."""
+    return math.sin(angle) if angle < math.pi else math.pi - angle
+
+
+@kernel
+def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: float, reverse: bool) -> bool:
+    """Whether no curve of segments 0 to `k` that leaves `place` along `axis` comes within `loose` of `goal`.
+
+    By the length t of bend its tangent has turned away from the axis by no more than t. So its end is at most the sum
+    of `length * mean of sin t` beside the axis, and at least the sum of `length * mean of cos t` ahead. `reverse`: it
+    is run through from the end of segment `k` to the base.
+    """
+    turned = most_beside = least_ahead = 0.0
+    for i in range(k + 1):
+        j = k - i if reverse else i
+        low, high = limits[j, LOW], limits[j, HIGH]
+        bend = bend_cap(limits, j, high)
+        sine, cosine = math.sin(min(turned, 0.5 * math.pi)), math.cos(min(turned, math.pi))
+        if bend > 1e-6:
+            sine = (sine_area(turned + bend) - sine_area(turned)) / bend
+            cosine = (cosine_area(turned + bend) - cosine_area(turned)) / bend
+        most_beside += high * sine
+        least_ahead += cosine * (low if cosine > 0.0 else high)
+        turned += bend
+    away = sub(goal, place)
+    ahead = dot(away, axis)
+    beside = norm(sub(away, scale(ahead, axis)))
+    return beside - loose > most_beside or ahead + loose < least_ahead
+
+
+@kernel
 def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
-    """Too far for the lengths, too near for lengths and bends together, or pointing where the bends cannot turn to.
+    """Too far for the lengths, too near or aside for lengths and bends together, or a direction that bends cannot give.
 
     A curve of length L that turns by no more than a < pi in all ends at least `L cos(a / 2)` away: seen along the
     tangent in the middle of its turning, no tangent points back by more than a / 2.
@@ -43,18 +91,26 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
         shortest += problem.limits[j, LOW]
         turning += bend_cap(problem.limits, j, problem.limits[j, HIGH])
     rotation, base = frame(problem.base, 0)
+    axis = (rotation[0][2], rotation[1][2], rotation[2][2])
+    asked = problem.targets[i, ORIENTATION]
     slack = 1e-9 * (problem.unit + longest)
+    has_tool = k == problem.limits.shape[0] - 1 and problem.tool[0, 8] != 1.0
     if problem.targets[i, HAS_POSITION] != 0.0:
-        place, loose = _backbone_end(problem, i, k)
+        place, loose = backbone_end(problem, i, k)
         far = norm(sub(place, base))
         loose += problem.position_tolerance + slack
         if far - loose > longest:
             return True
         if turning < math.pi and far + loose < shortest * math.cos(0.5 * turning):
             return True
-    if problem.targets[i, ORIENTATION] == DIRECTION and turning < math.pi:
+        if _beside(problem.limits, k, base, axis, place, loose, False):
+            return True
+        if asked != FREE and not has_tool:
+            swing = loose + min(2.0, problem.angle_tolerance) * far
+            if _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True):
+                return True
+    if asked == DIRECTION and turning < math.pi:
         # The tool's z axis is away from the tangent by a fixed angle, which adds to what the bends can turn.
-        axis = (rotation[0][2], rotation[1][2], rotation[2][2])
         off = 0.0
         if k == problem.limits.shape[0] - 1:
             offset, _ = frame(problem.tool, 0)
@@ -73,11 +129,9 @@ def _target_blocked(problem: Problem, i: int, k: int) -> bool:
         shortest += problem.limits[j, LOW]
     if shortest <= problem.mount:
         return False
-    place, loose = _backbone_end(problem, i, k)
-    return bool(
-        at_most(problem.scene, place) + loose + problem.position_tolerance
-        < problem.limits[k, RADIUS] - 1e-9 * problem.unit
-    )
+    place, loose = backbone_end(problem, i, k)
+    loose += problem.position_tolerance
+    return bool(at_most(problem.scene, place, math.inf) + loose < problem.limits[k, RADIUS] - 1e-9 * problem.unit)
 
 
 @kernel

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from sinuous.scene.scene import Scene
 
 
-SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED = range(6)
+SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, NO_ROUTE = range(7)
 
 
 class Method(Protocol):

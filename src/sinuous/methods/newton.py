@@ -25,32 +25,46 @@ MARGIN = 1e-4
 """Clearance that the steps aim for beyond none, of the robot's mean length: room for the proof to decide."""
 
 
+class KernelTables:
+    """Robot, scene and settings as the kernels read them."""
+
+    def __init__(
+        self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences | None = None
+    ) -> None:
+        # Copies: the kernels are compiled for one type of array, a writable one.
+        self._robot = robot.limits.copy(), robot.actuation.copy(), np.concatenate([robot.base_row, robot.tool_row])
+        self._scene = scene
+        self._settings = _settings(robot, tolerance, preferences or Preferences())
+
+    def now(self) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
+        """What does not depend on the targets; the scene may have been updated since the last time."""
+        return *self._robot, *self._scene.tables, self._settings
+
+
+def _settings(robot: Robot, tolerance: Tolerance, wishes: Preferences) -> Floats:
+    """In the order that `SETTINGS` says."""
+    unit = robot.mean_length
+    settings = {
+        "mount": robot.mount,
+        "unit": unit,
+        "margin": MARGIN * unit,
+        "position_tolerance": tolerance.position,
+        "angle_tolerance": tolerance.angle,
+        "coarse": COARSE,
+        "depth": DEPTH,
+        "iterations": ITERATIONS,
+        "start": wishes.start,
+        "bends": wishes.bends,
+        "clearance": wishes.clearance,
+    }
+    return np.array([settings[key] for key in SETTINGS], np.float64)
+
+
 class Newton:
     """The method `newton`, prepared: tables for the kernels, and one workspace a thread."""
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> None:
-        unit = robot.mean_length
-        settings = {
-            "mount": robot.mount,
-            "unit": unit,
-            "margin": MARGIN * unit,
-            "position_tolerance": tolerance.position,
-            "angle_tolerance": tolerance.angle,
-            "coarse": COARSE,
-            "depth": DEPTH,
-            "iterations": ITERATIONS,
-            "start": preferences.start,
-            "bends": preferences.bends,
-            "clearance": preferences.clearance,
-        }
-        # Copies: the kernels are compiled for one type of array, a writable one.
-        self._robot = (
-            robot.limits.copy(),
-            robot.actuation.copy(),
-            np.concatenate([robot.base_row, robot.tool_row]),
-        )
-        self._scene = scene
-        self._settings = np.array([settings[key] for key in SETTINGS], np.float64)
+        self._tables = KernelTables(robot, scene, tolerance, preferences)
         self._sizes = len(robot), len(robot.actuation), len(scene)
         self._preferences = preferences
         self._local = threading.local()
@@ -67,7 +81,7 @@ class Newton:
         """Solve for one table of targets; see `Method.run`."""
         best = np.empty((self._sizes[0], 3))
         workspace = self._workspace(len(rows))
-        outcome = Outcome(best, *search(*self._tables(), rows, given, first, last, seed, seconds, workspace, best))
+        outcome = Outcome(best, *search(*self._tables.now(), rows, given, first, last, seed, seconds, workspace, best))
         if self._preferences and outcome.code == SOLVED:
             return self._prefer(outcome, rows, given, seconds, workspace)
         return outcome
@@ -77,7 +91,7 @@ class Newton:
         announce(search_many)
         best, found = np.empty((len(rows), self._sizes[0], 3)), np.empty((len(rows), len(OUTCOME)))
         workspace = self._workspace(rows.shape[1])
-        search_many(*self._tables(), rows, given, first, last, seed, seconds, workspace, best, found)
+        search_many(*self._tables.now(), rows, given, first, last, seed, seconds, workspace, best, found)
         outcomes = [_as_outcome(q, numbers) for q, numbers in zip(best, found.tolist(), strict=True)]
         if not self._preferences:
             return outcomes
@@ -86,15 +100,11 @@ class Newton:
             for i, outcome in enumerate(outcomes)
         ]
 
-    def _tables(self) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-        """What does not depend on the targets; the scene may have changed since the last time."""
-        return *self._robot, *self._scene.tables, self._settings
-
     def _prefer(self, outcome: Outcome, rows: Floats, given: Floats, seconds: float, workspace: Floats) -> Outcome:
         """Improve a solved outcome, in place, by what is preferred."""
         reference = given[0] if len(given) else outcome.q.copy()
         proved = outcome.position_error, outcome.angle_error, outcome.clearance
-        used, *better = prefer(*self._tables(), rows, reference, proved, seconds, workspace, outcome.q)
+        used, *better = prefer(*self._tables.now(), rows, reference, proved, seconds, workspace, outcome.q)
         position_error, angle_error, clearance = better
         return outcome._replace(
             iterations=outcome.iterations + used,

@@ -162,6 +162,10 @@ class Scene:
         """
         return self._query(points)[0]
 
+    def at_most(self, points: Any) -> Floats:
+        """Upper bound (...) of the distance of points (..., 3): the same, but near a `Grid` of distances."""
+        return self._query(points)[3]
+
     def gradient(self, points: Any) -> Floats:
         """Gradient (..., 3) of the distance at points (..., 3): a unit vector away from the nearest obstacle.
 
@@ -174,7 +178,7 @@ class Scene:
         """Index (...) of the obstacle nearest to points (..., 3); -1 in an empty scene."""
         return self._query(points)[2]
 
-    def _query(self, points: Any) -> tuple[Floats, Floats, NDArray[np.int64]]:
+    def _query(self, points: Any) -> tuple[Floats, Floats, NDArray[np.int64], Floats]:
         from sinuous.kernels import distances  # noqa: PLC0415
 
         checked = checks.stack("points", points, (3,))
@@ -183,12 +187,13 @@ class Scene:
         obstacles, (rows, store) = self._now()
         fields = {i: obstacle for i, obstacle in enumerate(obstacles) if isinstance(obstacle, Field)}
         others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
-        distances.many(rows[others], store, flat, values, gradients, which)
+        above = np.empty(len(flat))
+        distances.many(rows[others], store, flat, values, above, gradients, which)
         which = np.where(which >= 0, others[which] if len(others) else -1, -1)
         for i, field in fields.items():
-            _ask_field(field, i, flat, values, gradients, which)
+            _ask_field(field, i, flat, values, above, gradients, which)
         lead = checked.shape[:-1]
-        return values.reshape(lead), gradients.reshape(*lead, 3), which.reshape(lead)
+        return values.reshape(lead), gradients.reshape(*lead, 3), which.reshape(lead), above.reshape(lead)
 
 
 def _name(obstacles: tuple[Obstacle, ...], index: int) -> str:
@@ -212,10 +217,11 @@ def _find_cloud(obstacles: tuple[Obstacle, ...], name: str | None) -> tuple[int,
 
 
 def _ask_field(
-    field: Field, index: int, points: Floats, values: Floats, gradients: Floats, which: NDArray[np.int64]
+    field: Field, index: int, points: Floats, values: Floats, above: Floats, gradients: Floats, which: NDArray[np.int64]
 ) -> None:
     """Put in the distance to a field where it is the nearest obstacle."""
     own = evaluate(field.function, points)
+    np.minimum(above, own, out=above)
     nearer = own < values
     values[nearer], which[nearer] = own[nearer], index
     step = DIFFERENCE * field.spacing

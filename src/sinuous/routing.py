@@ -17,13 +17,13 @@ from sinuous.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.target import Target
 
-COARSE, FINE = 64, 400
+COARSE, FINE = 64, 1000
 """Cubes in the length of the longest robot: most of them at first, and most at all."""
 
 ALTERNATIVES = 4
 """Ways to one target that differ."""
 
-SLOTS = (1 << 15, 1 << 18, 1 << 20)
+SLOTS = (1 << 13, 1 << 15, 1 << 18, 1 << 20)
 """Sizes of the table of cubes."""
 
 POINTS, CROSSED = 256, 8192
@@ -167,8 +167,8 @@ def _plans(radius: float, length: float) -> list[Plan]:
     through = radius - HALF_DIAGONAL * fine
     wide = max(radius - 0.5 * coarse, 0.25 * radius)
     proves = fine <= 0.5 * radius
-    few, many, most = SLOTS
-    first = [Plan(coarse, wide, few, 1, 0, False)] if coarse > fine else []
+    least, few, many, most = SLOTS
+    first = [Plan(coarse, wide, least, 1, 0, False)] if coarse > fine else []
     second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False)] if coarse > fine else []
     return [
         *first,

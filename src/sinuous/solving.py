@@ -10,7 +10,7 @@ import numpy as np
 from sinuous import checks, methods
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance
+from sinuous.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance, check_sizes
 from sinuous.robot import Robot
 from sinuous.routing import Router
 from sinuous.scene.scene import Scene
@@ -96,6 +96,7 @@ class Solver:
             raise InputError("prefer", "of the wrong kind", prefer, "Preferences")
         self.robot = robot
         self.scene: Scene = as_scene(scene)
+        check_sizes(robot, self.scene)
         self.tolerance = as_tolerance(tolerance).for_robot(robot)
         self.prefer = prefer or Preferences()
         self.method = method

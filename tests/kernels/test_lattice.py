@@ -21,10 +21,11 @@ CELL, RADIUS, REACH = 0.2, 0.25, 1.2
 
 def empty_lattice(slots: int = 1 << 15) -> Lattice:
     heap = lattice.HEAP_SHARE * slots
-    assert lattice_size(slots) == 6 * slots + 2 * heap
+    assert lattice_size(slots) == 7 * slots + 2 * heap
     return Lattice(
         np.zeros(slots, np.int64),
         np.zeros(slots, np.int64),
+        np.zeros(slots),
         np.zeros(slots),
         np.zeros(slots),
         np.zeros(slots),
@@ -50,6 +51,8 @@ def corridor(**changed: Any) -> Corridor:
         "around": 0.0,
         "close": 0.5 * CELL,
         "haste": 1.0,
+        "care": 1.0,
+        "longest": math.inf,
         "how": EXACT,
     }
     return Corridor(**(values | changed))

@@ -29,9 +29,6 @@ ROUNDING = 1e-13
 LOOSENESS = 2.0
 """How much of half a piece the samples may leave open before the exact distance is asked for, not a shorter piece."""
 
-SHARE = 0.4
-"""Least share of the clearance that is worth proving by samples alone; more would cost exact distances everywhere."""
-
 CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 
 
@@ -221,7 +218,7 @@ def prove(
             away = max(0.0, least) + half + radius + rounding
             d, most, nearest_one = closest(scene, among, count, p, away, BOUND)
             sure = d - half - radius - rounding
-            decided = _decided(sure, min(least, most - radius), slack if most == d else 1.0 - SHARE)
+            decided = _decided(sure, min(least, most - radius), slack)
             if not decided and most > d and (most - d > LOOSENESS * half or 2.0 * half <= finest):
                 d, most, nearest_one = closest(scene, among, count, p, away, EXACT)
                 sure = d - half - radius - rounding

@@ -128,12 +128,13 @@ def bounded(scene: Scene, i: int, p: Vec, reach: float) -> float:
 
 
 @kernel
-def has_samples(scene: Scene) -> bool:
-    """Whether some obstacle can be asked less than exactly."""
-    found = False
+def coarseness(scene: Scene) -> float:
+    """Largest spacing of samples that stand in for something exact; 0 without any."""
+    spacing = 0.0
     for i in range(scene.table.shape[0]):
-        found = found or (scene.table[i, 0] >= TREE and scene.table[i, solids.AT] >= 0.0)
-    return found
+        if scene.table[i, 0] >= TREE and scene.table[i, solids.AT] >= 0.0:
+            spacing = max(spacing, scene.table[i, solids.SPACING])
+    return spacing
 
 
 @kernel

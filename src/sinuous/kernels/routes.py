@@ -24,7 +24,7 @@ from sinuous.kernels.limits import HIGH, LOW, MAX_BEND, RADIUS
 from sinuous.kernels.solids import ABOVE, STEP
 from sinuous.kernels.states import Problem, carve, make_problem, pick
 from sinuous.kernels.targets import end_segment, tangent_back
-from sinuous.kernels.vectors import ZERO, Array, Vec, add_scaled, copy, norm
+from sinuous.kernels.vectors import ZERO, Array, Vec, add_scaled, copy, norm, sub
 from sinuous.kernels.verdicts import backbone_end
 
 PROVED_CLOSED = -1
@@ -32,6 +32,9 @@ PROVED_CLOSED = -1
 
 HASTE = 2.0
 """See `lattice.Corridor`: among obstacles a way costs more than its length, and an honest guess looks at far more."""
+
+CARELESS = 0.1
+"""See `lattice.Corridor.care`: for ways through narrow places that a robot is not long enough to go around."""
 
 DETOUR = 2.0
 """Surcharge on cubes near a way that is known already."""
@@ -79,7 +82,9 @@ def _lead(problem: Problem, last: int, length: float) -> float:
 
 
 @kernel
-def _corridor(problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float) -> Corridor:
+def _corridor(
+    problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float, care: float
+) -> Corridor:
     rotation, base = frame(problem.base, 0)
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
     radius, reach, turn = _measures(problem, last)
@@ -88,8 +93,10 @@ def _corridor(problem: Problem, which: int, last: int, cell: float, least: float
     most = max(problem.mount, lead) + 0.5 * turn
     start = _straight(problem.scene, base, axis, problem.mount, most, radius)
     end = _straight(problem.scene, goal, back, 0.0, 0.5 * turn, radius) if norm(back) > 0.0 else goal
+    longest = reach - norm(sub(start, base)) - norm(sub(end, goal)) + around + cell
+    close = 0.9 * cell
     return Corridor(
-        base, cell, least, radius, room, reach, start, axis, end, back, turn, around, 0.9 * cell, HASTE, STEP
+        base, cell, least, radius, room, reach, start, axis, end, back, turn, around, close, HASTE, care, longest, STEP
     )
 
 
@@ -118,6 +125,8 @@ def _closed(
         around,
         problem.mount + HALF_DIAGONAL * cell,
         1.0,
+        1.0,
+        math.inf,
         ABOVE,
     )
     clear(lattice)
@@ -163,12 +172,19 @@ def find(
     deadline = began + seconds
     last = end_segment(targets, which, limits.shape[0])
     goal, _ = backbone_end(problem, which, last)
-    corridor = _corridor(problem, which, last, cell, least, room, 0.0)
+    ahead, care = 0.0, 1.0
+    corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
     count = cubes = 0
     ended = FOUND
     straight = False
     while count < starts.shape[0]:
         ended, slot, cubes = explore(lattice, corridor, problem.scene, work.clock, deadline, cubes)
+        if ended == CLOSED and count == 0 and care == 1.0:
+            # Ways with more room are too long for this robot.
+            care = CARELESS
+            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
+            restart(lattice)
+            continue
         if ended != FOUND:
             break
         points = trace(lattice, corridor, slot, goal, raw)
@@ -181,7 +197,8 @@ def find(
         lead = _lead(problem, last, gap * (wanted - 1))
         if not straight and lead > problem.mount:
             straight = True
-            corridor = _corridor(problem, which, last, cell, least, room, lead)
+            ahead = lead
+            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
             clear(lattice)
             cubes = 0
             continue

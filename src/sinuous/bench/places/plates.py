@@ -19,7 +19,7 @@ AHEAD = 0.3
 """
 
 HOLE, THICKNESS = 1.5, 0.5
-SMALLEST, LARGEST = 12.0, 20.0
+SMALLEST, LARGEST = 12.0, 16.0
 """Half the edge of a plate: the largest one that does not cut the hidden shape elsewhere.
 
 All lengths in radii of the body.

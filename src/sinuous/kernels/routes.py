@@ -33,8 +33,8 @@ PROVED_CLOSED = -1
 HASTE = 2.0
 """See `lattice.Corridor`: among obstacles a way costs more than its length, and an honest guess looks at far more."""
 
-CARELESS = 0.1
-"""See `lattice.Corridor.care`: for ways through narrow places that a robot is not long enough to go around."""
+CARE = 0.2
+"""See `lattice.Corridor`: little, because who shuns narrow places looks at all the room around them first."""
 
 DETOUR = 2.0
 """Surcharge on cubes near a way that is known already."""
@@ -82,9 +82,7 @@ def _lead(problem: Problem, last: int, length: float) -> float:
 
 
 @kernel
-def _corridor(
-    problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float, care: float
-) -> Corridor:
+def _corridor(problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float) -> Corridor:
     rotation, base = frame(problem.base, 0)
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
     radius, reach, turn = _measures(problem, last)
@@ -96,7 +94,7 @@ def _corridor(
     longest = reach - norm(sub(start, base)) - norm(sub(end, goal)) + around + cell
     close = 0.9 * cell
     return Corridor(
-        base, cell, least, radius, room, reach, start, axis, end, back, turn, around, close, HASTE, care, longest, STEP
+        base, cell, least, radius, room, reach, start, axis, end, back, turn, around, close, HASTE, CARE, longest, STEP
     )
 
 
@@ -172,19 +170,12 @@ def find(
     deadline = began + seconds
     last = end_segment(targets, which, limits.shape[0])
     goal, _ = backbone_end(problem, which, last)
-    ahead, care = 0.0, 1.0
-    corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
+    corridor = _corridor(problem, which, last, cell, least, room, 0.0)
     count = cubes = 0
     ended = FOUND
     straight = False
     while count < starts.shape[0]:
         ended, slot, cubes = explore(lattice, corridor, problem.scene, work.clock, deadline, cubes)
-        if ended == CLOSED and count == 0 and care == 1.0:
-            # Ways with more room are too long for this robot.
-            care = CARELESS
-            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
-            restart(lattice)
-            continue
         if ended != FOUND:
             break
         points = trace(lattice, corridor, slot, goal, raw)
@@ -197,8 +188,7 @@ def find(
         lead = _lead(problem, last, gap * (wanted - 1))
         if not straight and lead > problem.mount:
             straight = True
-            ahead = lead
-            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
+            corridor = _corridor(problem, which, last, cell, least, room, lead)
             clear(lattice)
             cubes = 0
             continue

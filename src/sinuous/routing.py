@@ -17,13 +17,13 @@ from sinuous.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.target import Target
 
-COARSE, FINE = 50, 400
+COARSE, FINE = 64, 1000
 """Cubes in the length of the longest robot: most of them at first, and most at all."""
 
 ALTERNATIVES = 4
 """Ways to one target that differ."""
 
-SLOTS = (1 << 15, 1 << 18, 1 << 20)
+SLOTS = (1 << 13, 1 << 15, 1 << 18, 1 << 20)
 """Sizes of the table of cubes."""
 
 POINTS, CROSSED = 256, 8192
@@ -165,14 +165,18 @@ def _plans(radius: float, length: float) -> list[Plan]:
     fine = max(0.5 * radius, length / FINE)
     coarse = max(fine, length / COARSE)
     through = radius - HALF_DIAGONAL * fine
+    wide = max(radius - 0.5 * coarse, 0.25 * radius)
     proves = fine <= 0.5 * radius
-    plans = []
-    if coarse > fine:
-        narrow = radius - 0.5 * coarse
-        plans += [Plan(coarse, narrow, SLOTS[0], 1, 20, False), Plan(coarse, narrow, SLOTS[0], ALTERNATIVES, 40, False)]
-    plans += [Plan(fine, through, SLOTS[1], 1, 80, proves), Plan(fine, through, SLOTS[1], ALTERNATIVES, 160, proves)]
-    plans.append(Plan(fine, through, SLOTS[2], ALTERNATIVES, 0, proves))
-    return plans
+    least, few, many, most = SLOTS
+    first = [Plan(coarse, wide, least, 1, 0, False)] if coarse > fine else []
+    second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False)] if coarse > fine else []
+    return [
+        *first,
+        Plan(fine, through, few, 1, 20, proves),
+        *second,
+        Plan(fine, through, many, ALTERNATIVES, 160, proves),
+        Plan(fine, through, most, ALTERNATIVES, 0, proves),
+    ]
 
 
 def _goal(problem: Problem) -> int:

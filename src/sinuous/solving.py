@@ -10,7 +10,7 @@ import numpy as np
 from sinuous import checks, methods
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance
+from sinuous.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance, check_sizes
 from sinuous.robot import Robot
 from sinuous.routing import Router
 from sinuous.scene.scene import Scene
@@ -27,7 +27,7 @@ STARTS = 1000
 CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
-LOCAL = 10
+LOCAL = 6
 """Starts before ways through free space are looked for: they cost little, and mostly suffice."""
 
 FIRST_CHUNK = 16
@@ -96,6 +96,7 @@ class Solver:
             raise InputError("prefer", "of the wrong kind", prefer, "Preferences")
         self.robot = robot
         self.scene: Scene = as_scene(scene)
+        check_sizes(robot, self.scene)
         self.tolerance = as_tolerance(tolerance).for_robot(robot)
         self.prefer = prefer or Preferences()
         self.method = method

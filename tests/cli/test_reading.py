@@ -8,6 +8,7 @@ import pytest
 from sinuous.cli.app import main
 from sinuous.cli.reading import read_all
 from tests.cli.test_solve import strict
+from tests.scene.shapes import cube
 
 Write = Callable[[str], str]
 
@@ -20,6 +21,22 @@ def test_flaws_are_noted_once_beside_the_results(capsys: pytest.CaptureFixture[s
     assert said.err.splitlines() == [
         f"note: {file}: sheet: 3 edges with one triangle only (holes), so it is used as a shell and not as a solid"
     ]
+
+
+def test_a_mesh_that_cuts_through_itself_is_refused_before_anything_is_solved(
+    capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path
+) -> None:
+    """Pulled through its opposite face, one corner of a cube turns a part of it inside out."""
+    file = problem("shell.yaml")
+    vertices, faces = cube(5.0)
+    vertices[7] = (-6.0, -6.0, 1.0)
+    rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
+    (tmp_path / "sheet.obj").write_text("\n".join(rows))
+    assert main(["solve", problem("easy.yaml"), file]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith(f"{file}: sheet: cuts through itself (got ")
+    assert len(said.err.splitlines()) == 1
 
 
 def test_reading_is_timed(problem: Write) -> None:

@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from sinuous.kernels import lattice
 from sinuous.kernels.lattice import CLOSED, FOUND, FULL, HALF_DIAGONAL, LATE, Corridor, Lattice, lattice_size
+from sinuous.kernels.solids import EXACT
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene
@@ -20,10 +21,11 @@ CELL, RADIUS, REACH = 0.2, 0.25, 1.2
 
 def empty_lattice(slots: int = 1 << 15) -> Lattice:
     heap = lattice.HEAP_SHARE * slots
-    assert lattice_size(slots) == 6 * slots + 2 * heap
+    assert lattice_size(slots) == 7 * slots + 2 * heap
     return Lattice(
         np.zeros(slots, np.int64),
         np.zeros(slots, np.int64),
+        np.zeros(slots),
         np.zeros(slots),
         np.zeros(slots),
         np.zeros(slots),
@@ -49,6 +51,9 @@ def corridor(**changed: Any) -> Corridor:
         "around": 0.0,
         "close": 0.5 * CELL,
         "haste": 1.0,
+        "care": 1.0,
+        "longest": math.inf,
+        "how": EXACT,
     }
     return Corridor(**(values | changed))
 
@@ -66,6 +71,18 @@ def spheres(seed: int) -> Scene:
         if min(np.linalg.norm(center), np.linalg.norm(center - [0.8, 0.4, 0.6])) > radius + RADIUS + 0.05:
             found.append(Sphere(center, radius))
     return Scene(found)
+
+
+def walled(where: Corridor, scene: Scene, a: Floats, b: Floats) -> bool:
+    """Whether a wall is met on the way from one to the other, with steps as long as the distance from it."""
+    way = float(np.linalg.norm(b - a))
+    gone = 0.0
+    while gone < way:
+        d = float(scene.distance(a + gone / way * (b - a)))
+        if d < where.least:
+            return True
+        gone += max(d - where.least, lattice.FINEST * way)
+    return False
 
 
 def whole_lattice(where: Corridor, scene: Scene) -> tuple[Floats, Floats, Any]:
@@ -87,7 +104,7 @@ def whole_lattice(where: Corridor, scene: Scene) -> tuple[Floats, Floats, Any]:
         way = CELL * np.linalg.norm(step)
         free = (d[a] > -np.inf) & (d[b] > -np.inf) & (way > 0.0)
         wall = d[a] + d[b] < way
-        wall[wall] = scene.distance(0.5 * (middles[a[wall]] + middles[b[wall]])) < where.least
+        wall[wall] = [walled(where, scene, middles[i], middles[j]) for i, j in zip(a[wall], b[wall], strict=True)]
         keep = free & ~wall
         rows.append(a[keep])
         columns.append(b[keep])

@@ -8,9 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sinuous.scene.grid import Grid
+from sinuous.scene.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, random_rotation, refused, refused_each
+from tests.scene.shapes import cube
 
 QUARTER_ABOUT_Z = (math.sqrt(0.5), 0, 0, math.sqrt(0.5))
 
@@ -97,6 +101,13 @@ def test_obstacles_are_frozen() -> None:
         for value in vars(obstacle).values():
             if isinstance(value, np.ndarray):
                 assert not value.flags.writeable, obstacle
+
+
+def test_kinds_are_those_of_problem_files() -> None:
+    assert [o.kind for o in every()] == ["sphere", "box", "capsule", "cylinder", "half_space"]
+    assert Mesh(*cube()).kind == "mesh"
+    assert PointCloud([[0, 0, 0]], 1).kind == "points"
+    assert Grid(np.ones((2, 2, 2), bool), (0, 0, 0), 1).kind == "grid"
 
 
 def test_names() -> None:

@@ -5,6 +5,7 @@ import os
 import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing.queues import SimpleQueue
 from typing import TypeVar
 
 Item = TypeVar("Item")
@@ -16,16 +17,31 @@ def in_processes(
 ) -> Iterator[Result]:
     """Yield results in the order of the items, made in as many processes as there are cores, or (`alone`) in this one.
 
-    An interrupt is left to the process that gathers.
+    Every process keeps to a core of its own, where the system lets it. An interrupt is left to the process that
+    gathers.
     """
     if alone:
         yield from map(work, items)
         return
     spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(os.cpu_count(), spawn, _begin) as pool:
+    cores = _cores()
+    waiting = spawn.SimpleQueue()
+    for core in cores:
+        waiting.put(core)
+    with ProcessPoolExecutor(len(cores), spawn, _begin, (waiting,)) as pool:
         yield from pool.map(work, items, chunksize=chunk)
 
 
-def _begin() -> None:
+def _cores() -> list[int]:
+    if hasattr(os, "sched_getaffinity"):
+        return sorted(os.sched_getaffinity(0))
+    return list(range(os.cpu_count() or 1))
+
+
+def _begin(cores: "SimpleQueue[int]") -> None:
+    """Take a core; threads that libraries start stay on it too."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    core = cores.get()
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {core})
     os.environ.setdefault("IGL_NUM_THREADS", "1")  # else every process would use all cores

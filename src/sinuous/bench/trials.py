@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from sinuous.bench.collisions import Body
 from sinuous.bench.interior import AmongSpheres
 from sinuous.bench.judges import judge
-from sinuous.bench.places import Place, make
+from sinuous.bench.places import FAMILIES, Place, make
 from sinuous.checks import Floats
 from sinuous.problem import Tolerance
 from sinuous.robot import Robot
@@ -97,33 +97,36 @@ def examine(task: Task) -> Trial:
     """Make a place and solve it, by ours and by what it is compared with."""
     family, seed, compared = task
     place = make(family, seed)
-    solver, prepare = _prepared(place.robot, place.scene, place.tolerance)
+    solver, prepare = (_shared if FAMILIES[family].published else _prepared)(place.robot, place.scene, place.tolerance)
     ours, solution = _attempt(place, solver)
     others = {}
     for name, starts in ((ARC, 1), (RANDOM, 1 + RANDOM_STARTS)):
         if name in compared:
-            others[name], _ = _attempt(place, _local(place.robot, place.scene, place.tolerance, starts))
+            others[name], _ = _attempt(place, _local(place.robot, solver.scene, place.tolerance, starts))
     if IPOPT in compared and AmongSpheres.takes(place.robot, place.scene):
         others[IPOPT] = _interior(place)
     return Trial(family, seed, prepare, ours, _proof(solver, place, solution), others)
 
 
-@lru_cache(maxsize=16)
 def _prepared(robot: Robot, scene: Scene, tolerance: Tolerance) -> tuple[Solver, float]:
-    """Return the solver that a user gets, and the seconds that it took to make; places that share a scene share it."""
+    """Return the solver that a user gets, and the seconds that it took to make."""
     began = perf_counter()
     solver = Solver(robot, Scene(scene.obstacles), tolerance=tolerance)
     return solver, perf_counter() - began
 
 
-@lru_cache(maxsize=32)
+_shared = lru_cache(maxsize=16)(_prepared)
+"""For places that share robot and scene, which are the published ones."""
+
+
+@lru_cache(maxsize=2)
 def _local(robot: Robot, scene: Scene, tolerance: Tolerance, starts: int) -> Solver:
     """Return a solver without routes."""
     options: dict[str, Any] = {"routes": False} if "routes" in signature(Solver).parameters else {}
     return Solver(robot, scene, tolerance=tolerance, starts=starts, **options)
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=2)
 def _judging(robot: Robot, scene: Scene) -> Body:
     return Body(robot, scene, thorough=True)
 

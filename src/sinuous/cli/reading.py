@@ -6,19 +6,20 @@ from dataclasses import dataclass
 import typer
 
 from sinuous.cli.progress import Waiting
+from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile, read_problem
 
 
 @dataclass(frozen=True)
 class Read:
-    """A problem file, and the seconds that reading it took."""
+    """A problem file, its scene prepared, and the seconds that all of that took."""
 
     problem: ProblemFile
     seconds: float
 
 
 def read_all(files: list[str]) -> list[Read]:
-    """Read problem files, with all that they name.
+    """Read problem files with all that they name, and prepare their scenes.
 
     Raises
     ------
@@ -31,6 +32,10 @@ def read_all(files: list[str]) -> list[Read]:
             waiting.begin(file)
             began = clock.perf_counter()
             problem = read_problem(file)
+            try:
+                problem.scene.prepare(waiting.told)
+            except InputError as error:
+                raise error.in_file(file) from None
             result.append(Read(problem, clock.perf_counter() - began))
     return result
 

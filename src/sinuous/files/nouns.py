@@ -76,7 +76,7 @@ def read_scene(value: Any, robot: Robot, folder: Path) -> Scene:
         with checks.inside(f"[{i}]"):
             parts = _read_obstacles(entry, robot, folder)
         if len(parts) > 1 or len(obstacles) > i:  # places in the scene are no longer those in the file
-            parts = [part if part.name else part.named(f"{next(iter(entry))}[{i}]") for part in parts]
+            parts = [part if part.name else part.named(f"{part.kind}[{i}]") for part in parts]
         obstacles += parts
     return Scene(obstacles)
 

@@ -3,8 +3,9 @@
 import math
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.distances import Scene, nearest, obstacle
+from sinuous.kernels.distances import Scene, closest, obstacle
 from sinuous.kernels.lattice import Corridor, Lattice, middle
+from sinuous.kernels.solids import STEP
 from sinuous.kernels.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
 SWEEPS = 24
@@ -67,7 +68,7 @@ def respace(points: Array, count: int, out: Array, wanted: int) -> float:
 @kernel
 def _push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
     """Move a point away from the nearest obstacle, if that is nearer than `wanted`."""
-    d, which = nearest(scene, p)
+    d, which = closest(scene, p, wanted, STEP)
     if which < 0 or d >= wanted:
         return p
     _, g = obstacle(scene, which, p)

@@ -26,8 +26,8 @@ SOFTNESS = 1e-4
 ROUNDING = 1e-13
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
 
-LOOSENESS = 0.25
-"""Most that a bound may be off, in half lengths of a piece, for halving to be better than an exact distance."""
+LOOSENESS = 2.0
+"""How much of half a piece the samples may leave open before the exact distance is asked for, not a shorter piece."""
 
 CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 
@@ -217,15 +217,17 @@ def prove(
             p = body_point(q, frames, k, s)
             away = max(0.0, least) + half + radius + rounding
             d, most, nearest_one = closest(scene, among, count, p, away, BOUND)
-            decided = _decided(d - half - radius - rounding, min(least, most - radius), slack)
+            sure = d - half - radius - rounding
+            decided = _decided(sure, min(least, most - radius), slack)
             if not decided and most > d and (most - d > LOOSENESS * half or 2.0 * half <= finest):
                 d, most, nearest_one = closest(scene, among, count, p, away, EXACT)
-            sure = d - half - radius - rounding
+                sure = d - half - radius - rounding
+                decided = _decided(sure, min(least, most - radius), slack)
             if most - radius < least:
                 least, where, fraction, which = most - radius, k, s, nearest_one
             if least < 0.0:
                 return TOUCHING, least, where, fraction, which
-            if 2.0 * half > finest and not _decided(sure, least, slack):
+            if 2.0 * half > finest and not decided:
                 level, piece = level + 1, 2 * piece
                 continue
             undecided = undecided or sure <= 0.0

@@ -128,35 +128,39 @@ def bounded(scene: Scene, i: int, p: Vec, reach: float) -> float:
 
 
 @kernel
-def has_samples(scene: Scene) -> bool:
-    """Whether some obstacle can be asked less than exactly."""
-    found = False
+def coarseness(scene: Scene) -> float:
+    """Largest spacing of samples that stand in for something exact; 0 without any."""
+    spacing = 0.0
     for i in range(scene.table.shape[0]):
-        found = found or (scene.table[i, 0] >= TREE and scene.table[i, solids.AT] >= 0.0)
-    return found
+        if scene.table[i, 0] >= TREE and scene.table[i, solids.AT] >= 0.0:
+            spacing = max(spacing, scene.table[i, solids.SPACING])
+    return spacing
 
 
 @kernel
-def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
-    """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none)."""
+def closest(scene: Scene, p: Vec, reach: float, how: int) -> tuple[float, int]:
+    """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none).
+
+    `how` to ask, and `reach`, from which on it may be anything that is not less: see `look`.
+    """
     least, which = math.inf, -1
     for i in range(scene.table.shape[0]):
-        d = bounded(scene, i, p, least)
+        d, _ = look(scene, i, p, min(least, reach), how)
         if d < least:
             least, which = d, i
     return least, which
 
 
 @kernel
-def at_most(scene: Scene, p: Vec, reach: float) -> float:
-    """Upper bound of the distance of the point `p` to the scene, exact unless only samples are known.
+def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
+    """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none)."""
+    return closest(scene, p, math.inf, EXACT)
 
-    Where it is not less than `reach` it may be anything that is not.
-    """
-    least = math.inf
-    for i in range(scene.table.shape[0]):
-        least = min(least, look(scene, i, p, min(least, reach), ABOVE)[0])
-    return least
+
+@kernel
+def at_most(scene: Scene, p: Vec, reach: float) -> float:
+    """Upper bound of the distance of the point `p` to the scene, exact unless only samples are known."""
+    return closest(scene, p, reach, ABOVE)[0]
 
 
 @entry

@@ -14,8 +14,8 @@ import numpy as np
 
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.distances import Scene, at_most
-from sinuous.kernels.vectors import Array, Vec, add, dot, norm, scale, sub
+from sinuous.kernels.distances import Scene, closest
+from sinuous.kernels.vectors import Array, Vec, add_scaled, dot, norm, sub
 
 HALF_DIAGONAL = 0.5 * math.sqrt(3.0)
 
@@ -29,9 +29,15 @@ OFFSET = 1 << 20
 
 NONE = -1
 
-Lattice = namedtuple("Lattice", ["keys", "before", "cost", "distance", "extra", "done", "priority", "queue"])
-"""A hash table of cubes, by slot: key (0: empty), slot that the way comes from, cost of the way, distance of the
-middle to the obstacles, what other ways ask as a surcharge, whether its cost is final; and a binary heap of slots."""
+SMOOTHED = 0.9
+"""What is left of the length of a way when its corners are cut: cubes are left along 26 directions only."""
+
+FINEST = 0.1
+"""Shortest step in the search for a wall between two cubes, of the way between them."""
+
+Lattice = namedtuple("Lattice", ["keys", "before", "cost", "length", "distance", "extra", "done", "priority", "queue"])
+"""A hash table of cubes, by slot: key (0: empty), slot that the way comes from, cost and length of the way, distance of
+the middle to the obstacles, what other ways ask as a surcharge, whether its cost is final; a binary heap of slots."""
 
 Corridor = namedtuple(
     "Corridor",
@@ -50,18 +56,23 @@ Corridor = namedtuple(
         "around",
         "close",
         "haste",
+        "care",
+        "longest",
+        "how",
     ],
 )
 """What a search is about. `origin`: the robot's base, and middle of the cube (0, 0, 0) of edge `cell`; no way is
 farther from it than `reach`. `least` distance that is passable, `radius` of the body, `room` beyond it that costs
 nothing. Ways run from within `close` of `start`, where they leave along `axis`, to within `around` of `goal`, where
 `back` points to where they come from (zero: anywhere); within `turn` of both nothing passes behind their backs. With
-`haste` 1 the cheapest way is found; with more, one that costs at most so many times as much, sooner."""
+`haste` 1 the cheapest way is found; with more, one that costs at most so many times as much, sooner; `care` says how
+much dearer narrow places are, and ways that will be longer than `longest` are given up. Distances are
+asked for as `how` says (see `solids`); a proof asks for upper bounds: what can be passed must not be called a wall."""
 
 
 def lattice_size(slots: int) -> int:
     """Numbers (float64) that a lattice of so many slots, a power of two, takes."""
-    return (6 + 2 * HEAP_SHARE) * slots
+    return (7 + 2 * HEAP_SHARE) * slots
 
 
 @kernel
@@ -74,8 +85,9 @@ def carve_lattice(buffer: Array, slots: int) -> Lattice:
         buffer[3 * t : 4 * t],
         buffer[4 * t : 5 * t],
         buffer[5 * t : 6 * t],
-        buffer[6 * t : 6 * t + h],
-        buffer[6 * t + h : 6 * t + 2 * h].view(np.int64),
+        buffer[6 * t : 7 * t],
+        buffer[7 * t : 7 * t + h],
+        buffer[7 * t + h : 7 * t + 2 * h].view(np.int64),
     )
 
 
@@ -146,14 +158,16 @@ def _enter(lattice: Lattice, corridor: Corridor, scene: Scene, slot: int, key: i
     p = middle(corridor, key)
     lattice.keys[slot] = key
     lattice.cost[slot] = math.inf
+    lattice.length[slot] = 0.0
     lattice.extra[slot] = 0.0
     lattice.done[slot] = 0.0
     h = corridor.cell
-    if norm(sub(p, corridor.origin)) > corridor.reach + HALF_DIAGONAL * h:
+    # Whoever goes from one place to another in so much length stays within an ellipsoid about both.
+    far = norm(sub(p, corridor.origin)) + max(0.0, norm(sub(p, corridor.goal)) - corridor.around)
+    if far > corridor.reach + 2.0 * HALF_DIAGONAL * h:
         lattice.distance[slot] = -math.inf
         return
-    # What is passable must not be called a wall, and what is far need not be known exactly.
-    d = at_most(scene, p, max(corridor.radius + corridor.room, 2.0 * h))
+    d, _ = closest(scene, p, max(corridor.radius + corridor.room, 2.0 * h), corridor.how)
     barred = _behind(corridor, p, corridor.start, corridor.axis) or _behind(corridor, p, corridor.goal, corridor.back)
     lattice.distance[slot] = -math.inf if barred or d < corridor.least else d
 
@@ -165,8 +179,8 @@ def price(corridor: Corridor, distance: float) -> float:
     if clear_by >= corridor.room:
         return 1.0
     if clear_by >= 0.0:
-        return 1.0 + 2.0 * (1.0 - clear_by / corridor.room)
-    return 3.0 - 20.0 * clear_by / corridor.cell
+        return 1.0 + 2.0 * corridor.care * (1.0 - clear_by / corridor.room)
+    return 1.0 + corridor.care * (2.0 - 20.0 * clear_by / corridor.cell)
 
 
 @kernel
@@ -223,6 +237,7 @@ def _seed(lattice: Lattice, corridor: Corridor, scene: Scene) -> tuple[int, int]
                     entered += 1
                 if lattice.distance[slot] > -math.inf:
                     lattice.cost[slot] = off
+                    lattice.length[slot] = off
                     lattice.before[slot] = NONE
                     size = _push(lattice, size, 0.0, slot)
     return size, entered
@@ -230,9 +245,20 @@ def _seed(lattice: Lattice, corridor: Corridor, scene: Scene) -> tuple[int, int]
 
 @kernel
 def _walled(corridor: Corridor, scene: Scene, one: int, other: int) -> bool:
-    """Whether a wall stands between two neighbours: asked where their own distances leave room for one."""
-    between = scale(0.5, add(middle(corridor, one), middle(corridor, other)))
-    return bool(at_most(scene, between, corridor.least) < corridor.least)
+    """Whether a wall stands between two neighbours: asked where their own distances leave room for one.
+
+    On the way from one to the other, steps are as long as the distance from what cannot be passed.
+    """
+    a, b = middle(corridor, one), middle(corridor, other)
+    line = sub(b, a)
+    way = norm(line)
+    gone = 0.0
+    while gone < way:
+        d, _ = closest(scene, add_scaled(a, gone / way, line), 2.0 * way, corridor.how)
+        if d < corridor.least:
+            return True
+        gone += max(d - corridor.least, FINEST * way)
+    return False
 
 
 @kernel
@@ -256,10 +282,12 @@ def _widen(lattice: Lattice, corridor: Corridor, scene: Scene, slot: int, size: 
                 if d + lattice.distance[slot] < way and _walled(corridor, scene, lattice.keys[slot], key):
                     continue
                 cost = lattice.cost[slot] + 0.5 * way * (own + price(corridor, d) + lattice.extra[other])
-                if cost < lattice.cost[other]:
+                length = lattice.length[slot] + way
+                rest = norm(sub(middle(corridor, key), corridor.start))
+                if cost < lattice.cost[other] and SMOOTHED * length + rest <= corridor.longest:
                     lattice.cost[other] = cost
+                    lattice.length[other] = length
                     lattice.before[other] = slot
-                    rest = norm(sub(middle(corridor, key), corridor.start))
                     size = _push(lattice, size, cost + corridor.haste * rest, other)
     return size, entered
 

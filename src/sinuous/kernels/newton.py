@@ -7,7 +7,7 @@ from sinuous.kernels.body import CLEAR, SOFTNESS, contacts, prove
 from sinuous.kernels.chain import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import inline, kernel
-from sinuous.kernels.distances import has_samples
+from sinuous.kernels.distances import coarseness
 from sinuous.kernels.states import ANGLE, MERIT, POSITION, SEEN, WISH, Problem, State, Work, pick
 from sinuous.kernels.sweeps import SOFT
 from sinuous.kernels.targets import add_rows, end_segment
@@ -16,8 +16,9 @@ from sinuous.kernels.vectors import ZERO, put_vec
 MISSED = -1
 """In place of a verdict of the proof: the targets were not met."""
 
-SLACK = 0.1
-"""How far below the true clearance its proved bound may be, as a share of it."""
+SLACK, SAMPLED_SLACK = 0.1, 0.6
+"""How far below the true clearance its proved bound may be, as a share of it; among sampled obstacles more, because
+less would cost exact distances everywhere."""
 
 FINEST = 1e-7
 """Length of backbone, in robot lengths, below which a proof gives up."""
@@ -132,12 +133,20 @@ def enter(problem: Problem, state: State, work: Work) -> None:
 
 
 @kernel
-def met(problem: Problem, state: State) -> bool:
-    """Targets within tolerance, and no overlap seen."""
+def met(problem: Problem, state: State, loose: float) -> bool:
+    """Targets within tolerance, and no overlap seen that is more than `loose`."""
     norms = state.norms
     return bool(
-        norms[POSITION] <= problem.position_tolerance and norms[ANGLE] <= problem.angle_tolerance and norms[SEEN] >= 0.0
+        norms[POSITION] <= problem.position_tolerance
+        and norms[ANGLE] <= problem.angle_tolerance
+        and norms[SEEN] >= -loose
     )
+
+
+@kernel
+def met_by(state: State, loose: float) -> bool:
+    """Targets and obstacles within what samples may be wrong by: they may be what keeps the targets from being met."""
+    return bool(state.norms[POSITION] <= loose and state.norms[SEEN] >= -loose)
 
 
 @kernel
@@ -145,8 +154,10 @@ def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and clearance of the whole body at `state`; see `body.prove`."""
     if problem.scene.table.shape[0] == 0:
         return CLEAR, math.inf
+    slack = SAMPLED_SLACK if coarseness(problem.scene) > 0.0 else SLACK
+    finest = FINEST * problem.unit
     verdict, clearance, _, _, _ = prove(
-        problem.limits, state.q, state.frames, problem.scene, problem.mount, SLACK, FINEST * problem.unit, work.among
+        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, work.among
     )
     return verdict, clearance
 
@@ -168,7 +179,9 @@ def descend(
     """
     enter(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.depth, at, math.inf, 1.0
-    how = solids.STEP if has_samples(problem.scene) else solids.EXACT
+    # Samples may see an overlap where there is none; then the proof decides.
+    loose = coarseness(problem.scene)
+    how = solids.STEP if loose > 0.0 else solids.EXACT
     slow = iteration = 0
     bound = False
     while True:
@@ -184,15 +197,19 @@ def descend(
             slow += 1
             easing *= 10.0
         state = pick(states, at)
-        if met(problem, state):
+        if met(problem, state, loose):
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or depth >= problem.depth + 6:
                 return at, verdict, iteration, clearance, bound
             if how == solids.STEP:
-                how = solids.EXACT
+                how, loose = solids.EXACT, 0.0
             else:
                 depth += 2
             looked_at, merit = at, math.inf
+            continue
+        if slow >= PATIENCE and loose > 0.0 and met_by(state, loose):
+            how, loose = solids.EXACT, 0.0
+            looked_at, merit, slow, easing = at, math.inf, 0, 1.0
             continue
         if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
             return at, MISSED, iteration, 0.0, bound

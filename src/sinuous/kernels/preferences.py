@@ -56,7 +56,7 @@ def _correct(problem: Problem, states: State, at: int, spare: int, work: Work, d
     """Bring a state that left its targets a little back to them; returns where it is then, `at` or `spare`."""
     for _ in range(CORRECTIONS):
         state, trial = pick(states, at), pick(states, spare)
-        if met(problem, state):
+        if met(problem, state, 0.0):
             return at
         rest(work)
         linearise(problem, state, work, depth, solids.EXACT, 0.0)
@@ -94,7 +94,7 @@ def improve(
         free, spare = found_at, free + spare - found_at
         found = pick(states, free)
         better = cost(problem, found, wishes)
-        if met(problem, found) and better < least:
+        if met(problem, found, 0.0) and better < least:
             gained = least - better
             least = better
             at, free = free, at
@@ -136,7 +136,7 @@ def prefer(
     copy(best, state.q)
     linearise(problem, state, work, problem.depth, solids.EXACT, 0.0)
     verdict, clearance = proof(problem, state, work)
-    if verdict == CLEAR and met(problem, state):
+    if verdict == CLEAR and met(problem, state, 0.0):
         return used, state.norms[POSITION], state.norms[ANGLE], clearance
     copy(work.solved, best)
     return used, proved[0], proved[1], proved[2]

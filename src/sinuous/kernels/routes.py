@@ -6,7 +6,7 @@ from sinuous.kernels.band import points_wanted, respace, span, tighten, trace
 from sinuous.kernels.chain import frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.distances import Scene, nearest
+from sinuous.kernels.distances import Scene, closest
 from sinuous.kernels.following import lay
 from sinuous.kernels.lattice import (
     CLOSED,
@@ -21,9 +21,10 @@ from sinuous.kernels.lattice import (
     surcharge,
 )
 from sinuous.kernels.limits import HIGH, LOW, MAX_BEND, RADIUS
+from sinuous.kernels.solids import ABOVE, STEP
 from sinuous.kernels.states import Problem, carve, make_problem, pick
 from sinuous.kernels.targets import end_segment, tangent_back
-from sinuous.kernels.vectors import ZERO, Array, Vec, add_scaled, copy, norm
+from sinuous.kernels.vectors import ZERO, Array, Vec, add_scaled, copy, norm, sub
 from sinuous.kernels.verdicts import backbone_end
 
 PROVED_CLOSED = -1
@@ -31,6 +32,9 @@ PROVED_CLOSED = -1
 
 HASTE = 2.0
 """See `lattice.Corridor`: among obstacles a way costs more than its length, and an honest guess looks at far more."""
+
+CARELESS = 0.1
+"""See `lattice.Corridor.care`: for ways through narrow places that a robot is not long enough to go around."""
 
 DETOUR = 2.0
 """Surcharge on cubes near a way that is known already."""
@@ -40,9 +44,9 @@ DETOUR = 2.0
 def _straight(scene: Scene, place: Vec, axis: Vec, past: float, most: float, radius: float) -> Vec:
     """The point farthest along `axis`, from `past` up to `most`, that a body can reach straight."""
     way = past
-    for i in range(1, 9):
-        further = past + (most - past) * i / 8.0
-        d, _ = nearest(scene, add_scaled(place, further, axis))
+    for i in range(1, 17):
+        further = past + (most - past) * i / 16.0
+        d, _ = closest(scene, add_scaled(place, further, axis), radius, STEP)
         if d < radius:
             break
         way = further
@@ -78,16 +82,22 @@ def _lead(problem: Problem, last: int, length: float) -> float:
 
 
 @kernel
-def _corridor(problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float) -> Corridor:
+def _corridor(
+    problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float, care: float
+) -> Corridor:
     rotation, base = frame(problem.base, 0)
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
     radius, reach, turn = _measures(problem, last)
     goal, around = backbone_end(problem, which, last)
     back = tangent_back(problem.targets, which) if around == 0.0 else ZERO
-    past = max(problem.mount, lead)
-    start = _straight(problem.scene, base, axis, past, past + 0.5 * turn, radius)
+    most = max(problem.mount, lead) + 0.5 * turn
+    start = _straight(problem.scene, base, axis, problem.mount, most, radius)
     end = _straight(problem.scene, goal, back, 0.0, 0.5 * turn, radius) if norm(back) > 0.0 else goal
-    return Corridor(base, cell, least, radius, room, reach, start, axis, end, back, turn, around, 0.9 * cell, HASTE)
+    longest = reach - norm(sub(start, base)) - norm(sub(end, goal)) + around + cell
+    close = 0.9 * cell
+    return Corridor(
+        base, cell, least, radius, room, reach, start, axis, end, back, turn, around, close, HASTE, care, longest, STEP
+    )
 
 
 @kernel
@@ -115,6 +125,9 @@ def _closed(
         around,
         problem.mount + HALF_DIAGONAL * cell,
         1.0,
+        1.0,
+        math.inf,
+        ABOVE,
     )
     clear(lattice)
     ended, _, cubes = explore(lattice, corridor, problem.scene, clock, deadline, 0)
@@ -159,35 +172,42 @@ def find(
     deadline = began + seconds
     last = end_segment(targets, which, limits.shape[0])
     goal, _ = backbone_end(problem, which, last)
-    corridor = _corridor(problem, which, last, cell, least, room, 0.0)
+    ahead, care = 0.0, 1.0
+    corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
     count = cubes = 0
     ended = FOUND
     straight = False
     while count < starts.shape[0]:
         ended, slot, cubes = explore(lattice, corridor, problem.scene, work.clock, deadline, cubes)
-        if ended == CLOSED and count == 0 and prove:
-            ended, cubes = _closed(problem, lattice, which, last, cell, work.clock, deadline)
+        if ended == CLOSED and count == 0 and care == 1.0:
+            # Ways with more room are too long for this robot.
+            care = CARELESS
+            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
+            restart(lattice)
+            continue
         if ended != FOUND:
             break
         points = trace(lattice, corridor, slot, goal, raw)
         if points == 0:
             break
-        length = span(raw, points)
-        lead = _lead(problem, last, length)
+        way = ways[count]
+        wanted = points_wanted(span(raw, points), cell, way.shape[0])
+        respace(raw, points, way, wanted)
+        gap = tighten(problem.scene, corridor, way, raw, wanted, norm(corridor.back) == 0.0)
+        lead = _lead(problem, last, gap * (wanted - 1))
         if not straight and lead > problem.mount:
             straight = True
-            corridor = _corridor(problem, which, last, cell, least, room, lead)
+            ahead = lead
+            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
             clear(lattice)
             cubes = 0
             continue
-        way = ways[count]
-        wanted = points_wanted(length, cell, way.shape[0])
-        respace(raw, points, way, wanted)
-        gap = tighten(problem.scene, corridor, way, raw, wanted, norm(corridor.back) == 0.0)
         counts[count] = wanted
         at = lay(problem, states, work, way, wanted, gap)
         copy(pick(states, at).q, starts[count])
         count += 1
         surcharge(lattice, corridor, slot, DETOUR, 2)
         restart(lattice)
+    if ended == CLOSED and count == 0 and prove:
+        ended, cubes = _closed(problem, lattice, which, last, cell, work.clock, deadline)
     return count, ended, cubes, now(work.clock) - began

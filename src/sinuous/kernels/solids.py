@@ -13,7 +13,7 @@ import numpy as np
 from sinuous.kernels import grids, triangles
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.grids import Grid
-from sinuous.kernels.trees import BALLS, TRIANGLES, Tree, closest, lift, unlift
+from sinuous.kernels.trees import BALLS, BOX, TRIANGLES, Tree, box_distance, closest, lift, unlift
 from sinuous.kernels.vectors import Array, Vec, add, dot, norm, scale, sub
 
 TREE, SAMPLES = 4, 5
@@ -117,7 +117,8 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
     tree = tree_of(table, i)
     away = reach + table[i, ROUNDING]
     if table[i, AT] < 0.0:
-        free = table[i, NORMALS] < 0.0
+        # Out of the box of everything a point is free, whatever it is to.
+        free = table[i, NORMALS] < 0.0 or (table[i, SIGN] > 0.0 and box_distance(store, tree.nodes + BOX, p) > 0.0)
         item, d = closest(store, tree, p, lift(away) if free else math.inf)
         return item, d, free
     grid = grid_of(table, i)

@@ -27,6 +27,11 @@ class Obstacle(ABC):
 
     name: str | None
 
+    @property
+    def kind(self) -> str:
+        """What problem files call such an obstacle: `half_space`."""
+        return "".join(f"_{c.lower()}" if c.isupper() else c for c in type(self).__name__).lstrip("_")
+
     def named(self, name: Any) -> Self:
         """Return the same obstacle with another name, or None for none."""
         twin = copy(self)

@@ -43,6 +43,11 @@ class PointCloud(Obstacle):
         places = checks.points("points", points)
         self._keep(name, points=places, radii=_radii(radius, len(places)))
 
+    @property
+    def kind(self) -> str:
+        """See `Obstacle.kind`."""
+        return "points"
+
     @classmethod
     def load(
         cls,

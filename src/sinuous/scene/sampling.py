@@ -20,6 +20,9 @@ Progress = Callable[[float], None]
 LEAST, MOST = 2**16, 2_000_000
 """Samples of an obstacle: at least about so many, and at most (16 MB)."""
 
+FEWEST_PIECES = 500
+"""Triangles from which on a mesh is sampled: the exact distance to fewer is nearly as quick."""
+
 PER_PIECE = 64
 """Samples for every primitive, between these."""
 

@@ -197,9 +197,7 @@ class Scene:
 
 
 def _name(obstacles: tuple[Obstacle, ...], index: int) -> str:
-    obstacle = obstacles[index]
-    kind = "".join(f"_{c.lower()}" if c.isupper() else c for c in type(obstacle).__name__).lstrip("_")
-    return obstacle.name or f"{kind}[{index}]"
+    return obstacles[index].name or f"{obstacles[index].kind}[{index}]"
 
 
 def _part(obstacles: tuple[Obstacle, ...], index: int, progress: Callable[[str, float], None] | None) -> Part:

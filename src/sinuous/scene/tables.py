@@ -95,10 +95,11 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
     if isinstance(obstacle, PointCloud):
         return _sampled(trees.balls(obstacle), progress)
     if isinstance(obstacle, Mesh):
-        part = _sampled(trees.triangles(obstacle), progress)
+        pieces = trees.triangles(obstacle)
+        part = _sampled(pieces, progress)
         if obstacle.watertight:
             _check_sides(part, name)
-        return part
+        return part if len(pieces.items) >= sampling.FEWEST_PIECES else _of_pieces(pieces)
     raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
 
 

@@ -31,7 +31,7 @@ def test_scans_have_no_gaps(family: str) -> None:
     assert isinstance(cloud, PointCloud)
     radius = min(sketch.robot.radii)
     corners = np.concatenate([triangles(obstacle) for obstacle in sketch.obstacles])
-    places = on_surface(corners, 20_000, rng)
+    places = on_surface(corners, 60_000, rng)
     gaps = np.asarray(cKDTree(cloud.points).query(places)[0])
     assert gaps.max() < radius + cloud.radii.min()
     assert np.asarray(cKDTree(places).query(cloud.points)[0]).max() < radius  # and points lie nowhere else

@@ -36,3 +36,11 @@ def test_an_arc_begins_where_it_is_put() -> None:
     poses = arc(start, np.array([0.0, 0.0, 2.0]), 4)
     np.testing.assert_allclose(poses[0], start, atol=1e-15)
     np.testing.assert_allclose(poses[-1, :3, 3], [3, 2, 3], atol=1e-15)
+
+
+def test_shapes_that_go_ahead_never_turn_back() -> None:
+    rng = np.random.default_rng(0)
+    robot = robot_of(3, rng)
+    for _ in range(5):
+        curve = curve_of(robot, draw_shape(robot, 0.1, rng, 0.3), 10)
+        assert (curve.tangents @ robot.base[:3, 2]).min() >= 0.3 - 1e-12

@@ -13,10 +13,10 @@ from sinuous.bench.places.surfaces import Surface, joined, loft
 from sinuous.checks import Floats
 from sinuous.scene.obstacles import Cylinder, Obstacle
 
-GAP = (3.0, 4.5)
+GAP = (2.8, 3.6)
 """Distance of neighbouring blades, from middle to middle, at the tip."""
 
-HEIGHT, WIDTH, HUB = (4.0, 8.0), (4.0, 7.0), (7.0, 14.0)
+HEIGHT, WIDTH, HUB = (6.0, 12.0), (5.0, 9.0), (6.0, 12.0)
 """Of a blade, along the radius and along the axis; radius of the drum. All in radii of the body."""
 
 THICKNESS = 0.5

@@ -24,7 +24,7 @@ BRANCH = (10.0, 20.0)
 BEND = (0.6, 1.8)
 """Of a dead end, away from the right way, rad."""
 
-CELL = 0.7
+CELL = 1.0
 """Of the grid that the wall is made on, in radii of the body."""
 
 STEP = 0.25

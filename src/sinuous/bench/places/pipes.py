@@ -13,7 +13,7 @@ from sinuous.scene.mesh import Mesh
 WALL = 0.8
 """Thickness of walls, in radii of the body."""
 
-RINGS = 12
+RINGS = 9
 """Rings of a mesh along one segment."""
 
 

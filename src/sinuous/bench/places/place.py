@@ -13,6 +13,7 @@ from sinuous.bench.collisions import Body
 from sinuous.bench.judges import judge
 from sinuous.bench.reference import tip_poses
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.problem import Tolerance
 from sinuous.robot import Robot
 from sinuous.scene.obstacles import Obstacle
@@ -78,7 +79,7 @@ def settle(family: str, seed: int, draw: Draw) -> Place:
         if sketch is None:
             continue
         place = place_of(family, seed, sketch)
-        if feasible(place):
+        if feasible(place) and proper(place.scene):
             return place
     raise RuntimeError(f"{family} has no place for seed {seed}")
 
@@ -90,6 +91,15 @@ def place_of(family: str, seed: int, sketch: Sketch) -> Place:
     direction = tip[:3, 2] if (seed + seed // 20) % 2 else None
     target = Target(tip[:3, 3], direction=direction)
     return Place(family, seed, robot, Scene(sketch.obstacles), target, Tolerance().for_robot(robot), q)
+
+
+def proper(scene: Scene) -> bool:
+    """Whether no mesh cuts through itself, as a pipe can that bends back to its own wall."""
+    try:
+        scene.prepare()
+    except InputError:
+        return False
+    return True
 
 
 def feasible(place: Place) -> bool:

@@ -14,8 +14,12 @@ from sinuous.checks import Floats
 from sinuous.scene.mesh import Mesh
 
 FEWEST, MOST = 2, 6
+AHEAD = 0.3
+"""Least cosine of the angle between the hidden shape and where it begins: plates across a coil would have to be small.
+"""
+
 HOLE, THICKNESS = 1.5, 0.5
-SMALLEST, LARGEST = 5.0, 25.0
+SMALLEST, LARGEST = 12.0, 16.0
 """Half the edge of a plate: the largest one that does not cut the hidden shape elsewhere.
 
 All lengths in radii of the body.
@@ -26,7 +30,7 @@ def plates(seed: int, rng: Generator) -> Sketch | None:
     """Put two to six plates across the hidden shape, evenly along it but for a little."""
     robot = robot_of(seed, rng)
     radius = min(robot.radii)
-    q = draw_shape(robot, 4.0 * radius, rng)
+    q = draw_shape(robot, 4.0 * radius, rng, AHEAD)
     curve = curve_of(robot, q, 40)
     count = int(rng.integers(FEWEST, MOST + 1))
     shares = 0.2 + 0.7 * (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count

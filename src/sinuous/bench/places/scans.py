@@ -18,10 +18,10 @@ from sinuous.surfaces import obstacle_surface
 THICKNESS = 0.15
 """Radius of a point."""
 
-LATTICE, CELL = 0.35, 0.5
+LATTICE, CELL = 0.25, 0.55
 """Points lie on triangles this close together; of those in one cubic cell, one is kept.
 
-No place of a surface is then farther from a point than LATTICE / sqrt(3) + CELL * sqrt(3) + NOISE = 1.09, which is
+No place of a surface is then farther from a point than LATTICE / sqrt(3) + CELL * sqrt(3) + NOISE = 1.12, which is
 less than body and point together, 1.15: the middle of the body cannot get through.
 """
 

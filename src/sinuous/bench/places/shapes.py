@@ -67,18 +67,19 @@ def curve_of(robot: Robot, q: Floats, samples: int) -> Curve:
     return Curve(np.concatenate(pieces), np.concatenate([[0.0], np.cumsum(steps)]))
 
 
-def draw_shape(robot: Robot, apart: float, rng: Generator) -> Floats:
+def draw_shape(robot: Robot, apart: float, rng: Generator, least_ahead: float = -1.0) -> Floats:
     """Draw a configuration (n, 3) whose backbone keeps `apart` from itself.
 
     Places count as apart from each other when they are farther along the backbone than half a circle of that diameter.
+    No tangent makes an angle with the base's whose cosine is less than `least_ahead`.
     """
     while True:
-        q = _grow(robot, apart, rng)
+        q = _grow(robot, apart, rng, least_ahead)
         if q is not None:
             return q
 
 
-def _grow(robot: Robot, apart: float, rng: Generator) -> Floats | None:
+def _grow(robot: Robot, apart: float, rng: Generator, least_ahead: float) -> Floats | None:
     """Add one segment after the other, each free of those before; `None` where there is no way on."""
     found: list[Floats] = []
     pose = robot.base
@@ -90,7 +91,8 @@ def _grow(robot: Robot, apart: float, rng: Generator) -> Floats | None:
             coordinates = _draw_segment(segment, turned, rng)
             poses = arc(pose, coordinates, SAMPLES)
             reached = along[-1] + np.linspace(0.0, coordinates[2], SAMPLES + 1)[1:]
-            if _keeps_apart(points, along, poses[1:, :3, 3], reached, apart):
+            ahead = poses[:, :3, 2] @ robot.base[:3, 2]
+            if ahead.min() >= least_ahead and _keeps_apart(points, along, poses[1:, :3, 3], reached, apart):
                 break
         else:
             return None

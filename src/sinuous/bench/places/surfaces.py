@@ -63,7 +63,7 @@ def _bands(m: int, s: int, count: int) -> Faces:
     return np.concatenate([np.stack([a, b, d], axis=-1).reshape(-1, 3), np.stack([a, d, c], axis=-1).reshape(-1, 3)])
 
 
-def tube(poses: Floats, radius: float, sides: int = 20, caps: int = 5) -> Surface:
+def tube(poses: Floats, radius: float, sides: int = 16, caps: int = 4) -> Surface:
     """Return the surface at `radius` around a curve given by frames (m, 4, 4), with half a ball at each end.
 
     No face is nearer to the curve than `radius`, but for what the steps between frames cut off.

@@ -109,7 +109,7 @@ class Solver:
         )
         self._first = LOCAL if self._router else FIRST_CHUNK
         self._no_start: Floats = np.empty((0, len(robot), 3))
-        self._base_blocked = _base_blocked(robot, self.scene)
+        self._looked_at_base = self.scene.tables, _base_blocked(robot, self.scene)
 
     def solve(self, target: Targets, start: "Solution | Any" = None) -> Solution:
         """Find a configuration that meets the target, or several targets at once.
@@ -249,6 +249,16 @@ class Solver:
             if seconds_left() <= 0.0:
                 return
             yield self._prepared.run(problem.rows, given, number, number + 1, self.seed, seconds_left())
+
+    @property
+    def _base_blocked(self) -> bool:
+        """Looked at again when the scene was updated."""
+        tables, blocked = self._looked_at_base
+        if self.scene.tables is not tables:
+            tables = self.scene.tables
+            blocked = _base_blocked(self.robot, self.scene)
+            self._looked_at_base = tables, blocked
+        return blocked
 
     def _dislike(self, q: Floats, reference: Floats | None) -> float:
         """By what `solve_all` orders."""

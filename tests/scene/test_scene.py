@@ -2,15 +2,18 @@
 
 import math
 import pickle
+import threading
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
+from sinuous.scene.grid import Grid
 from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
-from tests.helpers import refused, refused_each
+from tests.helpers import Floats, refused, refused_each
 
 OBSTACLES = [
     Sphere((0, 0, 0), 1),
@@ -88,3 +91,70 @@ def test_what_is_no_obstacle_is_refused() -> None:
 def test_bad_points_are_refused(value: Any) -> None:
     for call in (SCENE.distance, SCENE.gradient, SCENE.nearest):
         refused("points", partial(call, value), "3)")
+
+
+def cloud(seed: int, count: int = 300, shift: float = 0.0) -> Floats:
+    return np.random.default_rng(seed).normal([shift, 0.0, 0.0], size=(count, 3))
+
+
+def test_an_update_replaces_the_cloud() -> None:
+    wall, points = HalfSpace((0, 0, -9), (0, 0, 1)), np.random.default_rng(7).normal(size=(50, 3)) * 3.0
+    scene = Scene([wall, PointCloud(cloud(1), 0.1, name="camera")])
+    scene.distance(points)
+    for count, shift in ((50, 2.0), (4000, -1.0), (1, 0.0)):
+        scene.update(cloud(2, count, shift))
+        fresh = Scene([wall, PointCloud(cloud(2, count, shift), 0.1)])
+        np.testing.assert_array_equal(scene.distance(points), fresh.distance(points))
+        assert [scene.name(i) for i in range(2)] == ["half_space[0]", "camera"]
+    sizes = np.linspace(0.0, 0.3, 300)
+    scene.update(cloud(3), sizes)
+    np.testing.assert_array_equal(scene.distance(points), Scene([wall, PointCloud(cloud(3), sizes)]).distance(points))
+    refused("radius", lambda: scene.update(cloud(4)), "missing")
+
+
+def test_an_update_leaves_no_moment_between() -> None:
+    """Readers see the old scene or the new one, never a mixture."""
+    scene = Scene([PointCloud(cloud(1), 0.1), Sphere((0, 0, 0), 0.1)])
+    scene.prepare()
+    stop = threading.Event()
+    wrong: list[float] = []
+    far = np.array([[100.0, 0.0, 0.0]])
+
+    def look() -> None:
+        while not stop.is_set():
+            d = float(scene.distance(far)[0])
+            if not (abs(d - 99.9) < 1e-9 or abs(d - 49.9) < 1e-9):
+                wrong.append(d)
+
+    scene.update([[50.0, 0.0, 0.0]] * 2000)
+    watcher = threading.Thread(target=look)
+    watcher.start()
+    for i in range(100):
+        scene.update([[50.0 * (i % 2), 0.0, 0.0]] * (1 + 37 * i))
+    stop.set()
+    watcher.join()
+    assert not wrong
+
+
+def test_which_cloud_must_be_clear() -> None:
+    two = Scene([PointCloud(cloud(1), 0.1, name="left"), PointCloud(cloud(2, shift=9.0), 0.1)])
+    refused("name", lambda: two.update(cloud(3)), "leaves open", "left, point_cloud[1]")
+    refused("name", lambda: two.update(cloud(3), name="right"), "names no point cloud")
+    refused("name", lambda: Scene([Sphere((0, 0, 0), 1)]).update(cloud(3)), "a scene with a point cloud")
+    refused("points[3]", lambda: two.update([*cloud(1)[:3].tolist(), [0.0, 0.0, np.nan]], name="left"))
+    two.update(cloud(3, shift=3.0), name="point_cloud[1]")
+    np.testing.assert_array_equal(
+        two.distance(cloud(4)),
+        Scene([PointCloud(cloud(1), 0.1), PointCloud(cloud(3, shift=3.0), 0.1)]).distance(cloud(4)),
+    )
+
+
+def test_of_sampled_distances_there_is_a_range() -> None:
+    values = np.linalg.norm(np.argwhere(np.ones((9, 9, 9))) - 4.0, axis=1).reshape(9, 9, 9) - 2.0
+    scene = Scene([Grid(values, (-4, -4, -4), 1.0), Sphere((20, 0, 0), 1.0)])
+    points = np.random.default_rng(5).uniform(-4, 4, (200, 3))
+    true = np.linalg.norm(points, axis=1) - 2.0
+    assert (scene.distance(points) <= true).all()
+    assert (scene.at_most(points) >= true).all()
+    beside = np.array([[19.0, 3.0, 0.0]])
+    assert scene.at_most(beside) == scene.distance(beside)

@@ -20,7 +20,7 @@ def load(name: str, shape: tuple[int, ...]) -> Floats | None:
     for directory in places("samples"):
         file = directory / f"{name}.npz"
         try:
-            with np.load(file, allow_pickle=False) as arrays:
+            with file.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
                 values: Floats = arrays["values"]
             os.utime(file)
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):

@@ -161,5 +161,5 @@ def _check_sides(part: Part, name: str) -> None:
     for axis in range(3):
         jump = np.abs(np.diff(values, axis=axis)).max()
         if jump > spacing * (1.0 + 1e-6):
-            expected = "bodies that overlap as meshes of their own"
+            expected = "its bodies one by one: mesh.bodies()"
             raise InputError(name, "cuts through itself", f"a distance that jumps by {jump:.3g}", expected)

@@ -52,8 +52,8 @@ class Solver:
     scene : Scene or list of obstacles, optional
     tolerance : Tolerance, optional
         Default: 1e-4 of the robot's mean length, and 1e-3 rad.
-    method : str
-        Name of the algorithm.
+    method : str or Options
+        Name of the algorithm, or its options, like `OptiPath(iterations=100)`.
     prefer : Preferences, optional
         What to like better among solutions.
     time : float
@@ -75,7 +75,7 @@ class Solver:
         scene: Any = None,
         *,
         tolerance: Tolerance | None = None,
-        method: str = "newton",
+        method: methods.Choice = "newton",
         prefer: Preferences | None = None,
         time: float = TIME,
         starts: int = STARTS,
@@ -89,7 +89,7 @@ class Solver:
         self.scene: Scene = as_scene(scene)
         self.tolerance = as_tolerance(tolerance).for_robot(robot)
         self.prefer = prefer or Preferences()
-        self.method = method
+        self.method = methods.name_of(method)
         self.time = checks.number("time", time, low=0.0)
         self.starts = checks.integer("starts", starts, 1, 10**9)
         self.seed = checks.integer("seed", seed, 0, 2**31 - 1)
@@ -208,7 +208,7 @@ class Solver:
             if left <= 0.0 or len(found) >= CANDIDATES * wanted or self._base_blocked:
                 break
             outcome = self._prepared.run(problem.rows, given, index, index + 1, self.seed, left)
-            if outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
+            if outcome.starts == 0 or outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
                 break
             if outcome.code != methods.SOLVED:
                 continue
@@ -245,6 +245,8 @@ class Solver:
             chunk = max(1, min(starts, math.floor(SLICE * starts / max(used, 1e-9))))
             last = min(self.starts, starts + chunk)
             found = self._prepared.run(rows, given, starts, last, self.seed, self.time - used)
+            if found.starts == 0:  # the method has no more
+                break
             starts, iterations, used = starts + found.starts, iterations + found.iterations, used + found.seconds
             if found.code == methods.SOLVED or found.merit < best.merit:
                 best = found
@@ -302,7 +304,7 @@ def solve(
     *,
     start: "Solution | Any" = None,
     tolerance: Tolerance | None = None,
-    method: str = "newton",
+    method: methods.Choice = "newton",
     prefer: Preferences | None = None,
     time: float = TIME,
     starts: int = STARTS,
@@ -324,7 +326,7 @@ def solve_all(
     count: int = 8,
     apart: float = 0.02,
     tolerance: Tolerance | None = None,
-    method: str = "newton",
+    method: methods.Choice = "newton",
     prefer: Preferences | None = None,
     time: float = TIME,
     starts: int = STARTS,

@@ -25,6 +25,9 @@ app = typer.Typer(
 
 Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files, YAML or JSON.", show_default=False)]
 Method = Annotated[str, typer.Option(help="Algorithm.")]
+Option = Annotated[
+    list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
+]
 Time = Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")]
 Seed = Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
@@ -38,6 +41,7 @@ Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the result
 def solve(
     files: Files,
     method: Method = "newton",
+    option: Option = None,
     time: Time = 1.0,
     seed: Seed = 0,
     json: Json = False,
@@ -47,13 +51,14 @@ def solve(
     """Meet a target, or several at once."""
     from sinuous.cli.work import solve_files  # noqa: PLC0415
 
-    raise typer.Exit(solve_files(files, Options(method, time, seed, json, plot, out)))
+    raise typer.Exit(solve_files(files, Options(method, tuple(option or ()), time, seed, json, plot, out)))
 
 
 @app.command()
 def track(
     files: Files,
     method: Method = "newton",
+    option: Option = None,
     time: Time = 1.0,
     seed: Seed = 0,
     json: Json = False,
@@ -63,7 +68,7 @@ def track(
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    raise typer.Exit(track_files(files, Options(method, time, seed, json, plot, out)))
+    raise typer.Exit(track_files(files, Options(method, tuple(option or ()), time, seed, json, plot, out)))
 
 
 @app.command()

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from sinuous.actuators import Tendons as Tendons
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.methods.opti_path import OptiPath as OptiPath
     from sinuous.plotting import plot_solution as plot_solution
     from sinuous.poses import pose as pose
     from sinuous.problem import Preferences as Preferences
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "actuators": ("Chambers", "Tendons"),
     "errors": ("InputError", "NotSolvedError"),
+    "methods.opti_path": ("OptiPath",),
     "plotting": ("plot_solution",),
     "poses": ("pose",),
     "problem": ("Preferences", "Problem", "Tolerance"),

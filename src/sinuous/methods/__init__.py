@@ -5,7 +5,7 @@ targets and returns the best that it found. A method is chosen by its name, or b
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
 
@@ -51,6 +51,23 @@ class Registered:
     capabilities: Capabilities
 
 
+_OF_THE_TIP = Capabilities(
+    direction=True,
+    rotation=False,
+    alone=False,
+    elbows=False,
+    tool=True,
+    limits=("length", "bend", "curvature"),
+    obstacles=False,
+    preferences=False,
+    given=True,
+    starts=True,
+    compiled="everything, in one call",
+    source="",
+)
+"""Of a method that looks at the tip alone."""
+
+
 METHODS: dict[str, Registered] = {
     "newton": Registered(
         "",
@@ -69,6 +86,29 @@ METHODS: dict[str, Registered] = {
             source="this library; docs/design.md",
         ),
     ),
+    "opti_path": Registered(
+        "OptiPath",
+        Capabilities(
+            direction=True,
+            rotation=False,
+            alone=False,
+            elbows=False,
+            tool=False,
+            limits=("length", "bend", "curvature"),
+            obstacles=True,
+            preferences=False,
+            given=True,
+            starts=True,
+            compiled="everything, in one call; the potential is sampled once, compiled too",
+            source="Sun & Wang, An Optimization-Based Inverse Kinematics Solver for Continuum Manipulators in "
+            "Intricate Environments",
+        ),
+    ),
+    "dls": Registered(
+        "Dls", replace(_OF_THE_TIP, rotation=True, alone=True, source="Wampler 1986, Nakamura & Hanafusa 1986")
+    ),
+    "fabrikc": Registered("Fabrikc", replace(_OF_THE_TIP, source="Zhang et al. 2018")),
+    "fabrikx": Registered("Fabrikx", replace(_OF_THE_TIP, source="Kolpashchikov et al. 2022")),
 }
 """All methods by name, ours first."""
 

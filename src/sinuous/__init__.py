@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from sinuous.actuators import Tendons as Tendons
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.methods.dls import Dls as Dls
+    from sinuous.methods.fabrikc import Fabrikc as Fabrikc
+    from sinuous.methods.fabrikx import Fabrikx as Fabrikx
     from sinuous.methods.opti_path import OptiPath as OptiPath
     from sinuous.plotting import plot_solution as plot_solution
     from sinuous.poses import pose as pose
@@ -41,6 +44,9 @@ if TYPE_CHECKING:
 _HOMES = {
     "actuators": ("Chambers", "Tendons"),
     "errors": ("InputError", "NotSolvedError"),
+    "methods.dls": ("Dls",),
+    "methods.fabrikc": ("Fabrikc",),
+    "methods.fabrikx": ("Fabrikx",),
     "methods.opti_path": ("OptiPath",),
     "plotting": ("plot_solution",),
     "poses": ("pose",),

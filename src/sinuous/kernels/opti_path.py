@@ -13,8 +13,6 @@ from sinuous.kernels.clock import now
 from sinuous.kernels.common import (
     ARC,
     GIVEN,
-    HIGH,
-    LOW,
     RANDOM,
     Check,
     begin,
@@ -26,6 +24,7 @@ from sinuous.kernels.common import (
     offer,
 )
 from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.limits import HIGH, LOW
 from sinuous.kernels.path_costs import (
     ADJOINT,
     Aim,

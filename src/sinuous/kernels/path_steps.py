@@ -18,7 +18,7 @@ def scheduled(setting: Setting, iteration: int, long: bool, turned: bool) -> Wei
     """The weights of this iteration; `long` and `turned` say whether lengths and orientation are still off.
 
     With the temperature T = cooling ^ iteration: constant; length up from 0.1 to 1 and orientation down as T falls;
-    the other way round; all down; or gated, where what is met already counts a tenth.
+    the other way round; all down; or gated, where what is met already counts nothing.
     """
     length, orientation, all_of_them = 1.0, 1.0, 1.0
     warm = LEAST + (1.0 - LEAST) * setting.cooling**iteration
@@ -30,7 +30,7 @@ def scheduled(setting: Setting, iteration: int, long: bool, turned: bool) -> Wei
     elif setting.schedule == COOLING:
         all_of_them = warm
     elif setting.schedule == GATED:
-        length, orientation = 1.0 if long else LEAST, 1.0 if turned else LEAST
+        length, orientation = 1.0 if long else 0.0, 1.0 if turned else 0.0
     return Weights(
         all_of_them * length * setting.length_weight,
         all_of_them * orientation * setting.orientation_weight,

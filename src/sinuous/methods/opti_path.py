@@ -25,6 +25,23 @@ EXTENT = 200
 """Nodes along an edge of the grid, at most, when the spacing is left open."""
 
 
+FAITHFUL = {
+    "gradient": "differences",
+    "attenuation": 0.01,
+    "orientation_weight": 0.3,
+    "schedule": "constant",
+    "metric": "acceleration",
+    "arcs_weight": 1.0,
+    "obstacle_weight": 0.1,
+    "dead_band": 0.0,
+    "bend_weight": 0.0,
+    "bow": 0.0,
+    "other_guess": False,
+    "restarts": False,
+}
+"""Where the paper's method differs from the repaired one."""
+
+
 @dataclass(frozen=True)
 class OptiPath(Options):
     """Options of the method `opti_path`. The defaults are the repaired method; `OptiPath.faithful()` is the paper's.
@@ -49,7 +66,7 @@ class OptiPath(Options):
     schedule : str
         How weights change, the paper's "simulated annealing" made deterministic: `constant`; `length` or `orientation`
         (that one rises to its weight while the other falls to a tenth); `cooling` (all fall to a tenth); `gated` (what
-        is met counts a tenth).
+        is met counts nothing while it is, so that it does not pull against what is not).
     cooling : float
         Factor of the temperature from one iteration to the next.
     metric : str
@@ -90,28 +107,28 @@ class OptiPath(Options):
 
     gradient: str = choice("adjoint", "adjoint", "differences")
     disturbance: float = number(2e-4, above=0.0, high=0.1)
-    attenuation: float = number(0.01, low=0.0, high=1.0)
+    attenuation: float = number(0.5, low=0.0, high=1.0)
     exponent: str = choice("adjacent", "adjacent", "literal")
     orientation: str = choice("squared", "squared", "norm")
     length_weight: float = number(1.0, low=0.0)
-    orientation_weight: float = number(3.0, low=0.0)
-    obstacle_weight: float = number(0.1, low=0.0)
-    schedule: str = choice("constant", "constant", "length", "orientation", "cooling", "gated")
+    orientation_weight: float = number(0.5, low=0.0)
+    obstacle_weight: float = number(0.3, low=0.0)
+    schedule: str = choice("gated", "constant", "length", "orientation", "cooling", "gated")
     cooling: float = number(0.97, above=0.0, high=1.0)
     metric: str = choice("difference", "identity", "difference", "acceleration")
-    regularisation: float = number(30.0, above=0.0)
+    regularisation: float = number(10.0, above=0.0)
     largest_step: float = number(0.2, low=0.0)
     slope: float = number(1.0, low=0.0)
     influence: float = number(0.25, above=0.0)
-    arcs_weight: float = number(1.0, low=0.0)
+    arcs_weight: float = number(3.0, low=0.0)
     samples: int = count(8, 0, 1000)
     project: bool = flag(True)
     potential: str = choice("grid", "grid", "exact")
     spacing: float = number(0.0, low=0.0)
     iterations: int = count(300, 0, 10**9)
     blend: float = number(2.0, low=0.0)
-    dead_band: float = number(0.9, low=0.0, high=1.0)
-    bend_weight: float = number(1.0, low=0.0)
+    dead_band: float = number(0.3, low=0.0, high=1.0)
+    bend_weight: float = number(3.0, low=0.0)
     bow: float = number(0.02, low=0.0)
     other_guess: bool = flag(True)
     restarts: bool = flag(True)
@@ -122,18 +139,8 @@ class OptiPath(Options):
 
         Only what could not work is not literal: the exponent of the attenuation and the square of the orientation cost.
         """
-        return cls(
-            **{
-                "gradient": "differences",
-                "metric": "acceleration",
-                "dead_band": 0.0,
-                "bend_weight": 0.0,
-                "bow": 0.0,
-                "other_guess": False,
-                "restarts": False,
-            }
-            | changes
-        )
+        chosen: dict[str, Any] = FAITHFUL | changes
+        return cls(**chosen)
 
     def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Method:
         """Prepare the method: sample the potential, and compile or load the kernels."""

@@ -19,3 +19,37 @@ def test_options_reach_the_measurement(monkeypatch: pytest.MonkeyPatch, tmp_path
     out = tmp_path / "speed.json"
     assert main(["bench", "speed", "--json", "--quick", "--seed", "3", "--out", str(out)]) == 1
     assert given == {"json": True, "quick": True, "seed": 3, "out": out}
+
+
+@pytest.mark.parametrize("name", ["table1", "tracking", "segments", "methods"])
+def test_options_reach_the_experiments(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
+    given: dict[str, Any] = {}
+
+    def run(**options: Any) -> int:
+        given.update(options)
+        return 130
+
+    monkeypatch.setattr(f"sinuous.bench.experiments.{name}.run", run)
+    line = ["bench", name, "--quick", "--anew", "--out", str(tmp_path), "--method", "dls", "--method", "newton"]
+    assert main(line) == 130
+    assert given == {
+        "json": False, "quick": True, "seed": 0, "out": tmp_path, "anew": True, "methods": ("dls", "newton"),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["nothing"], "NAME: no such measurement (got 'nothing'), expected one of speed, table1"),
+        (["speed", "--anew"], "--anew: is not for speed"),
+        (["speed", "--method", "dls"], "--method: is not for speed"),
+        (["table1", "--seed", "-1"], "--seed"),
+        (["table1", "--method", "magic"], "method: is not known (got 'magic')"),
+    ],
+)
+def test_what_cannot_be_meant_is_said(
+    arguments: list[str], complaint: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main(["bench", *arguments, "--out", str(tmp_path / "out")]) == 2
+    assert complaint in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -81,16 +81,28 @@ def check(files: Files, json: Json = False) -> None:
 
 @app.command()
 def bench(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Which measurement: speed.")],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="Which measurement: speed, table1, tracking, segments, methods.")
+    ],
     json: Json = False,
-    out: Out = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="File of speed's JSON; folder of any other, default bench-NAME, where an interrupted one goes on.",
+        ),
+    ] = None,
     seed: Seed = 0,
     quick: Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")] = False,
+    anew: Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")] = False,
+    method: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Only this method; repeat for more.", show_default=False)
+    ] = None,
 ) -> None:
     """Measure; only verified answers count."""
     from sinuous.cli.measure import measure  # noqa: PLC0415
 
-    raise typer.Exit(measure(name, json=json, out=out, seed=seed, quick=quick))
+    raise typer.Exit(measure(name, json=json, out=out, seed=seed, quick=quick, anew=anew, method=method or []))
 
 
 @app.callback(invoke_without_command=True)

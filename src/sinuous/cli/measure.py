@@ -1,18 +1,32 @@
 """The command bench: find a measurement by its name and run it."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
+from sinuous import checks
 from sinuous.cli.options import check_writable
 from sinuous.errors import InputError
 
-BENCHES = ("speed",)
+EXPERIMENTS = ("table1", "tracking", "segments", "methods")
+"""Those that keep a journal in a folder: files in `sinuous.bench.experiments`."""
+
+BENCHES = ("speed", *EXPERIMENTS)
 
 
-def measure(name: str, *, json: bool, out: Path | None, seed: int, quick: bool) -> int:
+def measure(
+    name: str, *, json: bool, out: Path | None, seed: int, quick: bool, anew: bool = False, method: Sequence[str] = ()
+) -> int:
     """Run the measurement called `name`; return the exit code."""
     if name not in BENCHES:
         raise InputError("NAME", "no such measurement", name, "one of " + ", ".join(BENCHES))
+    checks.integer("--seed", seed, 0, 2**31 - 1)
+    if name in EXPERIMENTS:
+        run = import_module(f"sinuous.bench.experiments.{name}").run
+        return int(run(json=json, out=out, seed=seed, quick=quick, anew=anew, methods=tuple(method)))
+    if anew or method:
+        option, value = ("--anew", anew) if anew else ("--method", list(method))
+        raise InputError(option, f"is not for {name}", value, "one of " + ", ".join(EXPERIMENTS))
     if out is not None:
         check_writable("--out", out)
-    return int(import_module(f"sinuous.bench.{name}").run(json=json, out=out, seed=seed, quick=quick) or 0)
+    return int(import_module("sinuous.bench.speed").run(json=json, out=out, seed=seed, quick=quick) or 0)

@@ -117,6 +117,15 @@ def begin_from(problem: Problem, check: Check, given: Array, index: int, seed: i
 
 
 @kernel
+def finite(q: Array) -> bool:
+    total = 0.0
+    for k in range(q.shape[0]):
+        for j in range(3):
+            total += q[k, j] - q[k, j]
+    return total == 0.0
+
+
+@kernel
 def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
     """Largest distance and angle (rad) to the targets, of the shape whose frames these are."""
     off = turn = 0.0
@@ -160,6 +169,8 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
     the least that was seen; whether a limit is exceeded; and the merit: all that is wrong, squared, in robot lengths
     and rad.
     """
+    if not finite(q):  # comparisons with NaN are false, also those that should find something wrong
+        return FAILED, math.inf, math.inf, math.inf, True, math.inf
     forward(q, check.frames)
     off, turn = target_errors(problem, check.frames)
     length, bend = excess(problem, q)
@@ -196,7 +207,7 @@ def offer(problem: Problem, check: Check, q: Array, kind: int, best: Array, reco
     Shapes with a number that is not finite are passed over.
     """
     code, off, turn, clearance, bound, merit = finish(problem, check, q)
-    if not (code == SOLVED or merit < record[MERIT]):
+    if not finite(q) or not (code == SOLVED or merit < record[MERIT]):
         return False
     copy(q, best)
     if record[CODE] < OUT_OF_REACH or code == SOLVED:

@@ -3,6 +3,7 @@
 Nothing heavy is imported before a command runs, so that `sinuous --help` answers at once.
 """
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,7 +25,7 @@ app = typer.Typer(
 )
 
 Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files, YAML or JSON.", show_default=False)]
-Method = Annotated[str, typer.Option(help="Algorithm.")]
+Method = Annotated[str, typer.Option(help="Algorithm; docs/methods.md has them all.")]
 Option = Annotated[
     list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
 ]
@@ -100,6 +101,10 @@ def bench(
     ] = None,
 ) -> None:
     """Measure; only verified answers count."""
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
+        # library wait for each other ten times as long as verifying takes.
+        os.environ.setdefault(variable, "1")
     from sinuous.cli.measure import measure  # noqa: PLC0415
 
     raise typer.Exit(measure(name, json=json, out=out, seed=seed, quick=quick, anew=anew, method=method or []))

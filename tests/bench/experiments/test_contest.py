@@ -88,7 +88,7 @@ def test_an_answer_that_is_right_but_not_claimed_does_not_count() -> None:
 def test_paths_are_followed_by_all_from_the_last_shape() -> None:
     problems = path_through(5, 10, np.random.default_rng(0), 36)
     found = follow_in_turns([*OURS, Entrant("again", "newton")], problems, seconds=1.0, seed=0)
-    records, again = (judge_track(problems, solutions, keep=True) for solutions in found.values())
+    records, again = (judge_track(problems, followed, keep=True) for followed in found.values())
     assert [record["q"] for record in records] == [record["q"] for record in again]
     assert all(record["right"] for record in records)
     assert sum(record["start"] == "given" for record in records) > 30
@@ -96,6 +96,7 @@ def test_paths_are_followed_by_all_from_the_last_shape() -> None:
     steps = np.diff(np.array([target.position for target in problems.targets]), axis=0)
     assert (np.array(motions) > np.linalg.norm(steps, axis=-1) - 0.1).all()
     assert "motion" not in records[0]
+    assert 0.0 < records[0]["prepared"] < 1.0
 
 
 def test_everyone_takes_part_where_their_capabilities_reach() -> None:

@@ -1,10 +1,10 @@
 """Methods that solve the same problems in turns, and what became of every answer once it was verified."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice, pairwise
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -85,33 +85,45 @@ def _timed(solver: Solver, problems: ProblemSet, number: int) -> tuple[Solution,
     return solution, perf_counter() - began
 
 
+class Followed(NamedTuple):
+    """What a method found along a path, and the seconds that preparing it for the scene took, once compiled."""
+
+    solutions: list[Solution]
+    prepared: float
+
+
 def follow_in_turns(
     entrants: Sequence[Entrant], problems: ProblemSet, *, seconds: float, seed: int
-) -> dict[str, list[Solution]]:
+) -> dict[str, Followed]:
     """Let every method follow the targets as a path, each from the last solved, some waypoints at a time in turns."""
-    solvers = {entrant.label: entrant.solver(problems, seconds, seed) for entrant in entrants}
-    for solver in solvers.values():
+    found: dict[str, Followed] = {}
+    ways: dict[str, Iterator[Solution]] = {}
+    for entrant in entrants:
+        entrant.solver(problems, seconds, seed)
+        began = perf_counter()
+        solver = entrant.solver(problems, seconds, seed)
+        found[entrant.label] = Followed([], perf_counter() - began)
         for _ in range(WARM):
             solver.solve(problems.targets[0])
-    ways = {label: waypoints(solver, problems.targets) for label, solver in solvers.items()}
-    found: dict[str, list[Solution]] = {label: [] for label in solvers}
+        ways[entrant.label] = waypoints(solver, problems.targets)
     for _ in range(0, len(problems.targets), BLOCK):
         for label, way in ways.items():
-            found[label] += islice(way, BLOCK)
+            found[label].solutions.extend(islice(way, BLOCK))
     return found
 
 
-def judge_track(problems: ProblemSet, solutions: Sequence[Solution], *, keep: bool = False) -> list[Record]:
+def judge_track(problems: ProblemSet, followed: Followed, *, keep: bool = False) -> list[Record]:
     """Judge what `follow_in_turns` found for one method.
 
     Of the records, `motion` is how far the point of the backbone that moved most is from where it was at the confirmed
-    waypoint before.
+    waypoint before; `prepared`, of the first, is what `Followed` says.
     """
-    judge_of = Judge(problems)
+    judge_of, solutions = Judge(problems), followed.solutions
     records = [judge_of.record(i, one, one.seconds, keep=keep) for i, one in enumerate(solutions)]
     for i, j in pairwise([i for i, record in enumerate(records) if record["right"]]):
         before, after = problems.robot.backbone(np.stack([solutions[i].q, solutions[j].q]), 4)
         records[j]["motion"] = float(np.linalg.norm(after - before, axis=-1).max())
+    records[0]["prepared"] = followed.prepared
     return records
 
 

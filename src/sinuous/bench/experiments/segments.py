@@ -102,7 +102,7 @@ class Segments:
         found = {}
         for entrant in self._entrants:
             records = judge_track(problems, runs[0][entrant.label])
-            times = np.median([[solution.seconds for solution in run[entrant.label]] for run in runs], axis=0)
+            times = np.median([[one.seconds for one in run[entrant.label].solutions] for run in runs], axis=0)
             found[entrant.label] = [{**r, "seconds": s} for r, s in zip(records, times.tolist(), strict=True)]
         return found
 

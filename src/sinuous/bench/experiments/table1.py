@@ -108,8 +108,8 @@ class Table1:
             f"Five segments of 45 to 70 mm, no obstacles; to {PAPER_TOLERANCE.position:g} mm and "
             f"{PAPER_TOLERANCE.angle} rad. Each method {self._repeats * self._blocks} times a pose, in turns, each "
             f"time for at most {1e3 * BUDGET:g} ms. Errors are those that verification computed; times are of all "
-            'repeats, solved or not, around the whole call. "Published" is what the paper prints for the method of this '
-            "name (exFABRIKc stands beside `fabrikc`, Opti.DLS beside `dls`), measured on other hardware.",
+            'repeats, solved or not, around the whole call. "Published" is what the paper prints for the method of '
+            "this name (exFABRIKc stands beside `fabrikc`, Opti.DLS beside `dls`), measured on other hardware.",
             "![Times of all methods on the four poses](table1_times.png)",
             "![Shapes that meet the four poses](table1_shapes.png)",
         ]

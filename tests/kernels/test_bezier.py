@@ -187,7 +187,7 @@ def test_points_give_the_configuration_that_they_came_from() -> None:
             base, q = random_pose(rng), chain(rng, n, 1.98 * math.pi)
             frames = frames_of(q, base)
             points, found = np.empty((n + 1, 3)), np.empty((n, 3))
-            bezier.points_of(frames, points)
+            bezier.put_points(frames, points)
             np.testing.assert_allclose(points, [pose[:3, 3] for pose in expm_chain(q, base)], atol=1e-9)
             bezier.configuration_of(points, frames.copy(), found)
             np.testing.assert_allclose(found, q, atol=1e-7)

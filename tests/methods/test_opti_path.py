@@ -86,6 +86,10 @@ def test_the_literal_exponent_diverges() -> None:
         assert lengths_after(target, 1000, "adjacent").max() < 90.0
 
 
+def test_the_faithful_mode_can_be_typed() -> None:
+    assert sn.OptiPath.parse(["preset=faithful", "iterations=9"]) == sn.OptiPath.faithful(iterations=9)
+
+
 def test_random_reachable_poses() -> None:
     rng = np.random.default_rng(11)
     for limit in (np.pi, 1.2):  # hardly any limit, and that of the shapes which the poses come from

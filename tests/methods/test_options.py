@@ -1,5 +1,6 @@
 import dataclasses
-from typing import ClassVar
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from tests.helpers import NOT_NUMBERS, refused, refused_each
 @dataclasses.dataclass(frozen=True)
 class Sample(Options):
     method: ClassVar[str] = "sample"
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"slow": {"rate": 0.1, "rounds": 1}}
 
     rate: float = number(0.5, above=0.0, high=2.0)
     rounds: int = count(3, 1, 10)
@@ -38,13 +40,19 @@ def test_options_are_read_as_they_are_typed() -> None:
     assert typed == Sample(0.1, 7, "first", False)
 
 
+def test_a_preset_gives_values_that_others_may_change() -> None:
+    assert Sample.parse(["preset=slow"]) == Sample(rate=0.1, rounds=1)
+    assert Sample.parse(["rounds=2", "preset=slow"]) == Sample(rate=0.1, rounds=2)
+    refused("preset", lambda: Sample.parse(["preset=fast"]), "one of slow")
+
+
 def test_what_is_typed_wrongly_is_refused() -> None:
     refused("rate", lambda: Sample.parse(["rate=fast"]))
     refused("rate", lambda: Sample.parse(["rate=nan"]))
     refused("rate", lambda: Sample.parse(["rate=1", "rate=1"]), "twice")
     refused("rounds", lambda: Sample.parse(["rounds=1.5"]))
     refused("careful", lambda: Sample.parse(["careful=maybe"]))
-    refused("speed", lambda: Sample.parse(["speed=1"]), "one of rate, rounds, metric, careful")
+    refused("speed", lambda: Sample.parse(["speed=1"]), "one of rate, rounds, metric, careful, preset")
     refused("", lambda: Sample.parse(["rate"]), "KEY=VALUE")
     refused("rate", lambda: Options.parse(["rate=1"]), "has no options")
 

@@ -124,7 +124,7 @@ def pull_tangent(arc: Arc, force: Vec) -> tuple[Vec, Vec]:
 
 
 @kernel
-def points_of(frames: Array, points: Array) -> None:
+def put_points(frames: Array, points: Array) -> None:
     """Fill `points` (n + 1, 3) with the positions of `frames` (n + 1, 12)."""
     for k in range(frames.shape[0]):
         put_vec(points, k, 0, get_vec(frames, k, 9))

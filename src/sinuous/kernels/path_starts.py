@@ -2,7 +2,7 @@
 
 import math
 
-from sinuous.kernels.bezier import along_arc, points_of
+from sinuous.kernels.bezier import along_arc, put_points
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.limits import HIGH, LOW
 from sinuous.kernels.path_costs import Aim, Path, Setting
@@ -19,7 +19,7 @@ def carried(frames: Array, setting: Setting, aim: Aim, path: Path) -> None:
     The shift is blended over the points by `(i / n) ^ blend`; 0 moves the last point alone.
     """
     n = path.arcs.shape[0]
-    points_of(frames, path.points)
+    put_points(frames, path.points)
     shift = sub(aim.position, get_vec(path.points, n, 0))
     for i in range(1, n):
         if setting.blend > 0.0:

@@ -5,7 +5,9 @@ lengths among the options are in mean lengths of a segment, so that one setting 
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -25,13 +27,14 @@ EXTENT = 200
 """Nodes along an edge of the grid, at most, when the spacing is left open."""
 
 
-FAITHFUL = {
+FAITHFUL: Mapping[str, Any] = {
     "gradient": "differences",
     "attenuation": 0.01,
     "orientation_weight": 0.3,
     "schedule": "constant",
     "metric": "acceleration",
     "arcs_weight": 1.0,
+    "blend": 0.0,
     "obstacle_weight": 0.1,
     "dead_band": 0.0,
     "bend_weight": 0.0,
@@ -45,6 +48,8 @@ FAITHFUL = {
 @dataclass(frozen=True)
 class OptiPath(Options):
     """Options of the method `opti_path`. The defaults are the repaired method; `OptiPath.faithful()` is the paper's.
+
+    On the command line the latter is `preset=faithful`.
 
     Parameters
     ----------
@@ -104,6 +109,7 @@ class OptiPath(Options):
     """
 
     method: ClassVar[str] = "opti_path"
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({"faithful": FAITHFUL})
 
     gradient: str = choice("adjoint", "adjoint", "differences")
     disturbance: float = number(2e-4, above=0.0, high=0.1)
@@ -139,8 +145,7 @@ class OptiPath(Options):
 
         Only what could not work is not literal: the exponent of the attenuation and the square of the orientation cost.
         """
-        chosen: dict[str, Any] = FAITHFUL | changes
-        return cls(**chosen)
+        return cls(**{**FAITHFUL, **changes})
 
     def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Method:
         """Prepare the method: sample the potential, and compile or load the kernels."""

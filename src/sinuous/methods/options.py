@@ -1,7 +1,8 @@
 """Options of a method: a frozen dataclass whose fields say what may stand in them, for Python, shell and kernels."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -98,6 +99,7 @@ class Options:
     """
 
     method: ClassVar[str] = ""
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
         for each in fields(self):
@@ -105,7 +107,7 @@ class Options:
 
     @classmethod
     def parse(cls, pairs: Iterable[str]) -> Self:
-        """Read options as they are typed: `KEY=VALUE` each.
+        """Read options as they are typed: `KEY=VALUE` each; `preset=NAME` gives the others their values.
 
         Raises
         ------
@@ -113,6 +115,8 @@ class Options:
             When one is not of this form, not known, given twice, or refused.
         """
         kinds = {each.name: each.metadata["kind"] for each in fields(cls)}
+        if cls.presets:
+            kinds["preset"] = choice("", *cls.presets).metadata["kind"]
         known = "one of " + ", ".join(kinds) if kinds else "none: this method has no options"
         values: dict[str, Any] = {}
         for pair in pairs:
@@ -124,6 +128,9 @@ class Options:
             if key in values:
                 raise InputError(key, "given twice", text, "every option once")
             values[key] = kinds[key].read(key, text)
+        chosen = values.pop("preset", None)
+        if chosen is not None:
+            values = {**cls.presets[kinds["preset"].check("preset", chosen)], **values}
         return cls(**values)
 
     def vector(self) -> Floats:

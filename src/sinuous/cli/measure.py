@@ -4,12 +4,16 @@ from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
+import typer
+
 from sinuous import checks
 from sinuous.cli.options import check_writable
 from sinuous.errors import InputError
 
 EXPERIMENTS = ("table1", "tracking", "segments", "methods")
 """Those that keep a journal in a folder: files in `sinuous.bench.experiments`."""
+
+INTERRUPTED = 130
 
 BENCHES = ("speed", *EXPERIMENTS)
 
@@ -22,8 +26,12 @@ def measure(
         raise InputError("NAME", "no such measurement", name, "one of " + ", ".join(BENCHES))
     checks.integer("--seed", seed, 0, 2**31 - 1)
     if name in EXPERIMENTS:
-        run = import_module(f"sinuous.bench.experiments.{name}").run
-        return int(run(json=json, out=out, seed=seed, quick=quick, anew=anew, methods=tuple(method)))
+        try:
+            run = import_module(f"sinuous.bench.experiments.{name}").run
+            return int(run(json=json, out=out, seed=seed, quick=quick, anew=anew, methods=tuple(method)))
+        except KeyboardInterrupt:
+            typer.echo("sinuous: interrupted before anything was measured", err=True)
+            return INTERRUPTED
     if anew or method:
         option, value = ("--anew", anew) if anew else ("--method", list(method))
         raise InputError(option, f"is not for {name}", value, "one of " + ", ".join(EXPERIMENTS))

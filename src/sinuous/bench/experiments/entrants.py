@@ -40,6 +40,13 @@ class Entrant:
         """What the method handles."""
         return capabilities(self.method)
 
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """Which limits it takes account of: `opti_path` without a weight on bends sees lengths alone."""
+        if isinstance(self.method, OptiPath) and self.method.bend_weight == 0.0:
+            return ("length",)
+        return self.capabilities.limits
+
     def solver(self, problems: ProblemSet, seconds: float, seed: int) -> Solver:
         """Prepare it, to spend at most `seconds` on a solve."""
         return Solver(
@@ -99,11 +106,11 @@ def divide(everyone: Sequence[Entrant], problems: ProblemSet) -> tuple[list[Entr
 
 
 def roster(everyone: Sequence[Entrant], unable: dict[str, str]) -> str:
-    """Return a table of the methods: what is compiled, which limits they keep, where they are described."""
-    rows = [["method", "compiled", "keeps limits on", "takes part", "source"]]
+    """Return a table of the methods: what is compiled, which limits they see, where they are described."""
+    rows = [["method", "compiled", "takes account of limits on", "takes part", "source"]]
     for entrant in everyone:
         can = entrant.capabilities
         part = unable.get(entrant.label)
         part = "yes" if part is None else f"no: {part}"
-        rows.append([entrant.label, can.compiled, ", ".join(can.limits) or "nothing", part, can.source])
+        rows.append([entrant.label, can.compiled, ", ".join(entrant.limits) or "nothing", part, can.source])
     return table(rows, words=True)

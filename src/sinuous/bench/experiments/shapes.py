@@ -29,6 +29,7 @@ def draw_arms(axes: Any, robot: Robot, arms: dict[str, Floats], target: Target, 
     _closer(axes, 1.15)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_ticklabels([])
+        axis.set_label_text("")
     for label, line in lines.items():
         look = style(label)
         axes.plot(*line.T, color=look.color, linewidth=look.width, alpha=0.9, zorder=3)

@@ -1,6 +1,6 @@
 """From a configuration to links and back, and one start of forward and backward reaching: FABRIKc and FABRIKx.
 
-With one segment a section this is FABRIKc (Zhang, Yang, Dong & Zhao 2018); with segments that stretch, what others
+With one segment a section this is FABRIKc (Zhang et al. 2018); with segments that stretch, what others
 call exFABRIKc. With several segments a section, bent in a fixed proportion, it is FABRIKx (Kolpashchikov, Gerget &
 Danilov 2022): sections of variable curvature, approximated by arcs, whose two links differ. What was chosen where the
 papers could not be had is said in `sinuous.kernels.fabrik`.
@@ -154,9 +154,9 @@ def rotation_of(turn: Vec) -> Mat:
 
 @kernel
 def reach(problem: Problem, chain: Chain, frames: Array, q: Array) -> None:
-    """One iteration: back from the target and out again to it; fills `q` and `frames`."""
+    """One iteration: back from the target and out again to it; fills `q` and `frames` of the chain's segments."""
     goal, wanted, aimed = end_goal(problem, frames)
-    rotation, base = frame(frames, 0)
+    rotation, base = frame(frames, chain.first[0])
     reach_back(chain, problem.limits, goal, wanted, aimed)
     reach_out(chain, problem.limits, base, axis_of(rotation), wanted, aimed)
     unfold(chain, frames, q)

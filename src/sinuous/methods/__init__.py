@@ -108,7 +108,21 @@ METHODS: dict[str, Registered] = {
         "Dls", replace(_OF_THE_TIP, rotation=True, alone=True, source="Wampler 1986, Nakamura & Hanafusa 1986")
     ),
     "fabrikc": Registered("Fabrikc", replace(_OF_THE_TIP, source="Zhang et al. 2018")),
+    "slinki": Registered("Slinki", replace(_OF_THE_TIP, obstacles=True, given=False, source="Chiang et al. 2021")),
     "fabrikx": Registered("Fabrikx", replace(_OF_THE_TIP, source="Kolpashchikov et al. 2022")),
+    "fabrik_avoid": Registered("FabrikAvoid", replace(_OF_THE_TIP, obstacles=True, source="Wu et al. 2022")),
+    "monte_carlo": Registered(
+        "MonteCarlo",
+        replace(
+            _OF_THE_TIP,
+            rotation=True,
+            alone=True,
+            elbows=True,
+            limits=LIMITS,
+            obstacles=True,
+            source="Qin et al. 2022",
+        ),
+    ),
 }
 """All methods by name, ours first."""
 

@@ -1,6 +1,6 @@
 """FABRIKc: forward and backward reaching for constant-curvature segments.
 
-Zhang, Yang, Dong & Zhao, "FABRIKc: an efficient iterative inverse kinematics solver for continuum robots" (AIM 2018).
+Zhang et al., "FABRIKc: an efficient iterative inverse kinematics solver for continuum robots" (2018).
 The paper has segments of fixed length. Those that stretch are what others call exFABRIKc, of which no description could
 be had: what was chosen is said in `sinuous.kernels.fabrik`. Everything is compiled, one call a solve.
 """

@@ -95,7 +95,8 @@ def test_bows_go_to_all_sides() -> None:
     seen = []
     for which in range(2 * path_starts.WAYS):
         path = fresh()
-        path_starts.bowed(LIMITS, setting(), aim(np.array([30.0, 0.0, 200.0])), path, which)
+        path_starts.single(LIMITS, setting(), aim(np.array([30.0, 0.0, 200.0])), path)
+        path_starts.bow(aim(np.zeros(3)), path, which)
         lift = path.points - plain.points
         np.testing.assert_allclose(lift[[0, -1]], 0.0, atol=1e-12)
         np.testing.assert_allclose(lift[:, 2], 0.0, atol=1e-9)

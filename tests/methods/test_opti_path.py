@@ -212,6 +212,42 @@ def test_restarts_go_on_where_the_first_start_fails() -> None:
     assert (stopped.starts, stopped.iterations) == (2, 0)
 
 
+def test_a_given_start_is_bowed_aside_before_it_is_given_up() -> None:
+    robot = arm(5, np.pi)
+    straight = np.array([[0.0, 0.0, 57.5]] * 5)
+    target = sn.Target((0.0, 0.0, -200.0))
+    for starts, kind in ((1, "given"), (9, "given"), (10, "arc")):
+        method = sn.OptiPath(iterations=0 if starts == 10 else 300)
+        solution = sn.Solver(robot, tolerance=EXACT, method=method, starts=starts).solve(target, straight)
+        assert solution.solved == (starts == 9)
+        assert solution.starts == (10 if starts == 10 else min(starts, 2))
+        assert solution.start == kind or starts == 10
+    faithful = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target, straight)
+    assert (faithful.solved, faithful.starts) == (False, 2)
+
+
+def test_several_solutions() -> None:
+    def all_of(method: sn.OptiPath) -> list[sn.Solution]:
+        solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=method, time=60.0, starts=30)
+        return solver.solve_all(poses()[0], count=3)
+
+    found = all_of(sn.OptiPath())
+    assert len(found) == 3
+    assert all(solution.verify().ok for solution in found)
+    assert len(all_of(sn.OptiPath.faithful())) == 1
+
+
+def test_a_solved_path_settles_away_from_obstacles() -> None:
+    robot, path, scene = tracking_scene(3, 70)
+    clear = []
+    for settle in (0, 5):
+        solver = sn.Solver(robot, scene, method=sn.OptiPath(settle=settle))
+        found = [solver.solve(target) for target in path[::10]]
+        assert all(solution.solved and solution.verify().ok for solution in found)
+        clear.append([solution.clearance or 0.0 for solution in found])
+    assert np.median(clear[1]) > np.median(clear[0])
+
+
 def test_a_start_is_taken_up() -> None:
     solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method="opti_path")
     first = solver.solve(poses()[3])

@@ -207,6 +207,8 @@ def offer(problem: Problem, check: Check, q: Array, kind: int, best: Array, reco
     Shapes with a number that is not finite are passed over.
     """
     code, off, turn, clearance, bound, merit = finish(problem, check, q)
+    if record[CODE] == SOLVED and code != SOLVED:
+        return False
     if not finite(q) or not (code == SOLVED or merit < record[MERIT]):
         return False
     copy(q, best)

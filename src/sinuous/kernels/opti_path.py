@@ -7,6 +7,8 @@ clear. The first path that the common check (see `common`) calls solved ends the
 
 import math
 
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
 from sinuous.kernels.bezier import configuration_of
 from sinuous.kernels.chain import forward, frame
 from sinuous.kernels.clock import now
@@ -30,20 +32,26 @@ from sinuous.kernels.path_costs import (
     Aim,
     Path,
     Setting,
+    Weights,
     gradient_backwards,
     gradient_by_differences,
     trace,
     want,
 )
-from sinuous.kernels.path_starts import WAYS, bowed, carried, reach, single, swung
+from sinuous.kernels.path_starts import WAYS, bow, carried, reach, single, swung
 from sinuous.kernels.path_steps import move, project, scheduled
 from sinuous.kernels.potential import Potential, make_potential
 from sinuous.kernels.states import Problem, make_problem
 from sinuous.kernels.targets import DIRECTION, GOAL, ORIENTATION, POSITION, direction_vector
 from sinuous.kernels.vectors import Array, copy, get_vec, norm, put_vec
 
-OTHER_GUESSES = 1 + 2 * WAYS
-"""Starts after the single arc: a swung curve, and bows of two heights."""
+NUDGES = WAYS
+"""Bows of a given shape that are tried when it does not lead to the target itself."""
+
+OPTIONS = len(Setting._fields)
+
+MANY = 20
+"""Segments from which on the clock is read after every iteration, not after every eighth."""
 
 STILL = 1e-9
 """A move, in lengths of a segment, after which nothing is expected any more."""
@@ -74,35 +82,7 @@ def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
 @kernel
 def read_setting(options: Array) -> Setting:
     """Name the numbers of the options."""
-    return Setting(
-        options[0],
-        options[1],
-        options[2],
-        options[3],
-        options[4],
-        options[5],
-        options[6],
-        options[7],
-        options[8],
-        options[9],
-        options[10],
-        options[11],
-        options[12],
-        options[13],
-        options[14],
-        options[15],
-        options[16],
-        options[17],
-        options[18],
-        options[19],
-        options[20],
-        options[21],
-        options[22],
-        options[23],
-        options[24],
-        options[25],
-        options[26],
-    )
+    return Setting(*to_fixed_tuple(options, OPTIONS))  # type: ignore[call-arg]
 
 
 @kernel
@@ -131,29 +111,33 @@ def begin_path(
     """Put start number `index` into the path; its kind, or -1 when there is none of this number.
 
     Given shapes, the single arc and, with the repairs, a swung curve (before the arc, when the arc is longer than the
-    robot), bows, and the shapes that other methods start from too.
+    robot). With restarts also: the first given shape bowed to all sides, before the arc; the arc bowed; and the shapes
+    that other methods start from too.
     """
     own = index - given.shape[0]
+    again = setting.restarts != 0.0
+    nudges = NUDGES if again and given.shape[0] > 0 else 0
     rotation, base = frame(check.frames, 0)
     put_vec(path.points, 0, 0, base)
     put_vec(path.tangents, 0, 0, (rotation[0][2], rotation[1][2], rotation[2][2]))
-    if own < 0:
-        copy(given[index], q)
+    if own < nudges:
+        copy(given[index if own < 0 else 0], q)
         forward(q, check.frames)
         carried(check.frames, setting, aim, path)
+        if own >= 0:
+            bow(aim, path, own)
         return GIVEN
-    if own > 0 and setting.restarts == 0.0 and (own > 1 or setting.other_guess == 0.0):
+    own -= nudges
+    if own > 0 and not again and (own > 1 or setting.other_guess == 0.0):
         return -1
-    if own <= 1:
+    if own < 2 + 2 * WAYS:
         length = single(problem.limits, setting, aim, path)
-        swing_first = length > reach(problem.limits)[1]
-        if setting.other_guess != 0.0 and swing_first == (own == 0):
+        if own > 1:
+            bow(aim, path, own - 2)
+        elif setting.other_guess != 0.0 and (length > reach(problem.limits)[1]) == (own == 0):
             swung(problem.limits, aim, path, 0.0)
         return ARC
-    if own < 2 + 2 * WAYS:
-        bowed(problem.limits, setting, aim, path, own - 2)
-        return ARC
-    begin_from(problem, check, given, index - 1 - 2 * WAYS, seed, q)
+    begin_from(problem, check, given, given.shape[0] + own - 1 - 2 * WAYS, seed, q)
     forward(q, check.frames)
     carried(check.frames, setting, aim, path)
     return RANDOM
@@ -168,6 +152,42 @@ def look(problem: Problem, aim: Aim, path: Path) -> tuple[float, float]:
         long = max(long, problem.limits[k, LOW] - length, length - problem.limits[k, HIGH])
     turn = norm(direction_vector(get_vec(path.tangents, path.arcs.shape[0], 0), aim.direction)) if aim.directed else 0.0
     return long, turn
+
+
+@kernel
+def descend(
+    problem: Problem, potential: Potential, setting: Setting, weights: Weights, aim: Aim, path: Path, obstacles: bool
+) -> float:
+    """Move the points of a traced path one step down; how far the most moved."""
+    if setting.gradient == ADJOINT:
+        gradient_backwards(problem.scene, potential, setting, weights, aim, path, obstacles)
+    else:
+        gradient_by_differences(problem.scene, potential, setting, weights, aim, path, obstacles)
+    if obstacles and setting.project != 0.0:
+        project(path)
+    return move(setting, path, aim.unit)
+
+
+@kernel
+def settle(
+    problem: Problem,
+    check: Check,
+    potential: Potential,
+    setting: Setting,
+    aim: Aim,
+    path: Path,
+    kind: int,
+    q: Array,
+    best: Array,
+    record: Array,
+) -> None:
+    """Go on from a solved path, farther from obstacles and limits; what is not solved any more is not taken."""
+    weights = scheduled(setting, 0, True, True)
+    for _ in range(int(setting.settle)):
+        descend(problem, potential, setting, weights, aim, path, True)
+        trace(path)
+    configuration_of(path.points, check.frames, q)
+    offer(problem, check, q, kind, best, record)
 
 
 @kernel
@@ -201,22 +221,20 @@ def improve(
         if long <= 0.0 and turn <= problem.angle_tolerance:
             configuration_of(path.points, check.frames, q)
             if offer(problem, check, q, kind, best, record):
+                if obstacles and setting.settle > 0.0:
+                    settle(problem, check, potential, setting, aim, path, kind, q, best, record)
                 return iteration, True
             least = -1.0
         elif off < least:
             least = off
             copy(path.points, path.kept)
-        if iteration >= setting.iterations or (iteration % 8 == 7 and now(check.clock) > deadline):
+        if iteration >= setting.iterations:
+            break
+        if (iteration % 8 == 7 or q.shape[0] >= MANY) and now(check.clock) > deadline:
             break
         weights = scheduled(setting, iteration, long > 0.0, turn > problem.angle_tolerance)
-        if setting.gradient == ADJOINT:
-            gradient_backwards(problem.scene, potential, setting, weights, aim, path, obstacles)
-        else:
-            gradient_by_differences(problem.scene, potential, setting, weights, aim, path, obstacles)
-        if obstacles and setting.project != 0.0:
-            project(path)
         iteration += 1
-        far = move(setting, path, aim.unit)
+        far = descend(problem, potential, setting, weights, aim, path, obstacles)
         if not far > STILL * aim.unit or not math.isfinite(far):
             break
     if 0.0 <= least < math.inf:

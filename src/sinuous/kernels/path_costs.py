@@ -58,6 +58,7 @@ Setting = namedtuple(
         "bow",
         "other_guess",
         "restarts",
+        "settle",
     ],
 )
 """The options of the method, in the order of its class, as numbers."""

@@ -148,14 +148,12 @@ def _cut(limits: Array, a: Vec, b: Vec, c: Vec, aim: Aim, path: Path) -> None:
 
 
 @kernel
-def bowed(limits: Array, setting: Setting, aim: Aim, path: Path, which: int) -> None:
-    """The single arc, bowed to one of the sides, by a third of a segment or two thirds."""
-    single(limits, setting, aim, path)
-    t = get_vec(path.tangents, 0, 0)
-    a, b = across(t)
+def bow(aim: Aim, path: Path, which: int) -> None:
+    """Bow a path to one of the sides of its first tangent, by a third of a segment or, the next round, two thirds."""
+    n = path.arcs.shape[0]
+    a, b = across(get_vec(path.tangents, 0, 0))
     angle = 2.0 * math.pi * (which % WAYS) / WAYS
     height = aim.unit / 3.0 if which < WAYS else 2.0 * aim.unit / 3.0
-    n = path.arcs.shape[0]
     for i in range(1, n):
         lift = height * math.sin(math.pi * i / n)
         p = add_scaled(get_vec(path.points, i, 0), lift * math.cos(angle), a)

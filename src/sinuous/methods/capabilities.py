@@ -35,7 +35,7 @@ class Capabilities:
     tool : bool
         Whether the robot may have a tool.
     limits : tuple of str
-        Which limits it keeps (see `LIMITS`).
+        Which limits it takes account of (see `LIMITS`).
     obstacles : bool
         Whether it avoids obstacles.
     preferences : bool

@@ -33,6 +33,7 @@ FAITHFUL: Mapping[str, Any] = {
     "orientation_weight": 0.3,
     "schedule": "constant",
     "metric": "acceleration",
+    "regularisation": 10.0,
     "arcs_weight": 1.0,
     "blend": 0.0,
     "obstacle_weight": 0.1,
@@ -41,6 +42,7 @@ FAITHFUL: Mapping[str, Any] = {
     "bow": 0.0,
     "other_guess": False,
     "restarts": False,
+    "settle": 0,
 }
 """Where the paper's method differs from the repaired one."""
 
@@ -49,7 +51,8 @@ FAITHFUL: Mapping[str, Any] = {
 class OptiPath(Options):
     """Options of the method `opti_path`. The defaults are the repaired method; `OptiPath.faithful()` is the paper's.
 
-    On the command line the latter is `preset=faithful`.
+    On the command line the latter is `preset=faithful`. Segments must be able to stretch: the end is fixed, so what a
+    solve has to find are lengths within their ranges, and a range of one number is never met exactly.
 
     Parameters
     ----------
@@ -105,7 +108,11 @@ class OptiPath(Options):
     other_guess : bool
         Whether a swung curve is tried besides the single arc, and before it where the arc is too long.
     restarts : bool
-        Whether to go on from bowed arcs and scattered shapes when everything before failed.
+        Whether to go on when everything before failed: from the given shape bowed aside, before the single arc, then
+        from bowed arcs and scattered shapes.
+    settle : int
+        Iterations after the first solved path, among obstacles: it is moved away from them and from the limits before
+        it is handed over, so that the next solve, which starts from it, does not get caught.
     """
 
     method: ClassVar[str] = "opti_path"
@@ -117,12 +124,12 @@ class OptiPath(Options):
     exponent: str = choice("adjacent", "adjacent", "literal")
     orientation: str = choice("squared", "squared", "norm")
     length_weight: float = number(1.0, low=0.0)
-    orientation_weight: float = number(0.5, low=0.0)
+    orientation_weight: float = number(0.25, low=0.0)
     obstacle_weight: float = number(0.3, low=0.0)
     schedule: str = choice("gated", "constant", "length", "orientation", "cooling", "gated")
     cooling: float = number(0.97, above=0.0, high=1.0)
     metric: str = choice("difference", "identity", "difference", "acceleration")
-    regularisation: float = number(10.0, above=0.0)
+    regularisation: float = number(5.0, above=0.0)
     largest_step: float = number(0.2, low=0.0)
     slope: float = number(1.0, low=0.0)
     influence: float = number(0.25, above=0.0)
@@ -138,6 +145,7 @@ class OptiPath(Options):
     bow: float = number(0.02, low=0.0)
     other_guess: bool = flag(True)
     restarts: bool = flag(True)
+    settle: int = count(1, 0, 1000)
 
     @classmethod
     def faithful(cls, **changes: Any) -> Self:

@@ -88,7 +88,7 @@ def test_an_answer_that_is_right_but_not_claimed_does_not_count() -> None:
 def test_paths_are_followed_by_all_from_the_last_shape() -> None:
     problems = path_through(5, 10, np.random.default_rng(0), 36)
     found = follow_in_turns([*OURS, Entrant("again", "newton")], problems, seconds=1.0, seed=0)
-    records, again = (judge_track(problems, followed, keep=True) for followed in found.values())
+    records, again = (judge_track(Judge(problems), followed, keep=True) for followed in found.values())
     assert [record["q"] for record in records] == [record["q"] for record in again]
     assert all(record["right"] for record in records)
     assert sum(record["start"] == "given" for record in records) > 30

@@ -13,11 +13,12 @@ from sinuous.bench.experiments.entrants import Entrant
 from sinuous.bench.judges import judge
 from sinuous.bench.problems import ProblemSet
 from sinuous.bench.timing import Times
+from sinuous.checks import Floats
 from sinuous.problem import Problem
 from sinuous.solution import Solution
 from sinuous.solving import Solver
 from sinuous.tracking import waypoints
-from sinuous.verification import verify
+from sinuous.verification import Verification, verify
 
 BLOCK = 10
 """Problems that a method gets at a time: a minute in which the machine is slow is shared by all."""
@@ -33,8 +34,9 @@ class Judge:
     """Verifies answers to one set of problems, by two codes that share nothing with the methods or with each other."""
 
     def __init__(self, problems: ProblemSet) -> None:
-        self._problems = problems
+        self.problems = problems
         self._body = Body(problems.robot, problems.scene) if len(problems.scene) else None
+        self._seen: dict[tuple[int, bytes], tuple[Verification, bool]] = {}
 
     def record(self, number: int, solution: Solution, seconds: float, *, keep: bool) -> Record:
         """Judge the answer to problem `number`.
@@ -43,13 +45,14 @@ class Judge:
         kept and the body clear; `claimed` is what the method says. Errors, `excess` (beyond the limits) and
         `clearance` are those that `verify()` computed. `q` is there when it is to be kept.
         """
-        p = self._problems
-        found = verify(Problem(p.robot, p.targets[number], p.scene, p.tolerance), solution.q)
-        told = judge(p.robot, [p.targets[number]], solution.q[None], p.tolerance, self._body)
+        key = number, solution.q.tobytes()
+        if key not in self._seen:  # repeats give the same answers
+            self._seen[key] = self._look(number, solution.q)
+        found, confirmed = self._seen[key]
         record: Record = {
             "seconds": seconds,
             "claimed": solution.solved,
-            "right": solution.solved and found.ok and bool(told.right[0]),
+            "right": solution.solved and found.ok and confirmed,
             "status": str(solution.status),
             "position": found.position_error,
             "angle": found.angle_error,
@@ -62,6 +65,11 @@ class Judge:
         if keep:
             record["q"] = solution.q.tolist()
         return record
+
+    def _look(self, number: int, q: Floats) -> tuple[Verification, bool]:
+        p = self.problems
+        found = verify(Problem(p.robot, p.targets[number], p.scene, p.tolerance), q)
+        return found, bool(judge(p.robot, [p.targets[number]], q[None], p.tolerance, self._body).right[0])
 
 
 def solve_in_turns(
@@ -112,16 +120,16 @@ def follow_in_turns(
     return found
 
 
-def judge_track(problems: ProblemSet, followed: Followed, *, keep: bool = False) -> list[Record]:
+def judge_track(judge_of: Judge, followed: Followed, *, keep: bool = False) -> list[Record]:
     """Judge what `follow_in_turns` found for one method.
 
     Of the records, `motion` is how far the point of the backbone that moved most is from where it was at the confirmed
     waypoint before; `prepared`, of the first, is what `Followed` says.
     """
-    judge_of, solutions = Judge(problems), followed.solutions
+    solutions = followed.solutions
     records = [judge_of.record(i, one, one.seconds, keep=keep) for i, one in enumerate(solutions)]
     for i, j in pairwise([i for i, record in enumerate(records) if record["right"]]):
-        before, after = problems.robot.backbone(np.stack([solutions[i].q, solutions[j].q]), 4)
+        before, after = judge_of.problems.robot.backbone(np.stack([solutions[i].q, solutions[j].q]), 4)
         records[j]["motion"] = float(np.linalg.norm(after - before, axis=-1).max())
     records[0]["prepared"] = followed.prepared
     return records

@@ -52,6 +52,7 @@ class Segments:
     def __init__(self, plan: Plan, names: Sequence[str] = ()) -> None:
         self.plan = plan
         self._entrants = gradients(names)
+        self._judges: dict[str, Judge] = {}
 
     def settings(self) -> dict[str, Any]:
         """Return what the figures depend on."""
@@ -99,7 +100,7 @@ class Segments:
         runs = [follow_in_turns(self._entrants, problems, seconds=BUDGET, seed=self.plan.seed) for _ in range(FOLLOWS)]
         found = {}
         for entrant in self._entrants:
-            records = judge_track(problems, runs[0][entrant.label])
+            records = judge_track(self._judge(f"path {count}", problems), runs[0][entrant.label])
             times = np.median([[one.seconds for one in run[entrant.label].solutions] for run in runs], axis=0)
             found[entrant.label] = [{**r, "seconds": s} for r, s in zip(records, times.tolist(), strict=True)]
         return found
@@ -112,13 +113,17 @@ class Segments:
         runs = [
             {label: solver.solve_many(problems.targets) for label, solver in solvers.items()} for _ in range(SOLVES + 1)
         ][1:]
-        judge_of = Judge(problems)
+        judge_of = self._judge(f"poses {count}", problems)
         found: dict[str, list[Record]] = {}
         for label in solvers:
             times = np.median([[solution.seconds for solution in run[label]] for run in runs], axis=0).tolist()
             answers = zip(runs[-1][label], times, strict=True)
             found[label] = [judge_of.record(i, one, seconds, keep=False) for i, (one, seconds) in enumerate(answers)]
         return found
+
+    def _judge(self, what: str, problems: ProblemSet) -> Judge:
+        """Return the judge of these problems, the same in all rounds: it knows answers that it has seen before."""
+        return self._judges.setdefault(what, Judge(problems))
 
     def findings(self, pieces: dict[str, Any]) -> Findings:
         """Two tables, two figures, and exponents."""

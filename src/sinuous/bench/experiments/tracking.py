@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.bench.experiments.contest import Record, Tally, follow_in_turns, judge_track
+from sinuous.bench.experiments.contest import Judge, Record, Tally, follow_in_turns, judge_track
 from sinuous.bench.experiments.entrants import divide, entrants, roster
 from sinuous.bench.experiments.figures import legend, new_figure, style, tidy
 from sinuous.bench.experiments.frame import Findings, Piece, conduct
@@ -73,7 +73,8 @@ class Tracking:
     def _measure(self, spheres: int, scene: int) -> dict[str, list[Record]]:
         problems = self._problems(spheres, scene)
         found = follow_in_turns(self._able, problems, seconds=BUDGET, seed=self.plan.seed)
-        return {label: judge_track(problems, followed, keep=scene == 0) for label, followed in found.items()}
+        judge_of = Judge(problems)
+        return {label: judge_track(judge_of, followed, keep=scene == 0) for label, followed in found.items()}
 
     def findings(self, pieces: dict[str, Any]) -> Findings:
         """Sum up by density and method, and draw the first scene of each density."""

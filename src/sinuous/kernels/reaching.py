@@ -1,9 +1,9 @@
 """From a configuration to links and back, and one start of forward and backward reaching: FABRIKc and FABRIKx.
 
-With one segment a section this is FABRIKc (Zhang et al. 2018); with segments that stretch, what others
-call exFABRIKc. With several segments a section, bent in a fixed proportion, it is FABRIKx (Kolpashchikov, Gerget &
-Danilov 2022): sections of variable curvature, approximated by arcs, whose two links differ. What was chosen where the
-papers could not be had is said in `sinuous.kernels.fabrik`.
+With one segment a section this is FABRIKc (Zhang et al. 2018); with segments that stretch, what others call exFABRIKc.
+With several segments a section, bent in a fixed proportion, it is FABRIKx (Kolpashchikov, Gerget & Danilov 2022):
+sections of variable curvature, approximated by arcs, whose two links differ. What was chosen where the papers could not
+be had is said in `sinuous.kernels.fabrik`.
 """
 
 import math

@@ -169,7 +169,7 @@ def grow(
             effort += descend(problem, check, work, int(options[0]), deadline)
             if offer(problem, check, work.kept, ARC, best, record):
                 return looked + effort, True
-        if looked % 16 == 15 and now(check.clock) > deadline:
+        if now(check.clock) > deadline:
             break
     return looked + effort, False
 

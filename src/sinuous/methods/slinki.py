@@ -2,7 +2,8 @@
 
 Chiang et al., "SLInKi: state lattice based inverse kinematics" (2021). The paper itself could not be
 had: what was chosen is said in `sinuous.kernels.slinki` and `sinuous.kernels.lattice`. Everything is compiled, one call
-a solve; the lattice lies in a workspace that is made beforehand.
+a solve; the lattice lies in a workspace that is made beforehand. The iterations of a solution are nodes looked at and
+iterations of FABRIKc together.
 """
 
 from dataclasses import dataclass

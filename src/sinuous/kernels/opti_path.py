@@ -59,12 +59,12 @@ STILL = 1e-9
 
 def workspace_size(segments: int, obstacles: int) -> int:
     """Numbers (float64) that a solve needs as workspace."""
-    return check_size(segments, obstacles) + 5 * 3 * (segments + 1) + (15 + 4 + 3) * segments
+    return 15 * (segments + 1) + 22 * segments + check_size(segments, obstacles)
 
 
 @kernel
-def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
-    """Lay out a path and a configuration."""
+def carve_path(buffer: Array, n: int) -> tuple[Path, Array, Array]:
+    """Lay out a path and a configuration; returns the rest of the buffer too."""
     m = 3 * (n + 1)
     rest = buffer[5 * m :]
     path = Path(
@@ -76,7 +76,7 @@ def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
         buffer[4 * m : 5 * m].reshape((n + 1, 3)),
         rest[15 * n : 19 * n].reshape((n, 4)),
     )
-    return path, rest[19 * n : 22 * n].reshape((n, 3))
+    return path, rest[19 * n : 22 * n].reshape((n, 3)), rest[22 * n :]
 
 
 @kernel
@@ -180,14 +180,19 @@ def settle(
     q: Array,
     best: Array,
     record: Array,
-) -> None:
-    """Go on from a solved path, farther from obstacles and limits; what is not solved any more is not taken."""
+) -> int:
+    """Go on from a solved path, farther from obstacles and limits; what is not solved any more is not taken.
+
+    Returns the number of iterations.
+    """
     weights = scheduled(setting, 0, True, True)
-    for _ in range(int(setting.settle)):
+    count = int(setting.settle)
+    for _ in range(count):
         descend(problem, potential, setting, weights, aim, path, True)
         trace(path)
     configuration_of(path.points, check.frames, q)
     offer(problem, check, q, kind, best, record)
+    return count
 
 
 @kernel
@@ -222,7 +227,7 @@ def improve(
             configuration_of(path.points, check.frames, q)
             if offer(problem, check, q, kind, best, record):
                 if obstacles and setting.settle > 0.0:
-                    settle(problem, check, potential, setting, aim, path, kind, q, best, record)
+                    iteration += settle(problem, check, potential, setting, aim, path, kind, q, best, record)
                 return iteration, True
             least = -1.0
         elif off < least:
@@ -273,8 +278,8 @@ def search(
     setting = read_setting(options)
     for i in range(targets.shape[0]):
         problem = make_problem(limits, actuation, poses, scene, settings, targets[i])
-        check = carve_check(buffer, problem)
-        path, q = carve_path(buffer[12 * (n + 1) + scene.shape[0] + 2 :], n)
+        path, q, rest = carve_path(buffer, n)
+        check = carve_check(rest, problem)
         aim = read_aim(problem)
         potential = make_potential(values, place, setting.slope, setting.influence * aim.unit)
         want(limits, setting.dead_band, problem.mount, path)

@@ -1,10 +1,12 @@
 """What counts is what verification confirms, whatever a method says."""
 
+import time
 from typing import Any
 
 import numpy as np
 import pytest
 
+from sinuous.bench.experiments import contest
 from sinuous.bench.experiments.contest import BLOCK, Judge, Tally, follow_in_turns, judge_track, solve_in_turns
 from sinuous.bench.experiments.entrants import FAITHFUL, Entrant, divide, entrants, gradients, roster
 from sinuous.bench.experiments.scenes import paper_pose, path_through
@@ -30,6 +32,24 @@ def test_right_answers_are_confirmed_and_summed_up() -> None:
     assert (tally.runs, tally.right, tally.wrong, tally.percent) == (BLOCK + 3, BLOCK + 3, 0, 100.0)
     assert 0.0 < tally.times.median <= tally.times.worst
     assert 0.0 < tally.position <= 1e-4 * problems.robot.mean_length
+
+
+def test_a_solve_is_repeated_when_the_processor_was_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    honest, calls = Solver.solve, 0
+
+    def interrupted(self: Solver, *arguments: Any) -> Solution:
+        nonlocal calls
+        calls += 1
+        if calls in (2, 3):  # the first warms up
+            time.sleep(0.02)
+        return honest(self, *arguments)
+
+    monkeypatch.setattr(contest, "STOLEN", 0.01)
+    monkeypatch.setattr(Solver, "solve", interrupted)
+    (record,) = solve_in_turns(OURS, paper_pose("A", 1), seconds=1.0, seed=0)["newton"]
+    assert calls >= 4
+    assert record["seconds"] < 0.02
+    assert record["right"]
 
 
 def shifted(monkeypatch: pytest.MonkeyPatch, segment: int, coordinate: int, by: float) -> None:

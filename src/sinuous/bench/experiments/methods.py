@@ -185,7 +185,8 @@ class Methods:
             f"Segments of 45 to 70 mm, mostly five; {self._together * self._pieces} problems of each kind, every one "
             f"the pose of a configuration within limits and free of obstacles, to {PAPER_TOLERANCE.position:g} mm "
             f"and {PAPER_TOLERANCE.angle} rad mostly, from cold, at most {1e3 * BUDGET:g} ms each. "
-            "Methods take turns of ten problems. Times and errors are medians of confirmed answers; `limits`, "
+            "Methods take turns of ten problems; a solve during which another process had the processor is "
+            "repeated. Times and errors are medians of confirmed answers; `limits`, "
             "`obstacle` and `target` count the answers that verification found outside a limit, touching, or off the "
             "target.",
             "![Success and median time](methods_overview.png)",

@@ -78,6 +78,7 @@ def plot_solution(answer: Solution | Track, file: str | Path) -> None:
 
 
 def draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
+    """Draw the shape of the last solution, its scene, and what was asked, into 3-D axes."""
     last = solutions[-1]
     robot, scene = last.problem.robot, last.problem.scene
     targets = [target for solution in solutions for target in solution.problem.targets]

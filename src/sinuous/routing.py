@@ -45,6 +45,8 @@ class Plan(NamedTuple):
         Most ways to find.
     then : int
         Starts at random that come before the next search.
+    exact : bool
+        Whether to ask for exact distances, not for samples.
     prove : bool
         Whether to prove that there is none, where none is found.
     """
@@ -54,6 +56,7 @@ class Plan(NamedTuple):
     slots: int
     ways: int
     then: int
+    exact: bool
     prove: bool
 
 
@@ -108,13 +111,13 @@ class Router:
     def search(self, problem: Problem, seconds_left: Callable[[], float]) -> Iterator[Routes]:
         """Yield ways to the target of a problem, from coarse to fine, while time is left."""
         which = _goal(problem)
-        told: dict[float, int] = {}
+        told: dict[tuple[float, bool], int] = {}
         for plan in self._plans if which >= 0 else ():
             if seconds_left() <= 0.0:
                 return
             routes = self._find(problem, which, plan, seconds_left())
-            known = told.get(plan.cell, 0)
-            told[plan.cell] = max(known, len(routes.starts))
+            known = told.get((plan.cell, plan.exact), 0)
+            told[plan.cell, plan.exact] = max(known, len(routes.starts))
             yield routes._replace(starts=routes.starts[known:], ways=routes.ways[known:])
             if routes.closed:
                 return
@@ -134,6 +137,7 @@ class Router:
             plan.cell,
             plan.least,
             room,
+            plan.exact,
             plan.prove,
             seconds,
             workspace,
@@ -168,14 +172,14 @@ def _plans(radius: float, length: float) -> list[Plan]:
     wide = max(radius - 0.5 * coarse, 0.25 * radius)
     proves = fine <= 0.5 * radius
     least, few, many, most = SLOTS
-    first = [Plan(coarse, wide, least, 1, 0, False)] if coarse > fine else []
-    second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False)] if coarse > fine else []
+    first = [Plan(coarse, wide, least, 1, 0, False, False)] if coarse > fine else []
+    second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False, False)] if coarse > fine else []
     return [
         *first,
-        Plan(fine, through, few, 1, 20, proves),
+        Plan(fine, through, few, 1, 20, False, False),
         *second,
-        Plan(fine, through, many, ALTERNATIVES, 160, proves),
-        Plan(fine, through, most, ALTERNATIVES, 0, proves),
+        Plan(fine, through, many, ALTERNATIVES, 160, True, proves),
+        Plan(fine, through, most, ALTERNATIVES, 0, True, proves),
     ]
 
 

@@ -26,7 +26,7 @@ FINEST = 1e-7
 EXACT = 1e-10
 """Least damping, with which rows are met exactly."""
 
-PATIENCE = 6
+PATIENCE = 12
 """Steps in a row that gain little before a start is given up."""
 
 ROUNDS = 3

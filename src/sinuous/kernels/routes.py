@@ -21,7 +21,7 @@ from sinuous.kernels.lattice import (
     surcharge,
 )
 from sinuous.kernels.limits import HIGH, LOW, MAX_BEND, RADIUS
-from sinuous.kernels.solids import ABOVE, STEP
+from sinuous.kernels.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.states import Problem, carve, make_problem, pick
 from sinuous.kernels.targets import end_segment, tangent_back
 from sinuous.kernels.vectors import ZERO, Array, Vec, add_scaled, copy, norm, sub
@@ -33,8 +33,8 @@ PROVED_CLOSED = -1
 HASTE = 2.0
 """See `lattice.Corridor`: among obstacles a way costs more than its length, and an honest guess looks at far more."""
 
-CARELESS = 0.1
-"""See `lattice.Corridor.care`: for ways through narrow places that a robot is not long enough to go around."""
+CARE = 0.2
+"""See `lattice.Corridor`: little, because who shuns narrow places looks at all the room around them first."""
 
 DETOUR = 2.0
 """Surcharge on cubes near a way that is known already."""
@@ -59,10 +59,10 @@ def _measures(problem: Problem, last: int) -> tuple[float, float, float]:
     radius, reach, turn = math.inf, 0.0, math.inf
     for k in range(last + 1):
         radius = min(radius, problem.limits[k, RADIUS])
-        high, bend = problem.limits[k, HIGH], problem.limits[k, MAX_BEND]
+        low, high, bend = problem.limits[k, LOW], problem.limits[k, HIGH], problem.limits[k, MAX_BEND]
         reach += high
         if bend > 0.0 and high > 0.0:
-            turn = min(turn, high / bend)
+            turn = min(turn, (low if low > 0.0 else high) / bend)
     return radius, reach, min(turn, 0.25 * reach)
 
 
@@ -83,7 +83,7 @@ def _lead(problem: Problem, last: int, length: float) -> float:
 
 @kernel
 def _corridor(
-    problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float, care: float
+    problem: Problem, which: int, last: int, cell: float, least: float, room: float, lead: float, barred: bool, how: int
 ) -> Corridor:
     rotation, base = frame(problem.base, 0)
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
@@ -95,8 +95,9 @@ def _corridor(
     end = _straight(problem.scene, goal, back, 0.0, 0.5 * turn, radius) if norm(back) > 0.0 else goal
     longest = reach - norm(sub(start, base)) - norm(sub(end, goal)) + around + cell
     close = 0.9 * cell
+    turn = 0.5 * turn if barred else 0.0
     return Corridor(
-        base, cell, least, radius, room, reach, start, axis, end, back, turn, around, close, HASTE, care, longest, STEP
+        base, cell, least, radius, room, reach, start, axis, end, back, turn, around, close, HASTE, CARE, longest, how
     )
 
 
@@ -147,6 +148,7 @@ def find(
     cell: float,
     least: float,
     room: float,
+    exact: bool,
     prove: bool,
     seconds: float,
     buffer: Array,
@@ -160,9 +162,9 @@ def find(
     """Fill `starts` (m, n, 3) with the chain laid into up to m ways to target number `which`.
 
     Fills `ways` (m, K, 3) with the ways, of `counts` points each. Cubes have the edge `cell` and are passable with a
-    distance of `least`; `room` beyond the body's radius costs nothing. Where no way is found, and with `prove`, it is
-    tried to prove that there is none. Returns how many, how the last search ended (see `lattice.explore`,
-    PROVED_CLOSED), how many cubes it looked at, and the seconds that it took.
+    distance of `least`; `room` beyond the body's radius costs nothing. With `exact` no samples stand in for distances.
+    Where no way is found, and with `prove`, it is tried to prove that there is none. Returns how many, how the last
+    search ended (see `lattice.explore`, PROVED_CLOSED), how many cubes it looked at, and the seconds that it took.
     """
     problem = make_problem(limits, actuation, poses, table, store, settings, targets)
     states, work = carve(buffer, problem)
@@ -172,18 +174,19 @@ def find(
     deadline = began + seconds
     last = end_segment(targets, which, limits.shape[0])
     goal, _ = backbone_end(problem, which, last)
-    ahead, care = 0.0, 1.0
-    corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
+    how = EXACT if exact else STEP
+    lead, barred = 0.0, True
+    corridor = _corridor(problem, which, last, cell, least, room, lead, barred, how)
     count = cubes = 0
     ended = FOUND
     straight = False
     while count < starts.shape[0]:
         ended, slot, cubes = explore(lattice, corridor, problem.scene, work.clock, deadline, cubes)
-        if ended == CLOSED and count == 0 and care == 1.0:
-            # Ways with more room are too long for this robot.
-            care = CARELESS
-            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
-            restart(lattice)
+        if ended == CLOSED and count == 0 and barred:
+            barred = False
+            corridor = _corridor(problem, which, last, cell, least, room, lead, barred, how)
+            clear(lattice)
+            cubes = 0
             continue
         if ended != FOUND:
             break
@@ -194,11 +197,10 @@ def find(
         wanted = points_wanted(span(raw, points), cell, way.shape[0])
         respace(raw, points, way, wanted)
         gap = tighten(problem.scene, corridor, way, raw, wanted, norm(corridor.back) == 0.0)
-        lead = _lead(problem, last, gap * (wanted - 1))
-        if not straight and lead > problem.mount:
-            straight = True
-            ahead = lead
-            corridor = _corridor(problem, which, last, cell, least, room, ahead, care)
+        ahead = _lead(problem, last, gap * (wanted - 1))
+        if not straight and ahead > problem.mount:
+            straight, lead = True, ahead
+            corridor = _corridor(problem, which, last, cell, least, room, lead, barred, how)
             clear(lattice)
             cubes = 0
             continue

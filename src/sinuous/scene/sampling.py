@@ -17,13 +17,13 @@ from sinuous.scene import kept
 Progress = Callable[[float], None]
 """Called with the share of the work that is done, 0 to 1."""
 
-LEAST, MOST = 2**16, 2_000_000
+LEAST, MOST = 2**18, 2_000_000
 """Samples of an obstacle: at least about so many, and at most (16 MB)."""
 
 FEWEST_PIECES = 500
 """Triangles from which on a mesh is sampled: the exact distance to fewer is nearly as quick."""
 
-PER_PIECE = 64
+PER_PIECE = 128
 """Samples for every primitive, between these."""
 
 PAD = 3

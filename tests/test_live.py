@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from sinuous.kernels.newton import SAMPLED_SLACK
 from sinuous.measures.obstacles import measure
 from sinuous.robot import Robot
 from sinuous.scene.field import Field
@@ -30,9 +31,8 @@ def ring(p: Floats) -> Floats:
 
 
 def sampled_ring() -> Grid:
-    index = np.argwhere(np.ones((50, 50, 20)))
-    values = ring(np.array([-0.55, -0.55, 0.3]) + 0.0225 * index).reshape(50, 50, 20)
-    return Grid(values, (-0.55, -0.55, 0.3), 0.0225)
+    shape, low = (75, 75, 80), np.array([-0.9, -0.9, -0.4])
+    return Grid(ring(low + 0.025 * np.argwhere(np.ones(shape))).reshape(shape), low, 0.025)
 
 
 def blobs(size: float) -> shapes.Triangles:
@@ -49,11 +49,11 @@ def scan() -> Floats:
 MADE: dict[str, Callable[[], Obstacle]] = {
     "mesh": lambda: Mesh(*blobs(0.17)),
     "shell": lambda: Mesh(blobs(0.17)[0], blobs(0.17)[1][::2], thickness=0.01),
-    "room": lambda: Mesh(1.4 * shapes.ball(2)[0], shapes.ball(2)[1], inside=True),
+    "room": lambda: Mesh(0.9 * shapes.ball(3)[0], shapes.ball(3)[1], inside=True),
     "cloud": lambda: PointCloud(scan(), 0.015),
     "cubes": lambda: Grid(np.random.default_rng(5).random((6, 6, 6)) < 0.15, (-0.5, -0.5, 0.2), 0.2),
     "samples": sampled_ring,
-    "function": lambda: Field(ring, (-0.6, -0.6, 0.25), (0.6, 0.6, 1.5), 0.03),
+    "function": lambda: Field(ring, (-0.9, -0.9, -0.4), (0.9, 0.9, 1.5), 0.03),
 }
 
 
@@ -61,13 +61,14 @@ def targets(scene: Scene, seed: int, count: int) -> list[Target]:
     """Where the tip of some configurations is that are free at a glance."""
     rng = np.random.default_rng(seed)
     found: list[Target] = []
-    while len(found) < count:
+    for _ in range(1000):
         angle, bend = rng.uniform(-math.pi, math.pi, 4), 1.2 * np.sqrt(rng.random(4))
         q = np.stack([bend * np.cos(angle), bend * np.sin(angle), rng.uniform(0.2, 0.35, 4)], axis=-1)
         backbone = ROBOT.backbone(q, 10)
         if scene.distance(backbone).min() > 0.04:
             found.append(Target(backbone[-1]))
-    return found
+    assert len(found) >= count
+    return found[:count]
 
 
 @pytest.mark.parametrize("kind", MADE)
@@ -87,7 +88,7 @@ def test_solved_is_free_and_most_are_solved(kind: str) -> None:
         touched += true < 0.05
         if kind not in ("samples", "function"):
             # The truth between two points of the backbone is at most half of their distance less.
-            assert solution.clearance >= 0.9 * (true - 0.5 * 0.35 / 400) - 1e-6
+            assert solution.clearance >= (1.0 - SAMPLED_SLACK) * (true - 0.5 * 0.35 / 400) - 1e-6
     assert len(solved) >= 19
     assert touched >= 3, "nothing was in the way"
 

@@ -60,7 +60,7 @@ def test_what_is_not_finite_is_null_in_json() -> None:
     assert written["held"] is False
 
 
-@pytest.mark.parametrize("section", ["paper", "reachable", "poses", "growth"])
+@pytest.mark.parametrize("section", ["paper", "reachable", "poses", "growth", "fields"])
 def test_sections_run_and_hold(section: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert speed.run(quick=True, json=True, sections=[section]) == 0
     report = json.loads(capsys.readouterr().out)

@@ -91,7 +91,7 @@ def test_bounds_hold_for_distances_to_sets(seed: int) -> None:
         assert grids.at_most(corners, t, SPACING) >= true - 1e-12
         low = grids.set_distance(corners, t, SPACING)
         assert low <= true + 1e-12
-        if true > 2.0 * SPACING:
+        if true > 2.0 * SPACING and len(places) == 1:  # else there are kinks
             lost.append((true - low) * true / SPACING**2)
     assert not lost or max(lost) < 0.6
 

@@ -8,6 +8,7 @@ import pytest
 
 from sinuous.kernels import trees
 from sinuous.kernels.trees import BALLS, CUBES, SIZES, TRIANGLES, Tree
+from sinuous.scene.trees import with_planes
 from tests.helpers import Floats, vec
 
 KINDS = (TRIANGLES, BALLS, CUBES)
@@ -15,10 +16,10 @@ HALF = 0.15
 
 
 def draw(kind: int, count: int, rng: np.random.Generator) -> Floats:
-    items = rng.normal(size=(count, SIZES[kind]))
     if kind == TRIANGLES:
-        items[:, 3:6] = items[:, :3] + 0.3 * items[:, 3:6]
-        items[:, 6:] = items[:, :3] + 0.3 * items[:, 6:]
+        a = rng.normal(size=(count, 1, 3))
+        return with_planes(np.concatenate([a, a + 0.3 * rng.normal(size=(count, 2, 3))], axis=1))
+    items = rng.normal(size=(count, SIZES[kind]))
     if kind == BALLS:
         items[:, 3] = rng.uniform(0.0, 0.4, count)
     return items
@@ -26,7 +27,7 @@ def draw(kind: int, count: int, rng: np.random.Generator) -> Floats:
 
 def corners(kind: int, items: Floats) -> tuple[Floats, Floats]:
     if kind == TRIANGLES:
-        places = items.reshape(-1, 3, 3)
+        places = items[:, :9].reshape(-1, 3, 3)
         return places.min(axis=1), places.max(axis=1)
     around = items[:, 3:] if kind == BALLS else np.full((len(items), 1), HALF)
     return items[:, :3] - around, items[:, :3] + around
@@ -48,7 +49,7 @@ def planted(kind: int, items: Floats) -> tuple[Floats, Tree, Floats]:
 def each(kind: int, items: Floats, p: Floats) -> Floats:
     """Signed distance of `p` to every primitive."""
     if kind == TRIANGLES:
-        flat = items.reshape(-1, 3)
+        flat = items[:, :9].reshape(-1, 3)
         faces = np.arange(len(flat)).reshape(-1, 3)
         one = [igl.point_mesh_squared_distance(p[None], flat, face[None])[0] for face in faces]
         return np.asarray(np.sqrt(np.ravel(one)))

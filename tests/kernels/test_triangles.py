@@ -7,6 +7,7 @@ import pytest
 
 from sinuous.kernels import triangles
 from sinuous.kernels.triangles import AB, BC, CA, INSIDE, A, B, C
+from sinuous.scene.trees import with_planes
 from tests.helpers import Floats, vec
 
 CORNERS = {
@@ -29,7 +30,7 @@ def weights(corners: Floats, point: Floats) -> Floats:
 def test_no_point_of_the_triangle_is_closer(seed: int) -> None:
     rng = np.random.default_rng(seed)
     corners = rng.normal(size=(3, 3))
-    store = np.concatenate([[7.0], corners.ravel()])
+    store = np.concatenate([[7.0], with_planes(corners[None])[0]])
     grid = rng.dirichlet(np.full(3, 0.5), 4000) @ corners
     parts = set()
     for p in rng.normal(size=(200, 3)) * 2.0:
@@ -49,9 +50,14 @@ def test_a_needle_has_a_distance_too() -> None:
     corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-9, 0.0]])
     for x in (0.1, 0.5, 0.9):
         for height in (1e-3, 1.0, 100.0):
-            way, _ = triangles.offset(corners.ravel(), 0, (x, 0.0, height))
+            way, _ = triangles.offset(with_planes(corners[None])[0], 0, (x, 0.0, height))
             assert math.hypot(*way) == pytest.approx(height, rel=1e-12)
 
 
-def test_the_normal_is_to_the_left() -> None:
-    assert triangles.normal(np.array([0.0, 0, 0, 2, 0, 0, 0, 3, 0]), 0) == (0.0, 0.0, 1.0)
+def test_a_plane_too_far_is_enough_to_know() -> None:
+    store = with_planes(np.array([[[0.0, 0, 1], [2, 0, 1], [0, 3, 1]]]))[0]
+    np.testing.assert_allclose(store[9:], [0.0, 0.0, 1.0, 1.0])
+    assert triangles.square_distance(store, 0, (0.5, 0.5, 3.0), math.inf) == pytest.approx(4.0)
+    assert triangles.square_distance(store, 0, (-1.0, 0.0, 3.0), math.inf) == pytest.approx(5.0)
+    assert triangles.square_distance(store, 0, (-1.0, 0.0, 3.0), 4.5) == pytest.approx(5.0)
+    assert triangles.square_distance(store, 0, (-1.0, 0.0, 3.0), 3.9) == 3.9

@@ -31,7 +31,7 @@ def test_a_lattice_holds_the_box_and_its_cells_are_as_small_as_allowed(
 
 
 def test_samples_are_exact_distances() -> None:
-    mesh = Mesh(*shapes.ball(2))
+    mesh = Mesh(*shapes.ball(3))
     part = tables.prepare(mesh, "ball")
     pieces = trees.triangles(mesh)
     low, spacing, shape = sampling.lattice(pieces.low, pieces.high, sampling.LEAST)
@@ -55,18 +55,18 @@ def test_the_same_obstacle_is_computed_once(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     monkeypatch.setattr(sampling, "WORTH_KEEPING", 0.0)
     points = np.random.default_rng(1).normal(size=(100, 3))
-    first = Scene([Mesh(*shapes.ball(1))]).distance(points)
+    first = Scene([Mesh(*shapes.ball(3))]).distance(points)
     files = list(tmp_path.rglob("*.npz"))
     assert len(files) == 1
     with monkeypatch.context() as without:
         without.setattr(sampling, "_compute", lambda *_: pytest.fail("computed again"))
-        np.testing.assert_array_equal(Scene([Mesh(*shapes.ball(1))]).distance(points), first)
+        np.testing.assert_array_equal(Scene([Mesh(*shapes.ball(3))]).distance(points), first)
     files[0].write_bytes(b"no zip")
-    np.testing.assert_array_equal(Scene([Mesh(*shapes.ball(1))]).distance(points), first)
+    np.testing.assert_array_equal(Scene([Mesh(*shapes.ball(3))]).distance(points), first)
     found = kept.load(files[0].stem, np.load(files[0])["values"].shape)
     assert found is not None
-    moved = shapes.ball(1)[0] + 1e-9
-    Scene([Mesh(moved, shapes.ball(1)[1])]).prepare()
+    moved = shapes.ball(3)[0] + 1e-9
+    Scene([Mesh(moved, shapes.ball(3)[1])]).prepare()
     assert len(list(tmp_path.rglob("*.npz"))) == 2
 
 

@@ -8,7 +8,7 @@ from sinuous.bench.conduct import conduct, require
 from sinuous.bench.plan import Plan
 from sinuous.bench.report import Line
 
-SECTIONS = ("cold", "reachable", "growth", "paper", "poses", "rivals", "honesty", "startup", "endurance")
+SECTIONS = ("cold", "reachable", "growth", "paper", "poses", "rivals", "honesty", "fields", "startup", "endurance")
 """Experiments, in order: files in `sinuous.bench.sections`."""
 
 NEEDED = {"casadi": "casadi", "fcl": "python-fcl"}

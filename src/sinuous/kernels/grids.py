@@ -7,7 +7,7 @@ and t, the place in the cell in units of the spacing h,
 
     d(p)^2 >= sum w d_i^2 - h^2 sum over axes t (1 - t),
 
-which is off by no more than some h^2 / d, where the first bound is off by some h.
+which is off by no more than some h^2 / d away from kinks, where the first bound is off by some h.
 """
 
 import math

@@ -19,7 +19,7 @@ from sinuous.kernels.vectors import Array, Vec, dot, sub
 TRIANGLES, BALLS, CUBES = 0, 1, 2
 
 SIZES = (triangles.SIZE, 4, 3)
-"""Numbers of a triangle (corners), a ball (center, radius), a cube (center)."""
+"""Numbers of a triangle (see `triangles`), a ball (center, radius), a cube (center)."""
 
 LEAF = 4
 """Most primitives of a leaf."""
@@ -69,8 +69,7 @@ def cube_distance(local: Vec, half: float) -> float:
 def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> float:
     """Lifted distance to primitive `i`; at least `best` where it is not less than that."""
     if tree.kind == TRIANGLES:
-        way, _ = triangles.offset(store, tree.items + 9 * i, p)
-        return dot(way, way)
+        return triangles.square_distance(store, tree.items + triangles.SIZE * i, p, best)
     if tree.kind == CUBES:
         return cube_distance(sub(p, read(store, tree.items + 3 * i)), tree.half)
     at = tree.items + 4 * i

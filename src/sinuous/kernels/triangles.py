@@ -1,10 +1,12 @@
 """The point of a triangle that is closest to another point, and which part of the triangle it lies on."""
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.vectors import Array, Vec, add_scaled, cross, dot, norm, scale, sub
+from sinuous.kernels.vectors import Array, Vec, add_scaled, dot, scale, sub
 
-SIZE = 9
-"""Numbers of a triangle: its corners a, b, c."""
+SIZE = 13
+"""Numbers of a triangle: its corners a, b, c; the unit normal of its plane, and how far that is from the origin."""
+
+NORMAL, OFFSET = 9, 12
 
 NORMALS = 21
 """Numbers of its normals, in the order of the parts: inside, edges ab, bc, ca, corners a, b, c."""
@@ -47,13 +49,15 @@ def offset(store: Array, at: int, p: Vec) -> tuple[Vec, int]:  # noqa: PLR0911
     if area_a <= 0.0 and d4 >= d3 and d5 >= d6:
         return add_scaled(bp, -(d4 - d3) / ((d4 - d3) + (d5 - d6)), sub(c, b)), BC
     # Along the normal: of a thin triangle the weights of the corners would be mostly rounding.
-    n = cross(ab, ac)
-    return scale(dot(n, ap) / dot(n, n), n), INSIDE
+    n = read(store, at + NORMAL)
+    return scale(dot(n, ap), n), INSIDE
 
 
 @kernel
-def normal(store: Array, at: int) -> Vec:
-    """Unit normal of the triangle at `at`, counterclockwise."""
-    a = read(store, at)
-    n = cross(sub(read(store, at + 3), a), sub(read(store, at + 6), a))
-    return scale(1.0 / norm(n), n)
+def square_distance(store: Array, at: int, p: Vec, best: float) -> float:
+    """Square of the distance of `p` to the triangle at `at`; at least `best` where it is not less than that."""
+    height = dot(read(store, at + NORMAL), p) - store[at + OFFSET]
+    if height * height >= best:  # so far from the plane already
+        return best
+    way, _ = offset(store, at, p)
+    return dot(way, way)

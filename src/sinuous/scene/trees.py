@@ -71,11 +71,19 @@ def triangles(mesh: "Mesh") -> Pieces:
         TRIANGLES,
         levels,
         nodes,
-        corners[order].reshape(-1, 9),
+        with_planes(corners[order]),
         part_normals(mesh.vertices, mesh.faces)[order].reshape(-1, 21) if mesh.watertight else NO_NORMALS,
         sign=-1.0 if mesh.inside else 1.0,
         rounding=0.0 if mesh.watertight else 0.5 * mesh.thickness,
     )
+
+
+def with_planes(corners: Floats) -> Floats:
+    """Numbers (m, 13) of triangles: corners, unit normal, offset of the plane."""
+    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = sides / np.linalg.norm(sides, axis=-1, keepdims=True)
+    offsets = (normals * corners[:, 0]).sum(axis=-1, keepdims=True)
+    return np.concatenate([corners.reshape(-1, 9), normals, offsets], axis=1)
 
 
 def balls(cloud: "PointCloud") -> Pieces:

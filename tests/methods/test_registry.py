@@ -97,5 +97,5 @@ def test_a_violated_limit_is_the_worst() -> None:
     assert not solution.verify().ok
     assert solution.worst is not None
     assert solution.worst.constraint == "bend"
-    assert solution.worst.amount == pytest.approx(np.hypot(*solution.q[:, :2].T).max() - 0.05)
+    assert solution.worst.amount == pytest.approx(np.hypot(*solution.q[:, :2].T).max() - 0.26)
     assert "bend of segment" in str(solution.worst)

@@ -88,6 +88,11 @@ def twist_of(rate: Floats, pose: Floats) -> Floats:
     return np.array([spatial[2, 1], spatial[0, 2], spatial[1, 0], *spatial[:3, 3]])
 
 
+def random_unit(rng: np.random.Generator) -> Floats:
+    x = rng.normal(size=3)
+    return np.asarray(x / np.linalg.norm(x), np.float64)
+
+
 def random_rotation(rng: np.random.Generator) -> Floats:
     x = rng.normal(size=3)
     return np.asarray(expm(skew(x)), np.float64)

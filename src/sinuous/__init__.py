@@ -13,6 +13,13 @@ if TYPE_CHECKING:
     from sinuous.actuators import Tendons as Tendons
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.methods.dls import Dls as Dls
+    from sinuous.methods.fabrik_avoid import FabrikAvoid as FabrikAvoid
+    from sinuous.methods.fabrikc import Fabrikc as Fabrikc
+    from sinuous.methods.fabrikx import Fabrikx as Fabrikx
+    from sinuous.methods.monte_carlo import MonteCarlo as MonteCarlo
+    from sinuous.methods.opti_path import OptiPath as OptiPath
+    from sinuous.methods.slinki import Slinki as Slinki
     from sinuous.plotting import plot_solution as plot_solution
     from sinuous.poses import pose as pose
     from sinuous.problem import Preferences as Preferences
@@ -44,6 +51,13 @@ if TYPE_CHECKING:
 _HOMES = {
     "actuators": ("Chambers", "Tendons"),
     "errors": ("InputError", "NotSolvedError"),
+    "methods.dls": ("Dls",),
+    "methods.fabrik_avoid": ("FabrikAvoid",),
+    "methods.fabrikc": ("Fabrikc",),
+    "methods.fabrikx": ("Fabrikx",),
+    "methods.monte_carlo": ("MonteCarlo",),
+    "methods.opti_path": ("OptiPath",),
+    "methods.slinki": ("Slinki",),
     "plotting": ("plot_solution",),
     "poses": ("pose",),
     "problem": ("Preferences", "Problem", "Tolerance"),

@@ -87,7 +87,7 @@ def draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
     places = np.stack([target.position for target in targets if target.position is not None] or [robot.base[:3, 3]])
     low, high = _bounds(np.concatenate([*(robot.backbone(s.q) for s in solutions), places]), scene)
     span = float((high - low).max())
-    azimuth = _set_view(axes, low, high, robot.backbone(last.q)[-1] - robot.base[:3, 3])
+    azimuth = set_view(axes, low, high, robot.backbone(last.q)[-1] - robot.base[:3, 3])
     _draw_surfaces(axes, last, 0.5 * (low + high), span, azimuth)
     axes.plot(*np.stack([robot.forward(last.q)[-1, :3, 3], robot.tip(last.q)[:3, 3]]).T, color=TOOL, zorder=4)
     _draw_ghosts(axes, solutions)
@@ -184,7 +184,7 @@ def _title(solutions: tuple[Solution, ...]) -> str:
     return f"{solution.status}{clear}, {1e6 * solution.seconds:.0f} µs"
 
 
-def _set_view(axes: Any, low: Floats, high: Floats, reach: Floats) -> float:
+def set_view(axes: Any, low: Floats, high: Floats, reach: Floats) -> float:
     """Look across the plane that the robot reaches out in, from a little above, at equal scales; return the azimuth."""
     room = 0.04 * float((high - low).max())
     for set_limits, a, b in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low - room, high + room, strict=True):

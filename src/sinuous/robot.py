@@ -238,6 +238,25 @@ class Robot:
             beyond += [lowest - value, value - highest]
         return max(float(np.max(part, initial=0.0)) for part in beyond)
 
+    def violations(self, q: Any) -> list[tuple[str, int, float]]:
+        """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
+
+        `length` and `actuator` count in the length unit, `bend` and `curvature` in rad: the latter is the bend beyond
+        what the curvature allows at this length.
+        """
+        x = checks.array("q", q, (len(self), 3))
+        found: list[tuple[str, int, float]] = []
+        for k, (segment, (ux, uy, length)) in enumerate(zip(self.segments, x.tolist(), strict=True), start=1):
+            bend = math.hypot(ux, uy)
+            found.append(("length", k, max(segment.length[0] - length, length - segment.length[1])))
+            found.append(("bend", k, bend - segment.max_bend))
+            if math.isfinite(segment.max_curvature):
+                found.append(("curvature", k, bend - segment.max_curvature * max(0.0, length)))
+        for first, last, ax, ay, al, lowest, highest in self.actuation.tolist():
+            value = float(x[int(first) : int(last) + 1].sum(axis=0) @ np.array([ax, ay, al]))
+            found.append(("actuator", int(last) + 1, max(lowest - value, value - highest)))
+        return [each for each in found if each[2] > 1e-11 * max(1.0, self.mean_length)]
+
     def tendon_displacements(self, q: Any) -> list[Floats]:
         """Displacement of every tendon, per segment an array (..., m); positive is pulled, of the bends alone."""
         x = self.configuration("q", q)

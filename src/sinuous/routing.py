@@ -178,7 +178,8 @@ def _plans(radius: float, length: float) -> list[Plan]:
         *first,
         Plan(fine, through, few, 1, 20, False, False),
         *second,
-        Plan(fine, through, many, ALTERNATIVES, 160, True, proves),
+        Plan(fine, through, few, 1, 40, True, proves),
+        Plan(fine, through, many, ALTERNATIVES, 160, False, False),
         Plan(fine, through, most, ALTERNATIVES, 0, True, proves),
     ]
 

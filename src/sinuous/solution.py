@@ -84,7 +84,9 @@ class Outcome(NamedTuple):
 
 
 class Solution:
-    """What a solve found; frozen. On failure it holds the best configuration found, which keeps all limits.
+    """What a solve found; frozen. On failure it holds the best configuration found.
+
+    With the method `newton` that one keeps all limits; other methods may violate some, and `worst` says which.
 
     Attributes
     ----------

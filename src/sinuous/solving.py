@@ -58,8 +58,8 @@ class Solver:
     scene : Scene or list of obstacles, optional
     tolerance : Tolerance, optional
         Default: 1e-4 of the robot's mean length, and 1e-3 rad.
-    method : str
-        Name of the algorithm.
+    method : str or Options
+        Name of the algorithm, or its options, like `OptiPath(iterations=100)`.
     prefer : Preferences, optional
         What to like better among solutions.
     time : float
@@ -69,7 +69,8 @@ class Solver:
     seed : int
         Of the scattered starts; the same seed gives the same answer, unless the time runs out.
     routes : bool
-        Whether to look for ways through free space when the first starts fail.
+        Whether to look for ways through free space when the first starts fail; for `newton` alone, because other
+        methods are to be seen as they are.
 
     Raises
     ------
@@ -83,7 +84,7 @@ class Solver:
         scene: Any = None,
         *,
         tolerance: Tolerance | None = None,
-        method: str = "newton",
+        method: methods.Choice = "newton",
         prefer: Preferences | None = None,
         time: float = TIME,
         starts: int = STARTS,
@@ -99,14 +100,13 @@ class Solver:
         check_sizes(robot, self.scene)
         self.tolerance = as_tolerance(tolerance).for_robot(robot)
         self.prefer = prefer or Preferences()
-        self.method = method
+        self.method = methods.name_of(method)
         self.time = checks.number("time", time, low=0.0)
         self.starts = checks.integer("starts", starts, 1, 10**9)
         self.seed = checks.integer("seed", seed, 0, 2**31 - 1)
         self._prepared = methods.prepare(method, robot, self.scene, self.tolerance, self.prefer)
-        self._router = (
-            Router(robot, self.scene, self.tolerance) if checks.truth("routes", routes) and len(self.scene) else None
-        )
+        by_ways = checks.truth("routes", routes) and len(self.scene) > 0 and self.method == "newton"
+        self._router = Router(robot, self.scene, self.tolerance) if by_ways else None
         self._first = LOCAL if self._router else FIRST_CHUNK
         self._no_start: Floats = np.empty((0, len(robot), 3))
         self._looked_at_base = self.scene.tables, _base_blocked(robot, self.scene)
@@ -219,7 +219,7 @@ class Solver:
         shapes: list[Floats] = []
         ends = began + self.time
         for number, outcome in enumerate(self._each_start(problem, given, lambda: ends - clock.perf_counter())):
-            if outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
+            if outcome.starts == 0 or outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
                 break
             if outcome.code != methods.SOLVED:
                 continue
@@ -304,7 +304,10 @@ class Solver:
         last = number + count
         while search.open and number < last:
             end = min(last, number + search.affordable(SLICE))
-            search.take(self._prepared.run(problem.rows, given, number, end, self.seed, search.seconds_left))
+            found = self._prepared.run(problem.rows, given, number, end, self.seed, search.seconds_left)
+            search.take(found)
+            if found.starts == 0:  # the method has no more
+                return
             number = end
 
     def _status(self, outcome: Outcome) -> Status:
@@ -357,7 +360,7 @@ def solve(
     *,
     start: "Solution | Any" = None,
     tolerance: Tolerance | None = None,
-    method: str = "newton",
+    method: methods.Choice = "newton",
     prefer: Preferences | None = None,
     time: float = TIME,
     starts: int = STARTS,
@@ -379,7 +382,7 @@ def solve_all(
     count: int = 8,
     apart: float = 0.02,
     tolerance: Tolerance | None = None,
-    method: str = "newton",
+    method: methods.Choice = "newton",
     prefer: Preferences | None = None,
     time: float = TIME,
     starts: int = STARTS,

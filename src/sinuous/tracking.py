@@ -9,6 +9,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
+from sinuous.methods import Choice
 from sinuous.problem import Preferences, Tolerance
 from sinuous.robot import Robot
 from sinuous.solution import Solution, Status
@@ -152,7 +153,7 @@ def track(
     *,
     start: "Solution | Any" = None,
     tolerance: Tolerance | None = None,
-    method: str = "newton",
+    method: Choice = "newton",
     prefer: Preferences | None = None,
     time: float = TIME,
     seed: int = 0,

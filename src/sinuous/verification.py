@@ -30,14 +30,14 @@ class Worst:
     Attributes
     ----------
     constraint : str
-        `position`, `angle` or `clearance`.
+        `position`, `angle`, `clearance`, or a limit: `length`, `bend`, `curvature`, `actuator`.
     segment : int or None
         Segment where it is, 1 = first.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     amount : float
         By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); the depth of overlap
-        for `clearance` (length).
+        for `clearance` (length); beyond the limit for the others (length; rad for `bend` and `curvature`).
     """
 
     constraint: str
@@ -177,6 +177,8 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
     if overlap:
         return blocked
     found = [(-clearance / unit, blocked)]
+    for name, segment, amount in robot.violations(q):
+        found.append((amount / (1.0 if name in ("bend", "curvature") else unit), Worst(name, segment, None, amount)))
     for target in problem.targets:
         off, turn = target_errors(robot, target, ends)
         segment = len(robot) if target.segment is None else target.segment

@@ -30,3 +30,37 @@ def test_families_reach_the_benchmark_of_places_alone(
     assert given["families"] == ("p3", "drum scan")
     assert main(["bench", "speed", "--family", "p3"]) == 2
     assert "--family" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["table1", "tracking", "segments", "methods"])
+def test_options_reach_the_experiments(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str) -> None:
+    given: dict[str, Any] = {}
+
+    def run(**options: Any) -> int:
+        given.update(options)
+        return 130
+
+    monkeypatch.setattr(f"sinuous.bench.experiments.{name}.run", run)
+    line = ["bench", name, "--quick", "--anew", "--out", str(tmp_path), "--method", "dls", "--method", "newton"]
+    assert main(line) == 130
+    assert given == {
+        "json": False, "quick": True, "seed": 0, "out": tmp_path, "anew": True, "methods": ("dls", "newton"),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["nothing"], "NAME: no such measurement (got 'nothing'), expected one of speed, clutter, table1"),
+        (["speed", "--anew"], "--anew: is not for speed"),
+        (["speed", "--method", "dls"], "--method: is not for speed"),
+        (["table1", "--seed", "-1"], "--seed"),
+        (["table1", "--method", "magic"], "method: is not known (got 'magic')"),
+    ],
+)
+def test_what_cannot_be_meant_is_said(
+    arguments: list[str], complaint: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main(["bench", *arguments, "--out", str(tmp_path / "out")]) == 2
+    assert complaint in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()

@@ -87,6 +87,36 @@ def test_a_result_can_be_the_next_start(capsys: pytest.CaptureFixture[str], prob
     assert strict(capsys.readouterr().out)["start"] == "given"
 
 
+def test_methods_and_their_options(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    file = problem("scene.yaml")
+    assert main(["solve", file, "--json", "--method", "opti_path", "--option", "samples=5"]) == 0
+    found = strict(capsys.readouterr().out)
+    assert (found["method"], found["status"]) == ("opti_path", "solved")
+    stopped = ["--option", "iterations=0", "--option", "restarts=false", "--option", "other_guess=false"]
+    assert main(["solve", file, "--json", "--method", "opti_path", *stopped]) == 1
+    assert strict(capsys.readouterr().out)["iterations"] == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--method", "magic"], "--method: is not known (got 'magic'), expected one of newton, opti_path"),
+        (["--option", "beta=1"], "--option beta: unknown option (got '1'), expected none"),
+        (["--method", "opti_path", "--option", "beta=1"], "--option beta: unknown option"),
+        (["--method", "opti_path", "--option", "samples=x"], "--option samples: not usable as a count"),
+        (["--method", "opti_path", "--option", "samples"], "--option: not an option"),
+        (["--method", "opti_path", "--option", "cooling=2"], "--option cooling: out of range"),
+    ],
+)
+def test_wrong_options_are_one_line(
+    capsys: pytest.CaptureFixture[str], problem: Write, arguments: list[str], said: str
+) -> None:
+    assert main(["solve", problem("easy.yaml"), *arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(said)
+    assert error.count("\n") == 1
+
+
 def test_a_path_is_for_track(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     file = problem("path.yaml")
     assert main(["solve", file]) == 2

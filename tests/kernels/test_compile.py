@@ -3,6 +3,8 @@
 import ast
 from pathlib import Path
 
+import pytest
+
 import sinuous
 from sinuous.kernels import compile as compiling
 
@@ -47,3 +49,26 @@ def test_the_cache_is_named_by_the_sources() -> None:
     assert compiling.ALL_CALLABLE
     assert compiling.CACHE.name == compiling._sources_hash()
     assert compiling.CACHE.is_dir()
+
+
+class Uncompiled:
+    """What `announce` sees of an entry that is not loaded yet."""
+
+    signatures = ()
+    __name__ = "search"
+    __module__ = "sinuous.kernels.opti_path"
+
+    def __call__(self) -> None: ...
+
+
+def test_compiling_is_announced_for_every_method_of_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(compiling, "CACHE", tmp_path)
+    compiling.announce(Uncompiled())
+    (tmp_path / "search.search-1.py311.nbi").touch()
+    compiling.announce(Uncompiled())
+    assert capsys.readouterr().err.count("compiling the kernels") == 2
+    (tmp_path / "opti_path.search-1.py311.nbi").touch()
+    compiling.announce(Uncompiled())
+    assert capsys.readouterr().err == ""

@@ -5,6 +5,7 @@ import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from sinuous.bench.markdown import table
 from sinuous.bench.timing import Times
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6}
@@ -126,7 +127,7 @@ class Report:
             parts.append("A quick run: counts are cut down, figures mean little.")
         for section in dict.fromkeys(line.section for line in self.lines):
             lines = [line for line in self.lines if line.section == section]
-            parts += [f"## {section}", _table([HEADINGS, *(_row(line) for line in lines)])]
+            parts += [f"## {section}", table([HEADINGS, *(_row(line) for line in lines)])]
             parts += [f"{line.what}: {line.note}" for line in lines if line.note]
         held = [line.held for line in self.lines if line.goal is not None]
         parts.append(f"{held.count(True)} of {len(held)} goals held.")
@@ -145,22 +146,6 @@ def _finite(value: Any) -> Any:
 
 
 HEADINGS = ["what", "goal", "reached", "", "solved", "runs", "median", "p95", "p99", "worst"]
-
-
-def _table(rows: list[list[str]]) -> str:
-    """Markdown whose columns are also straight to the eye: the first to the left, the others to the right.
-
-    Columns without anything in them are left out.
-    """
-    used = [column for column in range(len(HEADINGS)) if column == 0 or any(row[column] for row in rows[1:])]
-    rows = [[row[column] for column in used] for row in rows]
-    widths = [max(3, *(len(row[column]) for row in rows)) for column in range(len(used))]
-    ruler = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
-    lines = []
-    for row in [rows[0], ruler, *rows[1:]]:
-        cells = [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
 
 
 def _row(line: Line) -> list[str]:

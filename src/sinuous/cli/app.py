@@ -3,6 +3,7 @@
 Nothing heavy is imported before a command runs, so that `sinuous --help` answers at once.
 """
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -24,7 +25,10 @@ app = typer.Typer(
 )
 
 Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files, YAML or JSON.", show_default=False)]
-Method = Annotated[str, typer.Option(help="Algorithm.")]
+Method = Annotated[str, typer.Option(help="Algorithm; docs/methods.md has them all.")]
+Option = Annotated[
+    list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
+]
 Time = Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")]
 Seed = Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
@@ -38,6 +42,7 @@ Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the result
 def solve(
     files: Files,
     method: Method = "newton",
+    option: Option = None,
     time: Time = 1.0,
     seed: Seed = 0,
     json: Json = False,
@@ -47,13 +52,14 @@ def solve(
     """Meet a target, or several at once."""
     from sinuous.cli.work import solve_files  # noqa: PLC0415
 
-    raise typer.Exit(solve_files(files, Options(method, time, seed, json, plot, out)))
+    raise typer.Exit(solve_files(files, Options(method, tuple(option or ()), time, seed, json, plot, out)))
 
 
 @app.command()
 def track(
     files: Files,
     method: Method = "newton",
+    option: Option = None,
     time: Time = 1.0,
     seed: Seed = 0,
     json: Json = False,
@@ -63,7 +69,7 @@ def track(
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    raise typer.Exit(track_files(files, Options(method, time, seed, json, plot, out)))
+    raise typer.Exit(track_files(files, Options(method, tuple(option or ()), time, seed, json, plot, out)))
 
 
 @app.command()
@@ -76,17 +82,44 @@ def check(files: Files, json: Json = False) -> None:
 
 @app.command()
 def bench(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="Which measurement: speed, clutter.")],
+    name: Annotated[
+        str,
+        typer.Argument(metavar="NAME", help="Which measurement: speed, clutter, table1, tracking, segments, methods."),
+    ],
     json: Json = False,
-    out: Out = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="File of speed's JSON; folder of any other, default bench-NAME, where an interrupted one goes on.",
+        ),
+    ] = None,
     seed: Seed = 0,
     quick: Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")] = False,
     family: Annotated[list[str] | None, typer.Option(help="Of clutter, this family alone; may be repeated.")] = None,
+    anew: Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")] = False,
+    method: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Only this method; repeat for more.", show_default=False)
+    ] = None,
 ) -> None:
     """Measure; only verified answers count."""
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
+        # library wait for each other ten times as long as verifying takes.
+        os.environ.setdefault(variable, "1")
     from sinuous.cli.measure import measure  # noqa: PLC0415
 
-    raise typer.Exit(measure(name, json=json, out=out, seed=seed, quick=quick, families=family or ()))
+    code = measure(
+        name,
+        json=json,
+        out=out,
+        seed=seed,
+        quick=quick,
+        families=family or (),
+        anew=anew,
+        method=method or (),
+    )
+    raise typer.Exit(code)
 
 
 @app.callback(invoke_without_command=True)

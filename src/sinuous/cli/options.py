@@ -4,8 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from sinuous.errors import InputError
+
+if TYPE_CHECKING:
+    from sinuous.methods import Choice
 
 
 @dataclass(frozen=True)
@@ -15,6 +19,8 @@ class Options:
     Attributes
     ----------
     method : str
+    options : tuple of str
+        Options of the method, `KEY=VALUE` each.
     time : float
         Budget per solve, in seconds.
     seed : int
@@ -27,6 +33,7 @@ class Options:
     """
 
     method: str = "newton"
+    options: tuple[str, ...] = ()
     time: float = 1.0
     seed: int = 0
     json: bool = False
@@ -42,10 +49,8 @@ class Options:
             That names the option.
         """
         from sinuous import checks  # noqa: PLC0415
-        from sinuous.methods import METHODS  # noqa: PLC0415
 
-        if self.method not in METHODS:
-            raise InputError("--method", "is not known", self.method, "one of " + ", ".join(METHODS))
+        self.choice()
         checks.number("--time", self.time, low=0.0)
         checks.integer("--seed", self.seed, 0, 2**31 - 1)
         for option, file in (("--out", self.out), ("--plot", self.plot)):
@@ -55,6 +60,23 @@ class Options:
             from sinuous.plotting import check_picture  # noqa: PLC0415
 
             check_picture("--plot", self.plot)
+
+    def choice(self) -> "Choice":
+        """Return the method with its options.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        from sinuous import methods  # noqa: PLC0415
+
+        if self.method not in methods.METHODS:
+            raise InputError("--method", "is not known", self.method, "one of " + ", ".join(methods.METHODS))
+        try:
+            return methods.with_options(self.method, self.options)
+        except InputError as error:
+            raise InputError(f"--option {error.key}".rstrip(), error.problem, error.value, error.expected) from None
 
     def picture(self, number: int, files: int) -> Path | None:
         """Where the picture of problem `number`, 1 = first, of `files` goes: several are numbered."""

@@ -66,7 +66,7 @@ def _prepare(problem: ProblemFile, options: Options) -> tuple[Solver, float]:
         problem.robot,
         problem.scene,
         tolerance=problem.tolerance,
-        method=options.method,
+        method=options.choice(),
         prefer=problem.prefer,
         time=options.time,
         seed=options.seed,

@@ -81,5 +81,6 @@ def inline(compiled: Function) -> Function:
 def announce(compiled: Callable[..., Any]) -> None:
     """Say on standard error that the kernels are about to be compiled, when an entry is not in the cache yet."""
     loaded: bool = bool(compiled.signatures)  # type: ignore[attr-defined]
-    if not loaded and not any(CACHE.rglob(f"*.{compiled.__name__}-*.nbi")):
+    name = f"{compiled.__module__.rpartition('.')[2]}.{compiled.__name__}"
+    if not loaded and not any(CACHE.rglob(f"{name}-*.nbi")):
         print("sinuous: compiling the kernels, once on this machine (about 20 s)", file=sys.stderr, flush=True)  # noqa: T201

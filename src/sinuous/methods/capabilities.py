@@ -1,0 +1,94 @@
+"""What methods can be asked for, and what they keep."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+
+if TYPE_CHECKING:
+    from sinuous.robot import Robot
+
+ROTATION = 2
+
+LIMITS = ("length", "bend", "curvature", "actuators")
+"""Limits that a robot may have."""
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What one method handles.
+
+    Targets and tools that it does not handle are refused. Limits and obstacles that it does not handle are those that
+    its answers may violate: such an answer is never solved, and `Solution.worst` says what it violates.
+
+    Attributes
+    ----------
+    direction, rotation : bool
+        Whether a target's position may come with a direction of the tangent, with a whole rotation.
+    alone : bool
+        Whether an orientation may be asked for without a position.
+    elbows : bool
+        Whether targets may concern other segments than the last, and several be met at once.
+    tool : bool
+        Whether the robot may have a tool.
+    limits : tuple of str
+        Which limits it takes account of (see `LIMITS`).
+    obstacles : bool
+        Whether it avoids obstacles.
+    preferences : bool
+        Whether it minimises what is preferred among solutions.
+    given : bool
+        Whether it begins from a given start.
+    starts : bool
+        Whether it has further starts of its own when the first fails.
+    compiled : str
+        Which part is compiled.
+    source : str
+        Where it is described.
+    """
+
+    direction: bool
+    rotation: bool
+    alone: bool
+    elbows: bool
+    tool: bool
+    limits: tuple[str, ...]
+    obstacles: bool
+    preferences: bool
+    given: bool
+    starts: bool
+    compiled: str
+    source: str
+
+    def refuse_robot(self, method: str, robot: "Robot") -> None:
+        """Refuse a robot that the method cannot mean.
+
+        Raises
+        ------
+        InputError
+        """
+        if not self.tool and not np.array_equal(robot.tool, np.eye(4)):
+            raise InputError("robot.tool", f"not handled by the method {method}", robot.tool.tolist(), "no tool")
+
+    def refuse_targets(self, method: str, rows: Floats, segments: int) -> None:
+        """Refuse targets `rows` (t, 15) that the method cannot mean, for a robot of so many segments.
+
+        Raises
+        ------
+        InputError
+        """
+        problem = f"not handled by the method {method}"
+        if len(rows) > 1 and not self.elbows:
+            raise InputError("targets", problem, f"{len(rows)} targets at once", "one target")
+        for row in rows:
+            segment, placed, orientation = int(row[0]), row[1], int(row[5])
+            if not self.elbows and segment not in (-1, segments - 1):
+                raise InputError("target.segment", problem, segment + 1, "a target of the last segment")
+            if not self.alone and not placed:
+                raise InputError("target.position", problem, None, "a target with a position")
+            if orientation and not (self.rotation if orientation == ROTATION else self.direction):
+                asked = "rotation" if orientation == ROTATION else "direction"
+                raise InputError(f"target.{asked}", problem, row[6:].tolist(), f"a target without {asked}")

@@ -1,0 +1,142 @@
+"""Options of a method: a frozen dataclass whose fields say what may stand in them, for Python, shell and kernels."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+
+if TYPE_CHECKING:
+    from sinuous.methods import Method
+    from sinuous.problem import Tolerance
+    from sinuous.robot import Robot
+    from sinuous.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a value may be: how to check it, to read it from text, and to hand it to a kernel as a number."""
+
+    check: Callable[[str, Any], Any]
+    read: Callable[[str, str], Any]
+    encode: Callable[[Any], float] = float
+
+
+def number(default: float, *, low: float = -np.inf, above: float = -np.inf, high: float = np.inf) -> Any:
+    """Field for a finite number in a range; `above` is excluded, the other ends are allowed."""
+
+    def check(key: str, value: Any) -> float:
+        return checks.number(key, value, low=low, above=above, high=high)
+
+    return field(default=default, metadata={"kind": Kind(check, _read_number)})
+
+
+def count(default: int, low: int, high: int) -> Any:
+    """Field for a whole number from `low` to `high`."""
+
+    def check(key: str, value: Any) -> int:
+        return checks.integer(key, value, low, high)
+
+    return field(default=default, metadata={"kind": Kind(check, _read_count)})
+
+
+def choice(default: str, *names: str) -> Any:
+    """Field for one of several words; the kernel sees its place among them."""
+    expected = "one of " + ", ".join(names)
+
+    def check(key: str, value: Any) -> str:
+        if not isinstance(value, str) or value not in names:
+            raise InputError(key, "is not known", value, expected)
+        return value
+
+    return field(default=default, metadata={"kind": Kind(check, lambda _, text: text, lambda v: float(names.index(v)))})
+
+
+def flag(default: bool) -> Any:
+    """Field for yes or no."""
+
+    def check(key: str, value: Any) -> bool:
+        if not isinstance(value, (bool, np.bool_)):
+            raise InputError(key, "is neither yes nor no", value, "True or False")
+        return bool(value)
+
+    return field(default=default, metadata={"kind": Kind(check, _read_flag)})
+
+
+def _read_number(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(key, "not a number", text, "a number") from None
+
+
+def _read_count(key: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise InputError(key, "not usable as a count", text, "a whole number") from None
+
+
+def _read_flag(key: str, text: str) -> bool:
+    if text.lower() not in ("true", "false"):
+        raise InputError(key, "is neither yes nor no", text, "true or false")
+    return text.lower() == "true"
+
+
+@dataclass(frozen=True)
+class Options:
+    """Base of the options of every method: values are checked as they come in.
+
+    Raises
+    ------
+    InputError
+        That names the option, when a value is not what it should be.
+    """
+
+    method: ClassVar[str] = ""
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({})
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            object.__setattr__(self, each.name, each.metadata["kind"].check(each.name, getattr(self, each.name)))
+
+    @classmethod
+    def parse(cls, pairs: Iterable[str]) -> Self:
+        """Read options as they are typed: `KEY=VALUE` each; `preset=NAME` gives the others their values.
+
+        Raises
+        ------
+        InputError
+            When one is not of this form, not known, given twice, or refused.
+        """
+        kinds = {each.name: each.metadata["kind"] for each in fields(cls)}
+        if cls.presets:
+            kinds["preset"] = choice("", *cls.presets).metadata["kind"]
+        known = "one of " + ", ".join(kinds) if kinds else "none: this method has no options"
+        values: dict[str, Any] = {}
+        for pair in pairs:
+            key, equals, text = pair.partition("=")
+            if not equals:
+                raise InputError("", "not an option", pair, "KEY=VALUE")
+            if key not in kinds:
+                raise InputError(key, "unknown option", text, known)
+            if key in values:
+                raise InputError(key, "given twice", text, "every option once")
+            values[key] = kinds[key].read(key, text)
+        chosen = values.pop("preset", None)
+        if chosen is not None:
+            values = {**cls.presets[kinds["preset"].check("preset", chosen)], **values}
+        return cls(**values)
+
+    def vector(self) -> Floats:
+        """All values in the order of the fields, as the kernel of the method reads them."""
+        return np.array([each.metadata["kind"].encode(getattr(self, each.name)) for each in fields(self)], np.float64)
+
+    def prepare(self, robot: "Robot", scene: "Scene", tolerance: "Tolerance") -> "Method":
+        """Prepare the method for a robot in a scene."""
+        raise NotImplementedError

@@ -1,0 +1,101 @@
+"""What holds for every method that is registered."""
+
+import inspect
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous import methods
+from sinuous.methods import METHODS
+from sinuous.methods.capabilities import LIMITS
+from sinuous.methods.options import Options
+from sinuous.solving import Solver
+from tests.helpers import refused
+
+ARM = sn.Robot.uniform(5, (45, 70), 2.4)
+EASY = sn.Target((60.0, 20.0, 240.0))
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_method_is_chosen_by_name_or_by_options(name: str) -> None:
+    chosen = methods.options_class(name)
+    assert methods.name_of(name) == name
+    assert methods.with_options(name, []) == name
+    assert set(methods.capabilities(name).limits) <= set(LIMITS)
+    if METHODS[name].options:
+        assert methods.name_of(chosen()) == name
+        assert chosen.__name__ == METHODS[name].options
+        assert getattr(sn, METHODS[name].options) is chosen
+        assert chosen.__doc__
+        for key in inspect.signature(chosen).parameters:
+            assert key in chosen.__doc__, f"{key} is not documented"
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_solved_answer_is_one(name: str) -> None:
+    solver = Solver(ARM, method=name, tolerance=sn.Tolerance(0.5, 0.02))
+    solution = solver.solve(EASY)
+    assert solution.method == name
+    assert solution.solved
+    assert solution.verify().ok
+    assert solution.q.shape == (5, 3)
+    assert solution.to_dict()["method"] == name
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_many_are_solved_like_one(name: str) -> None:
+    solver = Solver(ARM, method=name, tolerance=sn.Tolerance(0.5, 0.02))
+    targets = [EASY, sn.Target((10.0, -90.0, 220.0)), sn.Target((0.0, 0.0, 1000.0))]
+    for one, each in zip(map(solver.solve, targets), solver.solve_many(targets), strict=True):
+        assert one.status is each.status
+        np.testing.assert_array_equal(one.q, each.q)
+    assert solver.solve(targets[2]).status is sn.Status.OUT_OF_REACH
+    assert solver.solve_many([]) == []
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_what_a_method_does_not_handle_is_refused(name: str) -> None:
+    can = METHODS[name].capabilities
+    upright = np.eye(3)
+    cases: tuple[tuple[bool, str, Any], ...] = (
+        (can.direction, "target.direction", sn.Target((60, 20, 240), direction=(0, 0, 1))),
+        (can.rotation, "target.rotation", sn.Target((60, 20, 240), rotation=upright)),
+        (can.alone and can.direction, "target.position", sn.Target(direction=(0, 0, 1))),
+        (can.elbows, "target.segment", sn.Target((10, 0, 100), segment=2)),
+        (can.elbows, "targets", [EASY, sn.Target((10, 0, 100), segment=2)]),
+    )
+    solver = Solver(ARM, method=name, time=0.2)
+    for handled, key, target in cases:
+        if handled:
+            solver.solve(target)
+        else:
+            refused(key, partial(solver.solve, target), name)
+            refused(key, partial(solver.solve_many, [target]), name)
+    if not can.tool:
+        tooled = sn.Robot.uniform(2, 1.0, tool=sn.pose((0, 0, 1)))
+        refused("robot.tool", lambda: Solver(tooled, method=name), name)
+    if not can.preferences:
+        refused("prefer", lambda: Solver(ARM, method=name, prefer=sn.Preferences(bends=1.0)), name)
+
+
+def test_what_is_no_method_is_refused() -> None:
+    nothing: Any
+    for nothing in ("nothing", "", None, 3, Options()):
+        refused("method", partial(Solver, ARM, method=nothing), "newton")
+    refused("method", lambda: methods.with_options("nothing", []))
+    refused("beta", lambda: methods.with_options("newton", ["beta=1"]), "has no options")
+
+
+def test_a_violated_limit_is_the_worst() -> None:
+    """An answer that is out of its limits is never solved, and says which."""
+    robot = sn.Robot.uniform(5, (45, 70), 0.05)
+    solution = sn.solve(robot, sn.Target((150, -90, 220)), method=sn.OptiPath(restarts=False, bend_weight=0.0))
+    assert solution.status is sn.Status.LIMIT_BOUND
+    assert not solution.verify().ok
+    assert solution.worst is not None
+    assert solution.worst.constraint == "bend"
+    assert solution.worst.amount == pytest.approx(np.hypot(*solution.q[:, :2].T).max() - 0.05)
+    assert "bend of segment" in str(solution.worst)

@@ -15,6 +15,8 @@ Write = Callable[[str], str]
 
 def test_flaws_are_noted_once_beside_the_results(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     file, easy = problem("shell.yaml"), problem("easy.yaml")
+    main(["solve", file])  # may have to compile, which is said too
+    capsys.readouterr()
     assert main(["solve", "--json", file, easy, file]) == 0
     said = capsys.readouterr()
     assert [strict(line)["status"] for line in said.out.splitlines()] == ["solved"] * 3

@@ -16,7 +16,7 @@ from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene
 
-CELL, RADIUS, REACH = 0.2, 0.25, 1.2
+CELL, RADIUS, REACH = 0.2, 0.25, 1.8
 
 
 def empty_lattice(slots: int = 1 << 15) -> Lattice:
@@ -85,6 +85,13 @@ def walled(where: Corridor, scene: Scene, a: Floats, b: Floats) -> bool:
     return False
 
 
+def within_reach(middles: Floats, reach: float) -> Any:
+    """Where a way of that length from the origin to the goal can lead through."""
+    goal = np.array(corridor().goal)
+    way = np.linalg.norm(middles, axis=-1) + np.linalg.norm(middles - goal, axis=-1)
+    return way <= reach + 2.0 * HALF_DIAGONAL * CELL
+
+
 def whole_lattice(where: Corridor, scene: Scene) -> tuple[Floats, Floats, Any]:
     """Middles of all cubes within reach, their distances (-inf: cannot be passed), and the edges with their costs."""
     most = math.ceil(REACH / CELL) + 1
@@ -92,7 +99,7 @@ def whole_lattice(where: Corridor, scene: Scene) -> tuple[Floats, Floats, Any]:
     index = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
     middles: Floats = CELL * index
     d = scene.distance(middles)
-    d[(d < where.least) | (np.linalg.norm(middles, axis=1) > REACH + HALF_DIAGONAL * CELL)] = -np.inf
+    d[(d < where.least) | ~within_reach(middles, REACH)] = -np.inf
     prices = np.array([lattice.price(where, x) if x > -np.inf else np.inf for x in d])
     side = len(axis)
     numbers = np.arange(side**3).reshape(side, side, side)
@@ -207,7 +214,7 @@ def test_closed_is_said_exactly_where_free_space_is_cut_in_two() -> None:
         ended, _, _ = explore(empty_lattice(), where, scene)
         axis = CELL * np.arange(-9, 10)
         grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1)
-        free = (scene.distance(grid) >= where.least) & (np.linalg.norm(grid, axis=-1) <= 1.6 + HALF_DIAGONAL * CELL)
+        free = (scene.distance(grid) >= where.least) & within_reach(grid, 1.6)
         parts, _ = label(free, np.ones((3, 3, 3)))
         seeds = parts[(np.linalg.norm(grid - goal, axis=-1) <= HALF_DIAGONAL * CELL) & free]
         joined = parts[9, 9, 9] in seeds.tolist()

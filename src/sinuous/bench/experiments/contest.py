@@ -17,7 +17,7 @@ from sinuous.checks import Floats
 from sinuous.problem import Problem
 from sinuous.solution import Solution
 from sinuous.solving import Solver
-from sinuous.tracking import waypoints
+from sinuous.target import Target
 from sinuous.verification import Verification, verify
 
 BLOCK = 10
@@ -86,16 +86,16 @@ def solve_in_turns(
     for first in range(0, len(problems.targets), BLOCK):
         numbers = range(first, min(first + BLOCK, len(problems.targets)))
         for label, solver in solvers.items():
-            timed = [_timed(solver, problems, number) for number in [*[first] * WARM, *numbers]][WARM:]
+            timed = [_undisturbed(solver, problems.targets[i]) for i in [*[first] * WARM, *numbers]][WARM:]
             records[label] += [judge_of.record(i, *answer, keep=keep) for i, answer in zip(numbers, timed, strict=True)]
     return records
 
 
-def _timed(solver: Solver, problems: ProblemSet, number: int) -> tuple[Solution, float]:
+def _undisturbed(solver: Solver, target: Target, start: Solution | None = None) -> tuple[Solution, float]:
     """Solve, and take the time around the call; again where another process had the processor meanwhile."""
     for _ in range(TRIES):
         worked, began = thread_time(), perf_counter()
-        solution = solver.solve(problems.targets[number])
+        solution = solver.solve(target, start)
         seconds = perf_counter() - began
         if seconds - (thread_time() - worked) < STOLEN:
             break
@@ -120,13 +120,23 @@ def follow_in_turns(
         began = perf_counter()
         solver = entrant.solver(problems, seconds, seed)
         found[entrant.label] = Followed([], perf_counter() - began)
-        for _ in range(WARM):
-            solver.solve(problems.targets[0])
-        ways[entrant.label] = waypoints(solver, problems.targets)
+        ways[entrant.label] = _follow(solver, problems.targets)
     for _ in range(0, len(problems.targets), BLOCK):
         for label, way in ways.items():
             found[label].solutions.extend(islice(way, BLOCK))
     return found
+
+
+def _follow(solver: Solver, targets: Sequence[Target]) -> Iterator[Solution]:
+    """Follow a path as `track` does, with an answer that does not count at the beginning of each block."""
+    start: Solution | None = None
+    for i, target in enumerate(targets):
+        if i % BLOCK == 0:
+            for _ in range(WARM):
+                solver.solve(target, start)
+        solution, _ = _undisturbed(solver, target, start)
+        start = solution if solution.solved else start
+        yield solution
 
 
 def judge_track(judge_of: Judge, followed: Followed, *, keep: bool = False) -> list[Record]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-INK, PALE, GRID = "#333333", "#777d85", "#e6e9ec"
+INK, PALE, GRID, BAND = "#333333", "#777d85", "#e6e9ec", "#f1ece2"
 
 
 class Style(NamedTuple):
@@ -72,11 +72,12 @@ def _plain_decades(axis: Any, set_scale: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def legend(figure: Any, labels: Sequence[str], *, marks: bool = True, columns: int = 5) -> None:
-    """Put one legend under all panels of a figure: the styles of these methods."""
+def legend(figure: Any, labels: Sequence[str], *, marks: bool = True, columns: int = 5, band: str = "") -> None:
+    """Put one legend under all panels of a figure: the styles of these methods, and what a shaded band is."""
     from matplotlib.lines import Line2D  # noqa: PLC0415
+    from matplotlib.patches import Patch  # noqa: PLC0415
 
-    handles = [
+    handles: list[Any] = [
         Line2D(
             [],
             [],
@@ -88,6 +89,7 @@ def legend(figure: Any, labels: Sequence[str], *, marks: bool = True, columns: i
         )
         for label in labels
     ]
+    handles += [Patch(color=BAND, label=band)] if band else []
     figure.legend(
         handles=handles, loc="outside lower center", ncols=min(columns, len(handles)), frameon=False, labelcolor=INK
     )

@@ -9,7 +9,7 @@ import numpy as np
 
 from sinuous.bench.experiments.contest import Judge, Record, Tally, follow_in_turns, judge_track
 from sinuous.bench.experiments.entrants import divide, entrants, roster
-from sinuous.bench.experiments.figures import legend, new_figure, style, tidy
+from sinuous.bench.experiments.figures import BAND, legend, new_figure, style, tidy
 from sinuous.bench.experiments.frame import Findings, Piece, conduct
 from sinuous.bench.experiments.scenes import POINTS, TOTAL, path_through
 from sinuous.bench.experiments.shapes import draw_track
@@ -23,6 +23,9 @@ BUDGET = 0.1
 
 SCENES = {10: 2, 20: 2, 40: 2, 70: 12}
 """Scenes by their number of spheres."""
+
+CONTACT = 1e-5
+"""Clearance (mm) below which a figure shows no differences."""
 
 JUMP = 0.1 * TOTAL
 """Motion (mm) of some point of the body between two waypoints that is a jump to another shape; a step of the path is a
@@ -191,8 +194,8 @@ def _draw_times(by_density: dict[int, Tracks]) -> Any:
     panels = figure.subplots((len(by_density) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False).ravel()
     for axes, (spheres, tracks) in zip(panels, by_density.items(), strict=False):
         tidy(axes, f"{spheres} spheres", log_y=True)
-        axes.axhspan(*PUBLISHED, color="#f1ece2", linewidth=0.0, zorder=0)
-        for label, scenes in tracks.items():
+        axes.axhspan(*PUBLISHED, color=BAND, linewidth=0.0, zorder=0)
+        for label, scenes in reversed(tracks.items()):
             _draw_time(axes, label, scenes[0])
     for axes in panels[len(by_density) :]:
         axes.set_visible(False)
@@ -200,11 +203,9 @@ def _draw_times(by_density: dict[int, Tracks]) -> Any:
         axes.set_xlabel("waypoint (a cross: not reached)")
     for axes in panels[::2]:
         axes.set_ylabel("ms")
-    panels[0].annotate(
-        "typical of the paper, on other hardware", (0.01, PUBLISHED[0] * 1.1), xycoords=("axes fraction", "data"),
-        fontsize=8, color="#a08e6c",
-    )  # fmt: skip
-    legend(figure, list(next(iter(by_density.values()))), columns=6)
+    legend(
+        figure, list(next(iter(by_density.values()))), columns=7, band=f"paper: {PUBLISHED[0]:g} to {PUBLISHED[1]:g} ms"
+    )
     return figure
 
 
@@ -213,8 +214,7 @@ def _draw_time(axes: Any, label: str, records: Sequence[Record]) -> None:
     times = 1e3 * np.array([record["seconds"] for record in records])
     right = np.array([record["right"] for record in records])
     number = np.arange(1, len(records) + 1)
-    axes.plot(number, np.where(right, times, np.nan), color=look.color, linewidth=0.6, alpha=0.6)
-    axes.plot(number[right], times[right], look.marker, color=look.color, markersize=2.4)
+    axes.plot(number[right], times[right], look.marker, color=look.color, markersize=2.8, markeredgewidth=0.0)
     axes.plot(number[~right], times[~right], "x", color=look.color, markersize=4.0, markeredgewidth=0.9, alpha=0.7)
 
 
@@ -224,7 +224,7 @@ def _draw_fractions(by_density: dict[int, Tracks]) -> Any:
     left, middle, right = figure.subplots(1, 3)
     for axes, title, decades in (
         (left, "tracked, %", False), (middle, "median time of a waypoint, ms", True),
-        (right, "least clearance, mm", False),
+        (right, "least clearance, mm", True),
     ):  # fmt: skip
         tidy(axes, title, log_y=decades)
         axes.set_xlabel("spheres")
@@ -236,13 +236,12 @@ def _draw_fractions(by_density: dict[int, Tracks]) -> Any:
         for axes, values in (
             (left, [tally.percent for tally in tallies]),
             (middle, [1e3 * tally.times.median for tally in tallies]),
-            (right, [_least(records) for records in flat]),
+            (right, [max(_least(records), CONTACT) for records in flat]),
         ):
             axes.plot(
                 list(by_density), values, color=look.color, marker=look.marker, linewidth=look.width, markersize=6
             )
-    left.set_ylim(-3.0, 104.0)
-    right.set_ylim(bottom=0.0)
+    left.set_ylim(top=101.0)
     legend(figure, list(next(iter(by_density.values()))), columns=6)
     return figure
 

@@ -1,0 +1,47 @@
+"""The pages in docs/ name what is there, and say of the methods what they say of themselves."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from sinuous.bench.experiments.entrants import FAITHFUL
+from sinuous.methods import METHODS
+from sinuous.methods.capabilities import LIMITS
+
+DOCS = Path(__file__).parent.parent / "docs"
+PAGES = sorted(DOCS.glob("*.md"))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.name))
+def test_links_and_pictures_are_there(page: Path) -> None:
+    for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
+        assert link.startswith("https://") or (DOCS / link).exists(), link
+
+
+def rows_of(page: str) -> dict[str, list[str]]:
+    """Cells of the first table of capabilities, by method."""
+    lines = (DOCS / page).read_text(encoding="utf-8").split("## What they handle")[1].splitlines()
+    table = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| `")]
+    return {row[0].strip("`"): row[1:] for row in table[: len(METHODS)]}
+
+
+def test_the_table_of_methods_is_true() -> None:
+    rows = rows_of("methods.md")
+    assert list(rows) == list(METHODS)
+    for name, registered in METHODS.items():
+        can = registered.capabilities
+        flags = can.direction, can.rotation, can.alone, can.elbows, can.tool
+        limits = "all" if can.limits == LIMITS else ", ".join(can.limits)
+        rest = can.obstacles, can.preferences, can.given, can.starts
+        assert rows[name] == [*map(word, flags), limits, *map(word, rest)]
+
+
+def word(handled: bool) -> str:
+    return "yes" if handled else ""
+
+
+def test_every_method_was_measured() -> None:
+    text = (DOCS / "experiments.md").read_text(encoding="utf-8")
+    for label in (*METHODS, FAITHFUL):
+        assert text.count(f"| {label} ") >= 8, label

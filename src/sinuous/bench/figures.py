@@ -12,8 +12,8 @@ from sinuous.bench.report import Goal, Line
 from sinuous.bench.timing import Times
 from sinuous.bench.trials import ARC, IPOPT, RANDOM, Attempt, Task, Trial, examine
 
-COUNT, QUICK = 40, 2
-"""Places of a family: twice all robots; in a quick run."""
+COUNT, QUICK = 60, 2
+"""Places of a family: three times all robots; in a quick run."""
 
 PROTOCOL, PROTOCOL_QUICK = 400, 8
 """Targets of a published protocol: a hundred in each of its four scenes."""

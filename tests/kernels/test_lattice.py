@@ -230,6 +230,10 @@ def test_a_full_table_and_a_spent_time_are_said() -> None:
     assert explore(empty_lattice(), far._replace(room=1e9), Scene([Sphere((3, 0, 0), 1.0)]), deadline=0.0)[0] == LATE
 
 
+def test_a_goal_larger_than_the_table_fills_it_and_ends() -> None:
+    assert explore(empty_lattice(1 << 8), corridor(reach=50.0, around=2.0), Scene())[0] == FULL
+
+
 def test_nothing_passes_behind_the_backs_of_the_ends() -> None:
     where = corridor(goal=(0.0, 0.0, -0.8), axis=(0.0, 0.0, 1.0), turn=0.7, reach=3.0)
     table = empty_lattice()

@@ -218,8 +218,11 @@ def _pop(lattice: Lattice, size: int) -> tuple[int, int]:
 
 
 @kernel
-def _seed(lattice: Lattice, corridor: Corridor, scene: Scene) -> tuple[int, int]:
-    """Put the cubes that the ball about the goal touches into the queue: its size, and cubes that are new."""
+def _seed(lattice: Lattice, corridor: Corridor, scene: Scene, most: int) -> tuple[int, int]:
+    """Put the cubes that the ball about the goal touches into the queue: its size, and cubes that are new.
+
+    No more than `most` are taken: in a full table the search for a place would never end.
+    """
     size = entered = 0
     h, around = corridor.cell, corridor.around
     span = math.ceil(around / h) + 1
@@ -233,6 +236,8 @@ def _seed(lattice: Lattice, corridor: Corridor, scene: Scene) -> tuple[int, int]
                     continue
                 slot = find_slot(lattice, key)
                 if lattice.keys[slot] == 0:
+                    if entered >= most:
+                        return size, entered
                     _enter(lattice, corridor, scene, slot, key)
                     entered += 1
                 if lattice.distance[slot] > -math.inf:
@@ -301,9 +306,11 @@ def explore(
     `entered` cubes are in the table already. Returns FOUND, CLOSED (no way), FULL (the table or the queue is) or LATE;
     the slot that the way begins with; and how many cubes are in the table then.
     """
-    size, new = _seed(lattice, corridor, scene)
-    entered += new
     most = lattice.keys.shape[0] // 2
+    size, new = _seed(lattice, corridor, scene, most - entered)
+    entered += new
+    if entered >= most:
+        return FULL, NONE, entered
     looks = 0
     while size > 0:
         if entered + 27 > most or size + 27 > lattice.queue.shape[0]:

@@ -1,5 +1,7 @@
 """Ways as starts: narrow places that a local solver does not get into, and rooms without a door."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -146,3 +148,28 @@ def test_all_solutions_come_from_different_ways() -> None:
     assert "route" in {solution.start for solution in found}
     sides = {tuple(np.sign(np.round(ROBOT.backbone(s.q, 20)[50, :2], 1))) for s in found}
     assert len(sides) >= 3
+
+
+@pytest.fixture
+def without_ways(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fail where a way is looked for, once a `Solver` is made."""
+    find = Router._find
+
+    def only_loading(self: Router, problem: Problem, which: int, plan: Any, seconds: float) -> Any:
+        assert seconds == 0.0, "looked for a way"
+        return find(self, problem, which, plan, seconds)
+
+    monkeypatch.setattr(Router, "_find", only_loading)
+
+
+@pytest.mark.usefixtures("without_ways")
+def test_what_is_decided_needs_no_way(narrow: Scene, target: Target) -> None:
+    ball = [Sphere((0, 0, 2.2), 0.7)]
+    assert Solver(ROBOT, ball).solve(Target((0, 0, 50))).status is Status.OUT_OF_REACH
+    assert Solver(ROBOT, ball).solve(Target((0, 0, 2.2))).status is Status.TARGET_BLOCKED
+    assert Solver(ROBOT, narrow, starts=1).solve(target).starts == 1
+
+
+def test_all_solutions_come_from_no_more_starts_than_allowed(narrow: Scene, target: Target) -> None:
+    solver = Solver(ROBOT, narrow, time=60.0, starts=2)
+    assert solver.solve_all(target) == []

@@ -218,7 +218,8 @@ class Solver:
         found: list[Solution] = []
         shapes: list[Floats] = []
         ends = began + self.time
-        for number, outcome in enumerate(self._each_start(problem, given, lambda: ends - clock.perf_counter())):
+        followed = self._each_start(problem, given, lambda: ends - clock.perf_counter())
+        for number, outcome in enumerate(islice(followed, self.starts)):
             if outcome.starts == 0 or outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
                 break
             if outcome.code != methods.SOLVED:
@@ -280,16 +281,18 @@ class Solver:
         """Try ways through free space and starts at random in turn, until something is decided."""
         search = Search(best, self.starts, self.time)
         number = best.starts
-        for routes in self._router.search(problem, lambda: search.seconds_left) if self._router is not None else ():
+        ways = iter(()) if self._router is None else self._router.search(problem, lambda: search.seconds_left)
+        while search.open:
+            routes = next(ways, None)
+            if routes is None:
+                self._scatter(search, problem, given, number, self.starts)
+                break
             search.spend(routes.seconds)
             if routes.closed:
                 search.close(routes.cell)
             self._follow(search, problem, routes.starts)
             self._scatter(search, problem, given, number, routes.then)
             number += routes.then
-            if not search.open:
-                return search.outcome
-        self._scatter(search, problem, given, number, self.starts)
         return search.outcome
 
     def _follow(self, search: Search, problem: Problem, starts: Floats) -> None:

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from sinuous.errors import InputError
-from sinuous.kernels import chain, distances
-from sinuous.kernels.arc import SERIES_END
-from sinuous.kernels.sweeps import IDLE, Rows
+from sinuous.kernels.chain import kinematics as chain
+from sinuous.kernels.chain.arc import SERIES_END
+from sinuous.kernels.fields import distances
+from sinuous.kernels.step.sweeps import IDLE, Rows
 from sinuous.scene.scene import Scene
 
 Floats = NDArray[np.float64]

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from sinuous.bench.experiments.entrants import FAITHFUL
-from sinuous.methods import METHODS
+from benchmarks.experiments.entrants import FAITHFUL
 from sinuous.methods.capabilities import LIMITS
+from sinuous.methods.registry import METHODS
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = sorted(DOCS.glob("*.md"))

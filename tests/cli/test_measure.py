@@ -15,7 +15,7 @@ def test_options_reach_the_measurement(monkeypatch: pytest.MonkeyPatch, tmp_path
         given.update(options)
         return 1
 
-    monkeypatch.setattr("sinuous.bench.speed.run", run)
+    monkeypatch.setattr("benchmarks.speed.run", run)
     out = tmp_path / "speed.json"
     assert main(["bench", "speed", "--json", "--quick", "--seed", "3", "--out", str(out)]) == 1
     assert given == {"json": True, "quick": True, "seed": 3, "out": out}
@@ -25,7 +25,7 @@ def test_families_reach_the_benchmark_of_places_alone(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     given: dict[str, Any] = {}
-    monkeypatch.setattr("sinuous.bench.clutter.run", lambda **options: given.update(options))
+    monkeypatch.setattr("benchmarks.clutter.run", lambda **options: given.update(options))
     assert main(["bench", "clutter", "--family", "p3", "--family", "drum scan"]) == 0
     assert given["families"] == ("p3", "drum scan")
     assert main(["bench", "speed", "--family", "p3"]) == 2
@@ -40,7 +40,7 @@ def test_options_reach_the_experiments(monkeypatch: pytest.MonkeyPatch, tmp_path
         given.update(options)
         return 130
 
-    monkeypatch.setattr(f"sinuous.bench.experiments.{name}.run", run)
+    monkeypatch.setattr(f"benchmarks.experiments.{name}.run", run)
     line = ["bench", name, "--quick", "--anew", "--out", str(tmp_path), "--method", "dls", "--method", "newton"]
     assert main(line) == 130
     assert given == {

@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from sinuous import tracking
 from sinuous.cli.app import main
-from sinuous.solution import Solution
+from sinuous.motion import track as tracking
+from sinuous.solution.solution import Solution
 from tests.cli.conftest import ROBOT
 from tests.cli.test_solve import KEYS, strict
 

@@ -56,7 +56,7 @@ class Uncompiled:
 
     signatures = ()
     __name__ = "search"
-    __module__ = "sinuous.kernels.opti_path"
+    __module__ = "sinuous.methods.opti_path.search"
 
     def __call__(self) -> None: ...
 

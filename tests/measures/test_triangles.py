@@ -5,7 +5,7 @@ import pytest
 
 from sinuous.measures.obstacles import measure
 from sinuous.measures.triangles import to_triangles
-from sinuous.scene.mesh import Mesh
+from sinuous.scene.meshes.mesh import Mesh
 from tests.helpers import Floats, random_rotation
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
 

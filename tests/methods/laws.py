@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 import sinuous as sn
-from sinuous import methods
 from sinuous.checks import Floats
+from sinuous.methods import registry as methods
 
 ARM = sn.Robot.uniform(5, (45, 70), base=sn.pose(direction=(0, 0, -1)))
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous import methods
-from sinuous.methods import METHODS
+from sinuous.methods import registry as methods
 from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.options import Options
-from sinuous.solving import Solver
+from sinuous.methods.registry import METHODS
+from sinuous.solving.solver import Solver
 from tests.helpers import refused
 
 ARM = sn.Robot.uniform(5, (45, 70), 2.4)

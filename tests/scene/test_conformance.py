@@ -12,17 +12,17 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from sinuous.kernels import distances, solids
+from sinuous.kernels.fields import distances, solids
 from sinuous.measures.obstacles import measure
 from sinuous.poses import pose
-from sinuous.scene.field import Field
-from sinuous.scene.grid import Grid
-from sinuous.scene.mesh import Mesh
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.meshes.topology import Integers
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.samples import sample_points
+from sinuous.scene.sampled.samples import sample_points
 from sinuous.scene.scene import Scene
-from sinuous.scene.topology import Integers
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
 from tests.scene import shapes
 

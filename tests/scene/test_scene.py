@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.scene.grid import Grid
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.grid import Grid
 from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
-from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, refused, refused_each
 

@@ -8,7 +8,7 @@ import typer
 from sinuous.cli.reading import read_all
 from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
-from sinuous.verification import Verification, verify
+from sinuous.solution.verification import Verification, verify
 
 
 def check_files(files: list[str], *, json: bool) -> int:

@@ -11,7 +11,7 @@ from sinuous.cli.options import check_writable
 from sinuous.errors import InputError
 
 EXPERIMENTS = ("table1", "tracking", "segments", "methods")
-"""Those that keep a journal in a folder: files in `sinuous.bench.experiments`."""
+"""Those that keep a journal in a folder: files in `benchmarks.experiments`."""
 
 WITH_FAMILIES = ("clutter",)
 """Measurements of which a part can be chosen."""
@@ -40,7 +40,7 @@ def measure(
         raise InputError("--family", "has no meaning here", list(families), f"bench {' or '.join(WITH_FAMILIES)}")
     if name in EXPERIMENTS:
         try:
-            run = import_module(f"sinuous.bench.experiments.{name}").run
+            run = import_module(f"benchmarks.experiments.{name}").run
             return int(run(json=json, out=out, seed=seed, quick=quick, anew=anew, methods=tuple(method)))
         except KeyboardInterrupt:
             typer.echo("sinuous: interrupted before anything was measured", err=True)
@@ -51,4 +51,4 @@ def measure(
     if out is not None:
         check_writable("--out", out)
     chosen = {"families": tuple(families)} if families else {}
-    return int(import_module(f"sinuous.bench.{name}").run(json=json, out=out, seed=seed, quick=quick, **chosen) or 0)
+    return int(import_module(f"benchmarks.{name}").run(json=json, out=out, seed=seed, quick=quick, **chosen) or 0)

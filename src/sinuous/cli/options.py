@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from sinuous.errors import InputError
 
 if TYPE_CHECKING:
-    from sinuous.methods import Choice
+    from sinuous.methods.registry import Choice
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Options:
             if file is not None:
                 check_writable(option, file, files)
         if self.plot is not None:
-            from sinuous.plotting import check_picture  # noqa: PLC0415
+            from sinuous.pictures.plot import check_picture  # noqa: PLC0415
 
             check_picture("--plot", self.plot)
 
@@ -69,7 +69,7 @@ class Options:
         InputError
             That names the option.
         """
-        from sinuous import methods  # noqa: PLC0415
+        from sinuous.methods import registry as methods  # noqa: PLC0415
 
         if self.method not in methods.METHODS:
             raise InputError("--method", "is not known", self.method, "one of " + ", ".join(methods.METHODS))

@@ -8,8 +8,8 @@ import typer
 from sinuous.cli.options import Options
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
-from sinuous.solution import Solution
-from sinuous.tracking import Track
+from sinuous.motion.track import Track
+from sinuous.solution.solution import Solution
 
 
 class Output:
@@ -38,7 +38,7 @@ class Output:
         typer.echo(line if self._options.json else f"{file}: {str(answer).split(': ', 1)[1]}")
         picture = self._options.picture(self._done, self._files)
         if picture is not None:
-            from sinuous.plotting import plot_solution  # noqa: PLC0415
+            from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
 
             plot_solution(answer, picture)
 

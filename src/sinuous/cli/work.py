@@ -11,9 +11,9 @@ from sinuous.cli.progress import Bar
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
-from sinuous.solution import Solution
-from sinuous.solving import Solver
-from sinuous.tracking import Track, waypoints
+from sinuous.motion.track import Track, waypoints
+from sinuous.solution.solution import Solution
+from sinuous.solving.solver import Solver
 
 SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
 

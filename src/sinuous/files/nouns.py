@@ -5,18 +5,18 @@ from pathlib import Path
 from typing import Any
 
 from sinuous import checks
-from sinuous.actuators import Chambers, Tendons
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import keys_of, known_entries, make
 from sinuous.poses import pose
-from sinuous.robot import MOST_SEGMENTS, Robot, Segment
-from sinuous.scene.grid import Grid
-from sinuous.scene.mesh import Mesh
+from sinuous.problem.target import Target
+from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.robot import MOST_SEGMENTS, Robot, Segment
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
-from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
-from sinuous.target import Target
 
 OBSTACLES: dict[str, Callable[..., Obstacle]] = {
     "sphere": Sphere,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.files.text import NUMBER
-from sinuous.target import Target
+from sinuous.problem.target import Target
 
 POSITION = ("x", "y", "z")
 ORIENTATIONS = {"direction": ("dx", "dy", "dz"), "rotation": ("qw", "qx", "qy", "qz")}

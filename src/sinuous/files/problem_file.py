@@ -15,11 +15,11 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
-from sinuous.problem import Preferences, Problem, Tolerance
-from sinuous.robot import Robot
-from sinuous.scene.mesh import Mesh
+from sinuous.problem.problem import Preferences, Problem, Tolerance
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
-from sinuous.target import Target
 
 QUESTIONS = ("target", "targets", "path")
 KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer")

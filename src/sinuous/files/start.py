@@ -8,7 +8,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.json_syntax import parse_json
 from sinuous.files.text import read_text
-from sinuous.robot import Robot
+from sinuous.robot.robot import Robot
 
 
 def read_start(value: Any, robot: Robot, folder: Path) -> Floats:

@@ -6,7 +6,7 @@ from typing import Any
 from numba import types
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.vectors import Array
+from sinuous.kernels.maths.vectors import Array
 
 _WINDOWS = sys.platform == "win32"
 _MONOTONIC = 6 if sys.platform == "darwin" else 1

@@ -32,9 +32,15 @@ arithmetic. Callers bring the workspace, and no kernel returns an array."""
 NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
+def _sources() -> list[Path]:
+    """All files with kernels in them: here, and in the folders of the methods."""
+    package = Path(__file__).parents[1]
+    return sorted([*(package / "kernels").rglob("*.py"), *(package / "methods").rglob("*.py")])
+
+
 def _sources_hash() -> str:
     digest = hashlib.sha256(f"{numba.__version__} {sys.version_info} {ALL_CALLABLE}".encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in _sources():
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -6,11 +6,11 @@ from sinuous.checks import Floats
 from sinuous.measures.primitives import to_primitive
 from sinuous.measures.samples import to_cloud, to_field, to_grid
 from sinuous.measures.triangles import to_mesh
-from sinuous.scene.field import Field
-from sinuous.scene.grid import Grid
-from sinuous.scene.mesh import Mesh
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.point_cloud import PointCloud
 
 
 def measure(obstacle: Obstacle, points: Floats) -> Floats:

@@ -7,9 +7,9 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.measures.nearest import Indices, least_distances
 from sinuous.measures.primitives import to_boxes
-from sinuous.scene.field import Field, evaluate
-from sinuous.scene.grid import Grid
-from sinuous.scene.point_cloud import PointCloud
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field, evaluate
+from sinuous.scene.grids.grid import Grid
 
 
 def to_cloud(cloud: PointCloud, points: Floats) -> Floats:

@@ -4,8 +4,8 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.measures.nearest import Indices, least_distances
-from sinuous.scene.mesh import Mesh
-from sinuous.scene.orientation import winding_numbers
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.meshes.orientation import winding_numbers
 
 
 def to_mesh(mesh: Mesh, points: Floats) -> Floats:

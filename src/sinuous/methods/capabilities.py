@@ -9,7 +9,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 
 if TYPE_CHECKING:
-    from sinuous.robot import Robot
+    from sinuous.robot.robot import Robot
 
 ROTATION = 2
 

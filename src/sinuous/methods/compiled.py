@@ -8,20 +8,20 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.states import SETTINGS
+from sinuous.kernels.step.states import SETTINGS
 from sinuous.methods.capabilities import Capabilities
-from sinuous.problem import Tolerance
-from sinuous.robot import Robot
+from sinuous.problem.problem import Tolerance
+from sinuous.problem.target import WIDTH as TARGET_WIDTH
+from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution import Outcome
-from sinuous.target import WIDTH as TARGET_WIDTH
+from sinuous.solution.solution import Outcome
 
 RECORD = 10
-"""Numbers in the record of a search; see `sinuous.kernels.common`."""
+"""Numbers in the record of a search; see `sinuous.kernels.solve.judge`."""
 
 
 class Compiled:
-    """A prepared method, behind an entry with the arguments of `sinuous.kernels.opti_path.search`.
+    """A prepared method, behind an entry with the arguments of `sinuous.methods.opti_path.search.search`.
 
     Parameters
     ----------

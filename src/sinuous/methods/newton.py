@@ -1,4 +1,4 @@
-"""Our own method: a damped Newton step of the whole robot in two sweeps (see `sinuous.kernels.sweeps`)."""
+"""Our own method: a damped Newton step of the whole robot in two sweeps (see `sinuous.kernels.step.sweeps`)."""
 
 import threading
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.preferences import prefer
-from sinuous.kernels.search import OUTCOME, SOLVED, search, search_many
-from sinuous.kernels.states import SETTINGS, workspace_size
-from sinuous.problem import Preferences, Tolerance
-from sinuous.robot import Robot
+from sinuous.kernels.solve.preferences import prefer
+from sinuous.kernels.solve.search import OUTCOME, SOLVED, search, search_many
+from sinuous.kernels.step.states import SETTINGS, workspace_size
+from sinuous.problem.problem import Preferences, Tolerance
+from sinuous.problem.target import WIDTH as TARGET_WIDTH
+from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution import Outcome
-from sinuous.target import WIDTH as TARGET_WIDTH
+from sinuous.solution.solution import Outcome
 
 ITERATIONS = 60
 """Most iterations from one start."""

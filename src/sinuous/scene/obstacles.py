@@ -51,7 +51,7 @@ class Primitive(Obstacle):
     @property
     @abstractmethod
     def row(self) -> Floats:
-        """One row of the table that the kernels read; layout of `sinuous.kernels.distances`."""
+        """One row of the table that the kernels read; layout of `sinuous.kernels.fields.distances`."""
 
 
 def _row(kind: int, inside: bool, center: Floats, rotation: Floats, half: Any, rounding: float) -> Floats:

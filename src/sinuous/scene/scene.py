@@ -12,9 +12,9 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene import tables
-from sinuous.scene.field import Field, evaluate
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field, evaluate
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.tables import WIDTH, Part, Tables
 
 __all__ = ["WIDTH", "Scene"]
@@ -179,7 +179,7 @@ class Scene:
         return self._query(points)[2]
 
     def _query(self, points: Any) -> tuple[Floats, Floats, NDArray[np.int64], Floats]:
-        from sinuous.kernels import distances  # noqa: PLC0415
+        from sinuous.kernels.fields import distances  # noqa: PLC0415
 
         checked = checks.stack("points", points, (3,))
         flat = checked.reshape(-1, 3).copy()

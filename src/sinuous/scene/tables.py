@@ -10,14 +10,14 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene import sampling, trees
-from sinuous.scene.field import Field
-from sinuous.scene.grid import Grid
-from sinuous.scene.mesh import Mesh
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.point_cloud import PointCloud
-from sinuous.scene.sampling import Progress
-from sinuous.scene.trees import Pieces
+from sinuous.scene.sampled import sampling, trees
+from sinuous.scene.sampled.sampling import Progress
+from sinuous.scene.sampled.trees import Pieces
 
 WIDTH = 18
 
@@ -72,7 +72,7 @@ def live(cloud: PointCloud) -> Part:
 
 def join(parts: Sequence[Part]) -> Tables:
     """Put the obstacles of a scene together."""
-    from sinuous.kernels.solids import AT, ITEMS, NODES, NORMALS, TREE  # noqa: PLC0415
+    from sinuous.kernels.fields.solids import AT, ITEMS, NODES, NORMALS, TREE  # noqa: PLC0415
 
     table = np.array([part.row for part in parts], np.float64).reshape(-1, WIDTH)
     at = 0
@@ -105,7 +105,7 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
 
 def _of_pieces(pieces: Pieces) -> Part:
     """Row and store of a tree."""
-    from sinuous.kernels import solids  # noqa: PLC0415
+    from sinuous.kernels.fields import solids  # noqa: PLC0415
 
     row = np.zeros(WIDTH)
     row[[solids.KIND, solids.SIGN]] = solids.TREE, pieces.sign
@@ -134,7 +134,7 @@ def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
 
 def _of_samples(values: Floats, low: Floats, spacing: float) -> Part:
     """Row and store of samples alone."""
-    from sinuous.kernels import solids  # noqa: PLC0415
+    from sinuous.kernels.fields import solids  # noqa: PLC0415
 
     row = np.zeros(WIDTH)
     row[[solids.KIND, solids.SIGN, solids.NODES, solids.ITEMS, solids.NORMALS]] = solids.SAMPLES, 1.0, -1.0, -1.0, -1.0
@@ -142,7 +142,7 @@ def _of_samples(values: Floats, low: Floats, spacing: float) -> Part:
 
 
 def _with_grid(row: Floats, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
-    from sinuous.kernels import solids  # noqa: PLC0415
+    from sinuous.kernels.fields import solids  # noqa: PLC0415
 
     result = row.copy()
     result[solids.AT], result[solids.SPACING] = at, spacing
@@ -153,7 +153,7 @@ def _with_grid(row: Floats, at: int, shape: Any, low: Floats, spacing: float) ->
 
 def _check_sides(part: Part, name: str) -> None:
     """Refuse a solid whose sides cannot be told apart: where its surface cuts through itself, distances jump."""
-    from sinuous.kernels import solids  # noqa: PLC0415
+    from sinuous.kernels.fields import solids  # noqa: PLC0415
 
     at, spacing = int(part.row[solids.AT]), float(part.row[solids.SPACING])
     shape = part.row[solids.SHAPE : solids.SHAPE + 3].astype(int)

@@ -1,0 +1,92 @@
+"""The scenes of balls that published codes were measured in (protocols P3 and P4), with targets from free shapes."""
+
+import itertools
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.clearances import least_clearance
+from benchmarks.places.place import Place
+from benchmarks.reference import tip_poses
+from sinuous.checks import Floats
+from sinuous.problem.problem import Tolerance
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.obstacles import Sphere
+from sinuous.scene.scene import Scene
+
+RADIUS = 0.01
+"""Of the body; segments are 1 long, or 0.15 to 0.55."""
+
+TOLERANCE = Tolerance(0.7e-6, 0.7e-6)
+"""Published codes were asked for an error of 1e-2 in se(3); ours is asked for 1e-6."""
+
+SHORT = (0.15, 0.55)
+
+
+def _corners(size: float) -> list[tuple[float, ...]]:
+    return list(itertools.product((-size, size), repeat=3))
+
+
+def _icosahedron() -> list[tuple[float, ...]]:
+    a, b = 0.5257, 0.8507
+    signs = list(itertools.product((-1.0, 1.0), repeat=2))
+    flat = [(0.0, s * a, t * b) for s, t in signs]
+    return [vertex[-k:] + vertex[:-k] for vertex in flat for k in range(3)]
+
+
+SCENES = (
+    (
+        "octahedron",
+        [(0.8 * s * (i == 0), 0.8 * s * (i == 1), 0.8 * s * (i == 2)) for i in range(3) for s in (-1, 1)],
+        0.4,
+    ),
+    ("cube", _corners(0.8), 0.4),
+    ("icosahedron", _icosahedron(), 0.4),
+    ("lattice", list(itertools.product((-0.8, 0.0, 0.8), (-0.4, 0.4, 1.2), (-0.8, 0.2, 1.2))), 0.2),
+)
+"""Names, centers and radius of the balls."""
+
+
+@lru_cache
+def _scene(number: int) -> Scene:
+    _, centers, radius = SCENES[number]
+    return Scene([Sphere(center, radius) for center in centers])
+
+
+@lru_cache
+def _robot(count: int, short: bool) -> Robot:
+    return Robot.uniform(count, SHORT if short else 1.0, math.pi, radius=RADIUS)
+
+
+def fixed(seed: int) -> Place:
+    """P3: three inextensible segments, position and rotation; scenes in turn."""
+    return _draw("p3", seed, _robot(3, False), _scene(seed % 4), whole=True)
+
+
+def extensible(seed: int, whole: bool) -> Place:
+    """P4: three to six extensible segments, position and direction or (`whole`) rotation; scenes and robots in turn."""
+    family = "p4 pose" if whole else "p4 direction"
+    return _draw(family, seed, _robot(3 + seed // 4 % 4, True), _scene(seed % 4), whole)
+
+
+def _draw(family: str, seed: int, robot: Robot, scene: Scene, whole: bool) -> Place:
+    """Draw shapes until one is free: bends pi U(0, 1), plane angles 2 pi U(0, 1), lengths even over their range."""
+    rng = np.random.default_rng([seed, len(robot), int(whole)])
+    while True:
+        q = _shape(robot, rng)
+        if least_clearance(robot, scene, q[None], 0.0)[0] > 0.0:
+            break
+    tip = tip_poses(robot, q[None])[0]
+    asked = {"rotation": tip[:3, :3]} if whole else {"direction": tip[:3, 2]}
+    return Place(family, seed, robot, scene, Target(tip[:3, 3], **asked), TOLERANCE, q)
+
+
+def _shape(robot: Robot, rng: Generator) -> Floats:
+    n = len(robot)
+    bends, angles = math.pi * rng.random(n), 2.0 * math.pi * rng.random(n)
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    lengths = low + (high - low) * rng.random(n)
+    return np.stack([bends * np.cos(angles), bends * np.sin(angles), lengths], axis=-1)

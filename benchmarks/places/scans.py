@@ -1,0 +1,79 @@
+"""What a scanner makes of a place: points on all surfaces, so many that nothing can slip between them."""
+
+import math
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.clearances import least_clearance
+from benchmarks.places.place import ROOM, Draw, Sketch
+from benchmarks.places.surfaces import Faces
+from sinuous.checks import Floats
+from sinuous.pictures.surfaces import obstacle_surface
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.scene import Scene
+
+THICKNESS = 0.15
+"""Radius of a point."""
+
+LATTICE, CELL = 0.25, 0.55
+"""Points lie on triangles this close together; of those in one cubic cell, one is kept.
+
+No place of a surface is then farther from a point than LATTICE / sqrt(3) + CELL * sqrt(3) + NOISE = 1.12, which is
+less than body and point together, 1.15: the middle of the body cannot get through.
+"""
+
+NOISE = 0.02
+"""Most that a point is beside the surface. All in radii of the body."""
+
+
+def scan(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
+    """Replace all obstacles of another family by one cloud."""
+    sketch = draw(seed, rng)
+    if sketch is None:
+        return None
+    radius = min(sketch.robot.radii)
+    room = (ROOM + THICKNESS + NOISE) * radius
+    if least_clearance(sketch.robot, Scene(sketch.obstacles), sketch.q[None], room)[0] < room:
+        return None
+    points = np.concatenate([_on(triangles(obstacle), LATTICE * radius) for obstacle in sketch.obstacles])
+    points = _thinned(points, CELL * radius)
+    noise = rng.uniform(-1.0, 1.0, points.shape) * NOISE * radius / math.sqrt(3.0)
+    return Sketch(sketch.robot, [PointCloud(points + noise, THICKNESS * radius, name="scan")], sketch.q)
+
+
+def triangles(obstacle: Obstacle) -> Floats:
+    """Corners (f, 3, 3) of triangles that cover the surface of an obstacle, or nearly so where it is round."""
+    if isinstance(obstacle, Mesh):
+        corners: Floats = obstacle.vertices[obstacle.faces]
+        return corners
+    facets = obstacle_surface(obstacle, np.zeros(3), 0.0)
+    return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
+
+
+def _on(corners: Floats, spacing: float) -> Floats:
+    """Points (m, 3) on triangles (f, 3, 3): a lattice on each, its neighbours no farther apart than `spacing`."""
+    longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=-1).max(axis=1)
+    pieces = np.ceil(longest / spacing).astype(int)
+    found = []
+    for count in np.unique(pieces):
+        weights = _lattice(max(int(count), 1))
+        found.append(np.einsum("wc,fcx->fwx", weights, corners[pieces == count]).reshape(-1, 3))
+    return np.concatenate(found)
+
+
+def _lattice(count: int) -> Floats:
+    i, j = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
+    i, j = i[i + j <= count], j[i + j <= count]
+    return np.stack([i, j, count - i - j], axis=-1) / count
+
+
+def _thinned(points: Floats, cell: float) -> Floats:
+    """Keep one point of every cubic cell."""
+    numbers: Faces = np.floor(points / cell).astype(np.int64)
+    numbers -= numbers.min(axis=0)
+    sizes = numbers.max(axis=0) + 1
+    key = (numbers[:, 0] * sizes[1] + numbers[:, 1]) * sizes[2] + numbers[:, 2]
+    return points[np.unique(key, return_index=True)[1]]

@@ -1,0 +1,1 @@
+"""Kinematics: one arc, and the chain of all segments."""

@@ -1,0 +1,104 @@
+"""The whole robot: segments one after the other.
+
+Layouts, all float64 and C-contiguous:
+
+- `q` (n, 3): bend_x, bend_y, length of every segment;
+- `frames` (n + 1, 12): rotation (row by row) and position of the base and of every segment's end, in the world;
+- `columns` (n, 18): three twists `(omega, v)` a segment, one for each coordinate: how the world beyond the segment
+  moves, in world axes, about the base (`origin`).
+"""
+
+from sinuous.kernels.chain.arc import Twist, carry, point, pose, pose_and_columns
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import (
+    ZERO,
+    Array,
+    Mat,
+    Vec,
+    add,
+    get_mat,
+    get_vec,
+    mat_mat,
+    mat_vec,
+    put_mat,
+    put_vec,
+    sub,
+)
+
+
+@kernel
+def compose(rotation: Mat, position: Vec, inner_rotation: Mat, inner_position: Vec) -> tuple[Mat, Vec]:
+    """The product of two poses."""
+    return mat_mat(rotation, inner_rotation), add(position, mat_vec(rotation, inner_position))
+
+
+@kernel
+def frame(frames: Array, k: int) -> tuple[Mat, Vec]:
+    """Rotation and position that row `k` holds."""
+    return get_mat(frames, k, 0), get_vec(frames, k, 9)
+
+
+@kernel
+def put_frame(frames: Array, k: int, rotation: Mat, position: Vec) -> None:
+    put_mat(frames, k, 0, rotation)
+    put_vec(frames, k, 9, position)
+
+
+@kernel
+def forward(q: Array, frames: Array) -> None:
+    """Fill rows 1 to n of `frames`; row 0 holds the base."""
+    rotation, position = frame(frames, 0)
+    for k in range(q.shape[0]):
+        turn, shift = pose(q[k, 0], q[k, 1], q[k, 2])
+        rotation, position = compose(rotation, position, turn, shift)
+        put_frame(frames, k + 1, rotation, position)
+
+
+@kernel
+def body_pose(q: Array, frames: Array, k: int, s: float) -> tuple[Mat, Vec]:
+    """Pose of the backbone at the fraction `s` of segment `k`."""
+    rotation, position = frame(frames, k)
+    turn, shift = pose(s * q[k, 0], s * q[k, 1], s * q[k, 2])
+    return compose(rotation, position, turn, shift)
+
+
+@kernel
+def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
+    """Position of the backbone at the fraction `s` of segment `k`."""
+    rotation, position = frame(frames, k)
+    return add(position, mat_vec(rotation, point(s * q[k, 0], s * q[k, 1], s * q[k, 2])))
+
+
+@kernel
+def body_columns(q: Array, frames: Array, origin: Vec, k: int, s: float) -> tuple[Twist, Twist, Twist]:
+    """Spatial Jacobian of the backbone at the fraction `s` of segment `k`, in the three coordinates of that segment.
+
+    A fraction of an arc is the arc of the scaled twist, so its columns are those of `s q`, times `s`.
+    """
+    rotation, position = frame(frames, k)
+    _, _, x, y, stretch = pose_and_columns(s * q[k, 0], s * q[k, 1], s * q[k, 2])
+    arm = sub(position, origin)
+    return (
+        carry(rotation, arm, x[0], x[1]),
+        carry(rotation, arm, y[0], y[1]),
+        (ZERO, mat_vec(rotation, stretch)),
+    )
+
+
+@kernel
+def forward_with_columns(q: Array, frames: Array, columns: Array) -> None:
+    """Fill rows 1 to n of `frames`, and `columns` for the ends of all segments, about the base."""
+    rotation, position = frame(frames, 0)
+    origin = position
+    for k in range(q.shape[0]):
+        turn, shift, x, y, stretch = pose_and_columns(q[k, 0], q[k, 1], q[k, 2])
+        arm = sub(position, origin)
+        x, y = carry(rotation, arm, x[0], x[1]), carry(rotation, arm, y[0], y[1])
+        put_vec(columns, k, 0, x[0])
+        put_vec(columns, k, 3, x[1])
+        put_vec(columns, k, 6, y[0])
+        put_vec(columns, k, 9, y[1])
+        put_vec(columns, k, 12, ZERO)
+        put_vec(columns, k, 15, mat_vec(rotation, stretch))
+        rotation, position = compose(rotation, position, turn, shift)
+        put_frame(frames, k + 1, rotation, position)

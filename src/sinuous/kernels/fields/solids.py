@@ -1,0 +1,251 @@
+"""Distance to an obstacle that is more than a few numbers: a tree of triangles, balls or cubes, and samples on a grid.
+
+Whoever asks says how. In a step of the solver the interpolated samples are good enough. For a proof there is a lower
+bound, which the samples give in one look, and the exact distance, which costs a way through the tree. An obstacle that
+has samples alone has no exact distance: its lower bound stands for it.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields import grids, triangles
+from sinuous.kernels.fields.grids import Grid
+from sinuous.kernels.fields.trees import BALLS, BOX, TRIANGLES, Tree, box_distance, closest, item_distance, lift, unlift
+from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
+
+TREE, SAMPLES = 4, 5
+"""Kinds of obstacles: with a tree, perhaps samples too; with samples alone."""
+
+KIND, SIGN, NODES, LEVELS, ITEMS, COUNT, ITEM_KIND, NORMALS, AT, SHAPE, LOW, SPACING, HALF, ROUNDING = (
+    *range(10),
+    12,
+    15,
+    16,
+    17,
+)
+"""Columns of a row: kind; -1 where the body must stay inside; where nodes begin in the store, levels of the tree; where
+primitives begin, their number and kind; where normals begin (-1: triangles without an inside); where samples begin
+(-1: there are none), their number along every axis (3), the first point (3), spacing; half side of cubes; what is taken
+off the distance."""
+
+WAYS: Any = np.arange(4)
+STEP, BOUND, EXACT, ABOVE = WAYS
+"""Ways to ask: interpolated; a lower bound; exact; an upper bound. Not int, for each value of which one compiles."""
+
+
+@kernel
+def tree_of(table: Array, i: int) -> Tree:
+    return Tree(
+        int(table[i, NODES]),
+        int(table[i, LEVELS]),
+        int(table[i, ITEMS]),
+        int(table[i, COUNT]),
+        int(table[i, ITEM_KIND]),
+        table[i, HALF],
+    )
+
+
+@kernel
+def grid_of(table: Array, i: int) -> Grid:
+    return Grid(
+        int(table[i, AT]),
+        (int(table[i, SHAPE]), int(table[i, SHAPE + 1]), int(table[i, SHAPE + 2])),
+        (table[i, LOW], table[i, LOW + 1], table[i, LOW + 2]),
+        table[i, SPACING],
+    )
+
+
+@kernel
+def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[float, Vec]:
+    """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
+    tree = tree_of(table, i)
+    if tree.kind == TRIANGLES:
+        d, g = _at_triangle(store, tree.items + triangles.SIZE * item, int(table[i, NORMALS]), item, p)
+    elif tree.kind == BALLS:
+        at = tree.items + 4 * item
+        way = sub(p, triangles.read(store, at))
+        far = norm(way)
+        d, g = far - store[at + 3], (scale(1.0 / far, way) if far > 0.0 else (0.0, 0.0, 1.0))
+    else:
+        d, g = _at_cube(sub(p, triangles.read(store, tree.items + 3 * item)), tree.half)
+    sign = table[i, SIGN]
+    return sign * (d - table[i, ROUNDING]), scale(sign, g)
+
+
+@kernel
+def _at_triangle(store: Array, at: int, normals: int, item: int, p: Vec) -> tuple[float, Vec]:
+    """Signed by the angle-weighted normal of the part that is closest (Baerentzen & Aanaes 2005)."""
+    way, part = triangles.offset(store, at, p)
+    d = norm(way)
+    if normals >= 0:
+        normal = triangles.read(store, normals + triangles.NORMALS * item + 3 * part)
+    else:
+        normal = triangles.read(store, at + triangles.NORMAL)
+    inside = normals >= 0 and dot(way, normal) < 0.0
+    # So close to the surface the direction of `way` is made of rounding errors.
+    if d <= 1e-12 * (norm(p) + norm(triangles.read(store, at))):
+        return -d if inside else d, normal
+    return (-d, scale(-1.0 / d, way)) if inside else (d, scale(1.0 / d, way))
+
+
+@kernel
+def _at_cube(local: Vec, half: float) -> tuple[float, Vec]:
+    x, y, z = abs(local[0]) - half, abs(local[1]) - half, abs(local[2]) - half
+    sx, sy, sz = math.copysign(1.0, local[0]), math.copysign(1.0, local[1]), math.copysign(1.0, local[2])
+    outside = (max(x, 0.0), max(y, 0.0), max(z, 0.0))
+    d = norm(outside)
+    if d > 0.0:
+        return d, (sx * outside[0] / d, sy * outside[1] / d, sz * outside[2] / d)
+    if x >= y and x >= z:
+        return x, (sx, 0.0, 0.0)
+    if y >= z:
+        return y, (0.0, sy, 0.0)
+    return z, (0.0, 0.0, sz)
+
+
+@kernel
+def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int, float, bool]:
+    """Find the primitive closest to `p`, if it is closer than `reach`.
+
+    Returns its number or -1, its lifted distance, and whether that is the signed one: of a triangle it is where `p` is
+    known to be free. Samples tell how far the closest one is at most, and whether `p` is free; only then may a surface
+    be left out for being far.
+    """
+    tree = tree_of(table, i)
+    away = reach + table[i, ROUNDING]
+    if table[i, AT] < 0.0:
+        # Out of the box of everything a point is free, whatever it is to.
+        free = table[i, NORMALS] < 0.0 or (table[i, SIGN] > 0.0 and box_distance(store, tree.nodes + BOX, p) > 0.0)
+        item, d = closest(store, tree, p, lift(away) if free else math.inf)
+        return item, d, free
+    grid = grid_of(table, i)
+    corners, t, beyond = grids.look_up(store, grid, p)
+    gap = norm(beyond)
+    low = _lowest(table[i, SIGN], corners, t, beyond, grid.spacing)
+    if low >= reach:
+        return -1, lift(away), True
+    most = gap + grids.at_most(corners, t, grid.spacing)
+    if tree.kind == TRIANGLES:
+        most = gap + _most_surface(corners, t, grid.spacing)
+    most += table[i, ROUNDING]
+    most += 1e-9 * abs(most)
+    free = low > 0.0
+    item, d = closest(store, tree, p, lift(min(most, away) if free else most))
+    if item < 0 and not (free and away <= most):
+        item, d = closest(store, tree, p, math.inf)
+    return item, d, free
+
+
+@kernel
+def _most_surface(v: grids.Corners, t: Vec, spacing: float) -> float:
+    """Upper bound of the distance to the surface, whichever side it is on."""
+    return max(grids.at_most(v, t, spacing), -grids.at_least(v, t, spacing))
+
+
+@kernel
+def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> float:
+    """Lower bound by the samples, also out of their grid, which holds the whole obstacle.
+
+    From out of a convex box, every point in it is at an angle of 90 degrees or more to the way into the box.
+    """
+    low = grids.set_distance(corners, t, spacing)
+    gap = norm(beyond)
+    if gap == 0.0:
+        return low
+    return math.hypot(max(low, 0.0), gap) if sign > 0.0 else low - gap
+
+
+@kernel
+def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> tuple[float, Vec]:
+    """Distance and gradient by the samples, also out of their grid (see `_lowest`)."""
+    d, g = grids.value(corners, t), grids.slope(corners, t, spacing)
+    gap = norm(beyond)
+    if gap == 0.0:
+        return d, g
+    along = (
+        g[0] if beyond[0] == 0.0 else 0.0,
+        g[1] if beyond[1] == 0.0 else 0.0,
+        g[2] if beyond[2] == 0.0 else 0.0,
+    )
+    if sign < 0.0:
+        return d - gap, sub(along, scale(1.0 / gap, beyond))
+    d = max(d, 0.0)
+    far = math.hypot(d, gap)
+    return far, scale(1.0 / far, add(beyond, scale(d, along)))
+
+
+@kernel
+def look(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> tuple[float, float]:
+    """Distance of `p` to obstacle `i`, asked for as `how` says, and an upper bound of it: the same where it is exact.
+
+    What is not less than `reach` need not be exact: any lower bound that is not less than `reach` either will do.
+    """
+    exact = how in (EXACT, ABOVE)
+    if table[i, AT] < 0.0 or (exact and table[i, KIND] == TREE):
+        item, d, free = _find(table, store, i, p, reach)
+        if item < 0:
+            return reach, math.inf
+        exact_one = unlift(d) - table[i, ROUNDING] if free else at_item(table, store, i, item, p)[0]
+        return exact_one, exact_one
+    grid = grid_of(table, i)
+    corners, t, beyond = grids.look_up(store, grid, p)
+    if table[i, KIND] == SAMPLES:
+        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, how)
+        return d, d
+    if how == STEP:
+        d, _ = _interpolate(table[i, SIGN], corners, t, beyond, grid.spacing)
+        return d, d
+    low = _lowest(table[i, SIGN], corners, t, beyond, grid.spacing)
+    return low, grids.at_most(corners, t, grid.spacing) + norm(beyond)
+
+
+@kernel
+def _look_at_samples(corners: grids.Corners, t: Vec, gap: float, spacing: float, how: int) -> float:
+    if how == STEP:
+        return grids.value(corners, t) - gap
+    if how == ABOVE:
+        return grids.at_most(corners, t, spacing) + gap
+    return grids.at_least(corners, t, spacing) - gap
+
+
+@kernel
+def slope(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> tuple[float, Vec]:
+    """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
+    kind = table[i, KIND]
+    if table[i, AT] < 0.0 or (how == EXACT and kind == TREE):
+        item, _, _ = _find(table, store, i, p, reach)
+        return at_item(table, store, i, item, p) if item >= 0 else (reach, (0.0, 0.0, 1.0))
+    grid = grid_of(table, i)
+    corners, t, beyond = grids.look_up(store, grid, p)
+    d, g = _interpolate(table[i, SIGN] if kind == TREE else -1.0, corners, t, beyond, grid.spacing)
+    if how == EXACT:
+        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, EXACT)
+    return d, g
+
+
+@entry
+def sample(table: Array, store: Array, first: int, last: int, out: Array) -> None:
+    """Fill slabs `first` up to, without it, `last` of `out` (nx, ny, nz) with exact distances to the one obstacle.
+
+    What was closest to the neighbour is nearly the closest here, too: hardly anything has to be looked at again.
+    """
+    tree, grid = tree_of(table, 0), grid_of(table, 0)
+    h = grid.spacing
+    at_row = at_slab = at = -1
+    for i in range(first, last):
+        for j in range(out.shape[1]):
+            for k in range(out.shape[2]):
+                p = (grid.low[0] + i * h, grid.low[1] + j * h, grid.low[2] + k * h)
+                if k == 0:
+                    at = at_slab if j == 0 else at_row
+                near = item_distance(store, tree, at, p, math.inf) if at >= 0 else math.inf
+                item, _ = closest(store, tree, p, near)
+                at = item if item >= 0 else at
+                out[i, j, k], _ = at_item(table, store, 0, at, p)
+                if k == 0:
+                    at_row = at
+                if j == 0 and k == 0:
+                    at_slab = at

@@ -1,0 +1,189 @@
+"""A tree of boxes over many triangles, balls or cubes: which of them is the closest to a point.
+
+The tree is complete: node 1 is the root, node i has the children 2i and 2i + 1, and the leaves are its last level. So
+it needs no links, and the way through it no stack: what is still to be visited is one bit a level. Leaf j of 2^levels
+has the primitives from `(j * count) >> levels` on.
+
+Signed distances are compared as *lifted*: their squares where they are positive, themselves where not. That keeps their
+order and saves most of the roots.
+"""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields import triangles
+from sinuous.kernels.fields.triangles import read
+from sinuous.kernels.maths.vectors import Array, Vec, dot, sub
+
+TRIANGLES, BALLS, CUBES = 0, 1, 2
+
+SIZES = (triangles.SIZE, 4, 3)
+"""Numbers of a triangle (see `triangles`), a ball (center, radius), a cube (center)."""
+
+LEAF = 4
+"""Most primitives of a leaf."""
+
+BOX = 6
+"""Numbers of a node: the low and the high corner of its box."""
+
+Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
+"""Where nodes and primitives begin in the store; number of levels and primitives; kind of these; half side of cubes."""
+
+
+@kernel
+def lift(d: float) -> float:
+    return d * d if d > 0.0 else d
+
+
+@kernel
+def unlift(d: float) -> float:
+    return math.sqrt(d) if d > 0.0 else d
+
+
+@kernel
+def box_distance(store: Array, at: int, p: Vec) -> float:
+    """Lifted distance of `p` to the box at `at`."""
+    x = max(store[at] - p[0], p[0] - store[at + 3])
+    y = max(store[at + 1] - p[1], p[1] - store[at + 4])
+    z = max(store[at + 2] - p[2], p[2] - store[at + 5])
+    most = max(x, y, z)
+    if most <= 0.0:
+        return most
+    x, y, z = max(x, 0.0), max(y, 0.0), max(z, 0.0)
+    return x * x + y * y + z * z
+
+
+@kernel
+def cube_distance(local: Vec, half: float) -> float:
+    """Lifted distance to a cube about the origin."""
+    x, y, z = abs(local[0]) - half, abs(local[1]) - half, abs(local[2]) - half
+    most = max(x, y, z)
+    if most <= 0.0:
+        return most
+    x, y, z = max(x, 0.0), max(y, 0.0), max(z, 0.0)
+    return x * x + y * y + z * z
+
+
+@kernel
+def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> float:
+    """Lifted distance to primitive `i`; at least `best` where it is not less than that."""
+    if tree.kind == TRIANGLES:
+        return triangles.square_distance(store, tree.items + triangles.SIZE * i, p, best)
+    if tree.kind == CUBES:
+        return cube_distance(sub(p, read(store, tree.items + 3 * i)), tree.half)
+    at = tree.items + 4 * i
+    way, radius = sub(p, read(store, at)), store[at + 3]
+    square = dot(way, way)
+    reach = unlift(best) + radius
+    if reach <= 0.0 or square >= reach * reach:
+        return best
+    return lift(math.sqrt(square) - radius)
+
+
+@kernel
+def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
+    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
+    found = -1
+    if box_distance(store, tree.nodes + BOX, p) >= best:
+        return found, best
+    node, due = 1, 1  # a bit in `due` for every level: whether the sibling is still to be visited; the root's is 1
+    first_leaf = 1 << tree.levels
+    while True:
+        descend = False
+        if node >= first_leaf:
+            leaf = node - first_leaf
+            for i in range((leaf * tree.count) >> tree.levels, ((leaf + 1) * tree.count) >> tree.levels):
+                d = item_distance(store, tree, i, p, best)
+                if d < best:
+                    found, best = i, d
+        else:
+            left = box_distance(store, tree.nodes + 2 * BOX * node, p)
+            right = box_distance(store, tree.nodes + 2 * BOX * node + BOX, p)
+            if min(left, right) < best:
+                node = 2 * node + (1 if right < left else 0)
+                due = 2 * due + (1 if max(left, right) < best else 0)
+                descend = True
+        while not descend:
+            while due & 1 == 0:
+                due >>= 1
+                node >>= 1
+            if due == 1:
+                return found, best
+            due ^= 1
+            node ^= 1
+            descend = box_distance(store, tree.nodes + BOX * node, p) < best
+
+
+@kernel
+def _select(order: Array, centers: Array, axis: int, first: int, last: int, middle: int) -> None:
+    """Put in place `middle` of order[first:last] what belongs there, no greater before it, no less after it (Hoare)."""
+    low, high = first, last - 1
+    while low < high:
+        pivot = centers[order[(low + high) >> 1], axis]
+        i, j = low, high
+        while i <= j:
+            while centers[order[i], axis] < pivot:
+                i += 1
+            while centers[order[j], axis] > pivot:
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                i += 1
+                j -= 1
+        if middle <= j:
+            high = j
+        elif middle >= i:
+            low = i
+        else:
+            return
+
+
+@kernel
+def _longest_axis(order: Array, centers: Array, first: int, last: int) -> int:
+    longest, extent = 0, -1.0
+    for axis in range(3):
+        low = high = centers[order[first], axis]
+        for i in range(first + 1, last):
+            x = centers[order[i], axis]
+            low, high = min(low, x), max(high, x)
+        if high - low > extent:
+            longest, extent = axis, high - low
+    return longest
+
+
+@entry
+def arrange(centers: Array, levels: int, order: Array) -> None:
+    """Order the primitives with these centers (count, 3) for a tree of `levels`: halved along the longest axis.
+
+    `order` holds 0 .. count - 1, in any order.
+    """
+    count = order.shape[0]
+    for level in range(levels):
+        for j in range(1 << level):
+            first, last = (j * count) >> level, ((j + 1) * count) >> level
+            if last - first > 1:
+                middle = ((2 * j + 1) * count) >> (level + 1)
+                _select(order, centers, _longest_axis(order, centers, first, last), first, last, middle)
+
+
+@entry
+def enclose(lows: Array, highs: Array, order: Array, levels: int, nodes: Array) -> None:
+    """Fill `nodes` (2 << levels, 6) with boxes about the primitives between the corners `lows` and `highs`."""
+    count = order.shape[0]
+    for node in range((2 << levels) - 1, 0, -1):
+        for axis in range(3):
+            nodes[node, axis], nodes[node, axis + 3] = math.inf, -math.inf
+        if node >= 1 << levels:
+            leaf = node - (1 << levels)
+            for i in range((leaf * count) >> levels, ((leaf + 1) * count) >> levels):
+                for axis in range(3):
+                    nodes[node, axis] = min(nodes[node, axis], lows[order[i], axis])
+                    nodes[node, axis + 3] = max(nodes[node, axis + 3], highs[order[i], axis])
+        else:
+            for child in range(2 * node, 2 * node + 2):
+                for axis in range(3):
+                    nodes[node, axis] = min(nodes[node, axis], nodes[child, axis])
+                    nodes[node, axis + 3] = max(nodes[node, axis + 3], nodes[child, axis + 3])
+    for axis in range(BOX):
+        nodes[0, axis] = 0.0

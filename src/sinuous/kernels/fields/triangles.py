@@ -1,0 +1,63 @@
+"""The point of a triangle that is closest to another point, and which part of the triangle it lies on."""
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, scale, sub
+
+SIZE = 13
+"""Numbers of a triangle: its corners a, b, c; the unit normal of its plane, and how far that is from the origin."""
+
+NORMAL, OFFSET = 9, 12
+
+NORMALS = 21
+"""Numbers of its normals, in the order of the parts: inside, edges ab, bc, ca, corners a, b, c."""
+
+INSIDE, AB, BC, CA, A, B, C = range(7)
+
+
+@kernel
+def read(store: Array, at: int) -> Vec:
+    """Read three numbers."""
+    return (store[at], store[at + 1], store[at + 2])
+
+
+@kernel
+def offset(store: Array, at: int, p: Vec) -> tuple[Vec, int]:  # noqa: PLR0911
+    """Vector from the closest point of the triangle at `at` to `p`, and the part that this point lies on.
+
+    By the regions of Voronoi (Ericson 2005, Real-Time Collision Detection, 5.1.5).
+    """
+    a, b, c = read(store, at), read(store, at + 3), read(store, at + 6)
+    ab, ac, ap = sub(b, a), sub(c, a), sub(p, a)
+    d1, d2 = dot(ab, ap), dot(ac, ap)
+    if d1 <= 0.0 and d2 <= 0.0:
+        return ap, A
+    bp = sub(p, b)
+    d3, d4 = dot(ab, bp), dot(ac, bp)
+    if d3 >= 0.0 and d4 <= d3:
+        return bp, B
+    cp = sub(p, c)
+    d5, d6 = dot(ab, cp), dot(ac, cp)
+    if d6 >= 0.0 and d5 <= d6:
+        return cp, C
+    area_c = d1 * d4 - d3 * d2
+    if area_c <= 0.0 and d1 >= 0.0 and d3 <= 0.0:
+        return add_scaled(ap, -d1 / (d1 - d3), ab), AB
+    area_b = d5 * d2 - d1 * d6
+    if area_b <= 0.0 and d2 >= 0.0 and d6 <= 0.0:
+        return add_scaled(ap, -d2 / (d2 - d6), ac), CA
+    area_a = d3 * d6 - d5 * d4
+    if area_a <= 0.0 and d4 >= d3 and d5 >= d6:
+        return add_scaled(bp, -(d4 - d3) / ((d4 - d3) + (d5 - d6)), sub(c, b)), BC
+    # Along the normal: of a thin triangle the weights of the corners would be mostly rounding.
+    n = read(store, at + NORMAL)
+    return scale(dot(n, ap), n), INSIDE
+
+
+@kernel
+def square_distance(store: Array, at: int, p: Vec, best: float) -> float:
+    """Square of the distance of `p` to the triangle at `at`; at least `best` where it is not less than that."""
+    height = dot(read(store, at + NORMAL), p) - store[at + OFFSET]
+    if height * height >= best:  # so far from the plane already
+        return best
+    way, _ = offset(store, at, p)
+    return dot(way, way)

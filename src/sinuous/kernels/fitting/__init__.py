@@ -1,0 +1,1 @@
+"""The chain laid along a curve."""

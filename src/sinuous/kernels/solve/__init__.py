@@ -1,0 +1,1 @@
+"""From initial configurations to a judged answer."""

@@ -1,0 +1,251 @@
+"""What all methods but our own share: starts, one and the same check of every answer, and the record of a search.
+
+A method works as it likes; `offer` alone takes its answers. It recomputes them from the configuration, and `solved` is
+what it finds within tolerance, within all limits, and proved clear.
+"""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.body.body import CLEAR, TOUCHING, UNDECIDED, prove
+from sinuous.kernels.chain.kinematics import forward, frame, put_frame
+from sinuous.kernels.clock import now
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import (
+    ZERO,
+    Array,
+    Vec,
+    add,
+    copy,
+    dot,
+    get_mat,
+    get_vec,
+    mat_mat,
+    norm,
+    put_vec,
+    sub,
+    transpose,
+)
+from sinuous.kernels.solve.starts import face, scattered, single_arc
+from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
+from sinuous.kernels.step.actuation import HIGH as ACTUATOR_HIGH
+from sinuous.kernels.step.actuation import LAST, WEIGHTS, runs_through
+from sinuous.kernels.step.actuation import LOW as ACTUATOR_LOW
+from sinuous.kernels.step.limits import HIGH, LOW, bend_cap
+from sinuous.kernels.step.states import Problem
+from sinuous.kernels.step.targets import (
+    DIRECTION,
+    GOAL,
+    HAS_POSITION,
+    NONE,
+    ORIENTATION,
+    POSITION,
+    ROTATION,
+    direction_vector,
+    end_pose,
+    end_segment,
+    rotation_vector,
+)
+
+SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED = range(6)
+GIVEN, ARC, RANDOM = 0, 1, 2
+
+CODE, ITERATIONS, STARTS, KIND, OFF, TURN, CLEARANCE, BOUND, MERIT, SECONDS = range(10)
+"""Columns of the record of a search: see `search.OUTCOME`."""
+
+SLACK = 0.1
+"""How far below the true clearance its proved bound may be, as a share of it."""
+
+FINEST = 1e-7
+"""Length of backbone, in robot lengths, below which a proof gives up."""
+
+ROUNDING = 1e-11
+"""By how much a limit may be exceeded, rad or robot lengths: what arithmetic rounds."""
+
+Check = namedtuple("Check", ["frames", "among", "clock"])
+"""Scratch of the check: frames (n + 1, 12), whose first row is the base; obstacles; the clock."""
+
+
+def check_size(segments: int, obstacles: int) -> int:
+    """Numbers (float64) that `carve_check` takes from a buffer."""
+    return 12 * (segments + 1) + obstacles + 2
+
+
+@kernel
+def carve_check(buffer: Array, problem: Problem) -> Check:
+    """Lay out the scratch of the check at the beginning of `buffer`."""
+    n, m = problem.limits.shape[0], problem.scene.table.shape[0]
+    frames = buffer[: 12 * (n + 1)].reshape((n + 1, 12))
+    rotation, position = frame(problem.base, 0)
+    put_frame(frames, 0, rotation, position)
+    rest = buffer[12 * (n + 1) :]
+    return Check(frames, rest[:m].view(np.int64), rest[m : m + 2].view(np.int64))
+
+
+@kernel
+def has_obstacles(problem: Problem) -> bool:
+    return bool(problem.scene.table.shape[0] > 0)
+
+
+@kernel
+def aim(problem: Problem) -> tuple[int, Vec]:
+    """Segment and position of the most distal target that has one (-1: none has)."""
+    tip, goal = -1, ZERO
+    for i in range(problem.targets.shape[0]):
+        k = end_segment(problem.targets, i, problem.limits.shape[0])
+        if problem.targets[i, HAS_POSITION] != 0.0 and k >= tip:
+            tip, goal = k, get_vec(problem.targets, i, POSITION)
+    return tip, goal
+
+
+@kernel
+def begin_from(problem: Problem, check: Check, given: Array, index: int, seed: int, q: Array) -> int:
+    """Put start number `index` into `q`: those of `given`, the single arc, scattered shapes; returns its kind."""
+    if index < given.shape[0]:
+        copy(given[index], q)
+        return GIVEN
+    tip, goal = aim(problem)
+    if index == given.shape[0] and tip >= 0:
+        single_arc(problem.limits, check.frames, tip, goal, q)
+        return ARC
+    scattered(problem.limits, index - given.shape[0], seed, q)
+    if tip >= 0:
+        face(check.frames, problem.tool, tip, goal, q)
+    return RANDOM
+
+
+@kernel
+def finite(q: Array) -> bool:
+    total = 0.0
+    for k in range(q.shape[0]):
+        for j in range(3):
+            total += q[k, j] - q[k, j]
+    return total == 0.0
+
+
+@kernel
+def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
+    """Largest distance and angle (rad) to the targets, of the shape whose frames these are."""
+    off = turn = 0.0
+    for i in range(problem.targets.shape[0]):
+        rotation, position = end_pose(frames, problem.tool, end_segment(problem.targets, i, frames.shape[0] - 1))
+        if problem.targets[i, HAS_POSITION] != 0.0:
+            off = max(off, norm(sub(get_vec(problem.targets, i, POSITION), position)))
+        miss = NONE
+        if problem.targets[i, ORIENTATION] == ROTATION:
+            miss = rotation_vector(mat_mat(get_mat(problem.targets, i, GOAL), transpose(rotation)))
+        elif problem.targets[i, ORIENTATION] == DIRECTION:
+            tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
+            miss = direction_vector(tangent, get_vec(problem.targets, i, GOAL))
+        turn = max(turn, norm(miss))
+    return off, turn
+
+
+@kernel
+def excess(problem: Problem, q: Array) -> tuple[float, float]:
+    """By how much `q` exceeds its limits: lengths and actuators (length unit), bends (rad)."""
+    length = bend = 0.0
+    total = ZERO
+    j = 0
+    for k in range(q.shape[0]):
+        own = get_vec(q, k, 0)
+        total = add(total, own)
+        length = max(length, problem.limits[k, LOW] - own[2], own[2] - problem.limits[k, HIGH])
+        bend = max(bend, math.hypot(own[0], own[1]) - bend_cap(problem.limits, k, max(0.0, own[2])))
+        while j < problem.actuation.shape[0] and problem.actuation[j, LAST] == k:
+            seen = dot(get_vec(problem.actuation, j, WEIGHTS), total if runs_through(problem.actuation, j) else own)
+            length = max(length, problem.actuation[j, ACTUATOR_LOW] - seen, seen - problem.actuation[j, ACTUATOR_HIGH])
+            j += 1
+    return length, bend
+
+
+@kernel
+def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float, float, bool, float]:
+    """The check of an answer, the same for all methods.
+
+    Returns SOLVED, UNPROVED or FAILED; largest distance and angle to the targets; clearance, proved when solved, else
+    the least that was seen; whether a limit is exceeded; and the merit: all that is wrong, squared, in robot lengths
+    and rad.
+    """
+    if not finite(q):  # comparisons with NaN are false, also those that should find something wrong
+        return FAILED, math.inf, math.inf, math.inf, True, math.inf
+    forward(q, check.frames)
+    off, turn = target_errors(problem, check.frames)
+    length, bend = excess(problem, q)
+    bound = not (length <= ROUNDING * problem.unit and bend <= ROUNDING)
+    verdict, clearance = CLEAR, math.inf
+    if has_obstacles(problem):
+        verdict, clearance, _, _, _ = prove(
+            problem.limits,
+            q,
+            check.frames,
+            problem.scene,
+            problem.mount,
+            SLACK,
+            FINEST * problem.unit,
+            check.among,
+        )
+    overlap = max(0.0, -clearance) if verdict == TOUCHING else 0.0
+    merit = (
+        (off * off + length * length + overlap * overlap) / (problem.unit * problem.unit) + turn * turn + bend * bend
+    )
+    code = FAILED
+    if off <= problem.position_tolerance and turn <= problem.angle_tolerance and not bound:
+        if verdict == CLEAR:
+            code = SOLVED
+        elif verdict == UNDECIDED:
+            code = UNPROVED
+    return code, off, turn, clearance, bound, merit
+
+
+@kernel
+def offer(problem: Problem, check: Check, q: Array, kind: int, best: Array, record: Array) -> bool:
+    """Check an answer, keep it when it is the best so far, and say whether it is solved.
+
+    Shapes with a number that is not finite are passed over.
+    """
+    code, off, turn, clearance, bound, merit = finish(problem, check, q)
+    if record[CODE] == SOLVED and code != SOLVED:
+        return False
+    if not finite(q) or not (code == SOLVED or merit < record[MERIT]):
+        return False
+    copy(q, best)
+    if record[CODE] < OUT_OF_REACH or code == SOLVED:
+        record[CODE] = code
+    record[KIND], record[OFF], record[TURN], record[CLEARANCE] = kind, off, turn, clearance
+    record[BOUND], record[MERIT] = 1.0 if bound else 0.0, merit
+    return code == SOLVED
+
+
+@kernel
+def begin(
+    problem: Problem, check: Check, given: Array, first: int, most: int, seconds: float, best: Array, record: Array
+) -> tuple[float, int]:
+    """Open the record of a search; returns when it has to end, and the number of the start that is not tried any more.
+
+    What is proved impossible is tried once for each start that was given, and once more.
+    """
+    began = now(check.clock)
+    impossible = verdict_of(problem)
+    for j in range(record.shape[0]):
+        record[j] = 0.0
+    record[CODE] = FAILED if impossible == POSSIBLE else impossible
+    record[OFF] = record[TURN] = record[CLEARANCE] = record[MERIT] = math.inf
+    record[SECONDS] = began
+    for k in range(best.shape[0]):
+        put_vec(best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, LOW] + problem.limits[k, HIGH])))
+    return began + seconds, most if impossible == POSSIBLE else min(most, first + given.shape[0] + 1)
+
+
+@kernel
+def end(problem: Problem, check: Check, iterations: int, starts: int, late: bool, best: Array, record: Array) -> None:
+    """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
+    if record[MERIT] == math.inf:
+        _, off, turn, clearance, _, merit = finish(problem, check, best)
+        record[OFF], record[TURN], record[CLEARANCE], record[MERIT] = off, turn, clearance, merit
+    if late and record[CODE] == FAILED:
+        record[CODE] = LATE
+    record[ITERATIONS], record[STARTS] = iterations, starts
+    record[SECONDS] = now(check.clock) - record[SECONDS]

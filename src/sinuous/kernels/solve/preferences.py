@@ -1,0 +1,143 @@
+"""Among all solutions, a better one: preferences are minimised within what feasibility leaves.
+
+The cost is `start |q - reference|^2 + bends |u|^2 + 100 |clearance missing up to the wish|^2`, bends in rad, lengths
+relative to the mean of their segment, clearance relative to the robot's length. Its Newton step is the mean motion of
+the sweeps; rows of the targets and contacts, met exactly, take out of it what feasibility forbids.
+"""
+
+from collections import namedtuple
+
+from sinuous.kernels.body.body import CLEAR
+from sinuous.kernels.clock import now
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields import solids
+from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
+from sinuous.kernels.step import limits
+from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, step
+from sinuous.kernels.step.states import ANGLE, POSITION, WISH, Problem, State, Work, carve, make_problem, pick
+
+Wishes = namedtuple("Wishes", ["start", "bends", "clearance", "reference"])
+"""Weights of staying at `reference` (n, 3) and of small bends; clearance wished for."""
+
+CORRECTIONS = 3
+"""Most Newton steps back to the targets after a step towards what is preferred."""
+
+
+@kernel
+def cost(problem: Problem, state: State, wishes: Wishes) -> float:
+    """What is disliked about a state."""
+    total = 100.0 * state.norms[WISH]
+    for k in range(state.q.shape[0]):
+        ux, uy, length = state.q[k, 0], state.q[k, 1], state.q[k, 2]
+        stretch = problem.limits[k, limits.LENGTH_SCALE]
+        total += wishes.bends * (ux * ux + uy * uy)
+        away = (ux - wishes.reference[k, 0]) ** 2 + (uy - wishes.reference[k, 1]) ** 2
+        if stretch > 0.0:
+            away += ((length - wishes.reference[k, 2]) / stretch) ** 2
+        total += wishes.start * away
+    return total
+
+
+@kernel
+def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
+    """Wish for `share` of the way to where the cost of start and bends is least."""
+    weight = wishes.start + wishes.bends
+    for k in range(state.q.shape[0]):
+        x = y = z = 0.0
+        if weight > 0.0:
+            x = wishes.start / weight * wishes.reference[k, 0] - state.q[k, 0]
+            y = wishes.start / weight * wishes.reference[k, 1] - state.q[k, 1]
+        if wishes.start > 0.0:
+            z = wishes.reference[k, 2] - state.q[k, 2]
+        put_vec(work.mean, k, 0, (share * x, share * y, share * z))
+
+
+@kernel
+def _correct(problem: Problem, states: State, at: int, spare: int, work: Work, depth: int, wish: float) -> int:
+    """Bring a state that left its targets a little back to them; returns where it is then, `at` or `spare`."""
+    for _ in range(CORRECTIONS):
+        state, trial = pick(states, at), pick(states, spare)
+        if met(problem, state, 0.0):
+            return at
+        rest(work)
+        linearise(problem, state, work, depth, solids.EXACT, 0.0)
+        step(problem, state, work, EXACT)
+        move(problem, state, work, trial)
+        linearise(problem, trial, work, depth, solids.EXACT, wish)
+        at, spare = spare, at
+    return at
+
+
+@kernel
+def improve(
+    problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int, deadline: float
+) -> int:
+    """Lower the cost of the solved `best`, keeping it solved. Returns the iterations."""
+    depth = problem.depth + 2
+    at, free, spare = 0, 1, 2
+    start = pick(states, at)
+    copy(best, start.q)
+    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance)
+    least = cost(problem, start, wishes)
+    share = 1.0
+    for iteration in range(most):
+        if share < 0.05 or now(work.clock) > deadline:
+            return iteration
+        state, trial = pick(states, at), pick(states, free)
+        _pull(state, work, wishes, share)
+        step(problem, state, work, EXACT)
+        if wishes.start + wishes.bends == 0.0:
+            for k in range(state.q.shape[0]):
+                put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
+        move(problem, state, work, trial)
+        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance)
+        found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance)
+        free, spare = found_at, free + spare - found_at
+        found = pick(states, free)
+        better = cost(problem, found, wishes)
+        if met(problem, found, 0.0) and better < least:
+            gained = least - better
+            least = better
+            at, free = free, at
+            copy(found.q, best)
+            if gained < 1e-6 * least:
+                return iteration + 1
+            share = min(1.0, 2.0 * share)
+        else:
+            share *= 0.5
+    return most
+
+
+@entry
+def prefer(
+    limits: Array,
+    actuation: Array,
+    poses: Array,
+    table: Array,
+    store: Array,
+    settings: Array,
+    targets: Array,
+    reference: Array,
+    proved: tuple[float, float, float],
+    seconds: float,
+    buffer: Array,
+    best: Array,
+) -> tuple[int, float, float, float]:
+    """Improve the solved `best` (n, 3) and prove it again; the unproved is not taken. Arguments: see `search`.
+
+    `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what
+    is in `best` then.
+    """
+    problem = make_problem(limits, actuation, poses, table, store, settings, targets)
+    states, work = carve(buffer, problem)
+    wishes = Wishes(settings[8], settings[9], settings[10], reference)
+    copy(best, work.solved)
+    used = improve(problem, states, work, wishes, best, int(settings[7]), now(work.clock) + seconds)
+    state = pick(states, 0)
+    copy(best, state.q)
+    linearise(problem, state, work, problem.depth, solids.EXACT, 0.0)
+    verdict, clearance = proof(problem, state, work)
+    if verdict == CLEAR and met(problem, state, 0.0):
+        return used, state.norms[POSITION], state.norms[ANGLE], clearance
+    copy(work.solved, best)
+    return used, proved[0], proved[1], proved[2]

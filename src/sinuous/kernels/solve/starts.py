@@ -1,0 +1,93 @@
+"""Where a solve begins when nobody says: the single arc to the target, and shapes scattered over all possible ones."""
+
+import math
+
+import numpy as np
+
+from sinuous.kernels.chain.kinematics import forward, frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, Vec, put_vec, sub, vec_mat
+from sinuous.kernels.step.limits import HIGH, LOW, MAX_BEND, bend_cap, retract
+from sinuous.kernels.step.targets import end_pose
+
+
+@kernel
+def chord_angle(ratio: float) -> float:
+    """Half the bend of an arc whose chord is `ratio` (0 to 1) of its length: solves sin x = ratio x."""
+    if ratio >= 1.0:
+        return 0.0
+    # Newton from the root of the series sin x / x = 1 - x^2 / 6 + x^4 / 120 with two terms.
+    x = math.sqrt(10.0 * (1.0 - math.sqrt(max(0.0, 1.0 - 1.2 * (1.0 - ratio)))))
+    for _ in range(4):
+        x -= (math.sin(x) - ratio * x) / (math.cos(x) - ratio)
+    return x
+
+
+@kernel
+def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> None:
+    """The arc that leaves along the base's tangent and ends at `goal`; every segment up to `tip` has its share of it.
+
+    Where the arc is shorter or longer than the robot can be, its length is the nearest that the robot has, and its
+    bend the one whose chord is as long as the goal is far: this also bows the robot when the goal is straight ahead
+    but too near.
+    """
+    rotation, base = frame(frames, 0)
+    p = vec_mat(sub(goal, base), rotation)
+    side = math.hypot(p[0], p[1])
+    chord = math.hypot(side, p[2])
+    low = high = 0.0
+    for k in range(tip + 1):
+        low += limits[k, LOW]
+        high += limits[k, HIGH]
+    half = math.atan2(side, p[2])
+    length = chord * half / math.sin(half) if 1e-9 < half < 3.0 else (chord if half <= 1e-9 else math.inf)
+    if length < low or length > high:
+        length = min(max(length, low), high)
+        half = max(min(half, 1.6), chord_angle(min(1.0, chord / length))) if length > 0.0 else 0.0
+    share = (length - low) / (high - low) if high > low else 0.0
+    bx, by = (p[0] / side, p[1] / side) if side > 1e-9 * chord else (1.0, 0.0)
+    for k in range(q.shape[0]):
+        own = limits[k, LOW] + share * (limits[k, HIGH] - limits[k, LOW])
+        bend = min(2.0 * half * own / length, bend_cap(limits, k, own)) if length > 0.0 else 0.0
+        if k > tip:
+            bend = 0.0
+        put_vec(q, k, 0, (bx * bend, by * bend, own))
+
+
+@kernel
+def _uniform(key: np.uint64) -> float:
+    """A number in [0, 1) for every key (Steele et al. 2014, splitmix64)."""
+    z = key * np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return float((z ^ (z >> np.uint64(31))) >> np.uint64(11)) * 2.0**-53
+
+
+@kernel
+def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
+    """Shape number `index` of the sequence `seed`: bends evenly over their discs, lengths over their ranges.
+
+    Hashed, not low-discrepancy: in the 3 n dimensions of a robot an additive recurrence puts long runs of shapes into
+    the same few directions, and hard poses waited for their turn.
+    """
+    key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
+    for k in range(q.shape[0]):
+        length = limits[k, LOW] + _uniform(key) * (limits[k, HIGH] - limits[k, LOW])
+        bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], math.pi)
+        angle = 2.0 * math.pi * _uniform(key + np.uint64(2))
+        key += np.uint64(3)
+        put_vec(q, k, 0, retract(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))
+
+
+@kernel
+def face(frames: Array, tool: Array, tip: int, goal: Vec, q: Array) -> None:
+    """Turn the whole shape about the base's tangent until its end lies on the goal's side."""
+    forward(q, frames)
+    rotation, base = frame(frames, 0)
+    end = vec_mat(sub(end_pose(frames, tool, tip)[1], base), rotation)
+    aim = vec_mat(sub(goal, base), rotation)
+    angle = math.atan2(aim[1], aim[0]) - math.atan2(end[1], end[0])
+    cosine, sine = math.cos(angle), math.sin(angle)
+    for k in range(q.shape[0]):
+        x, y = q[k, 0], q[k, 1]
+        q[k, 0], q[k, 1] = cosine * x - sine * y, sine * x + cosine * y

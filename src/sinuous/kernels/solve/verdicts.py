@@ -1,0 +1,146 @@
+"""What can be proved impossible before anything is tried."""
+
+import math
+
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import at_most
+from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, mat_vec, norm, scale, sub, transpose
+from sinuous.kernels.step.limits import HIGH, LOW, RADIUS, bend_cap
+from sinuous.kernels.step.states import Problem
+from sinuous.kernels.step.targets import (
+    DIRECTION,
+    FREE,
+    GOAL,
+    HAS_POSITION,
+    ORIENTATION,
+    POSITION,
+    ROTATION,
+    end_segment,
+    tangent_back,
+)
+
+POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
+
+
+@kernel
+def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
+    """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
+    place = get_vec(problem.targets, i, POSITION)
+    if k < problem.limits.shape[0] - 1:
+        return place, 0.0
+    offset, shift = frame(problem.tool, 0)
+    if norm(shift) == 0.0:
+        return place, 0.0
+    if problem.targets[i, ORIENTATION] != ROTATION:
+        return place, norm(shift)
+    row = problem.targets
+    goal = (get_vec(row, i, GOAL), get_vec(row, i, GOAL + 3), get_vec(row, i, GOAL + 6))
+    turned = mat_vec(goal, mat_vec(transpose(offset), shift))
+    return sub(place, turned), min(2.0, problem.angle_tolerance) * norm(shift)
+
+
+@kernel
+def sine_area(angle: float) -> float:
+    """Integral of sin(min(t, pi / 2)) over t from 0 to `angle`."""
+    return 1.0 - math.cos(angle) if angle < 0.5 * math.pi else 1.0 + angle - 0.5 * math.pi
+
+
+@kernel
+def cosine_area(angle: float) -> float:
+    """Integral of cos(min(t, pi)) over t from 0 to `angle`."""
+    return math.sin(angle) if angle < math.pi else math.pi - angle
+
+
+@kernel
+def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: float, reverse: bool) -> bool:
+    """Whether no curve of segments 0 to `k` that leaves `place` along `axis` comes within `loose` of `goal`.
+
+    By the length t of bend its tangent has turned away from the axis by no more than t. So its end is at most the sum
+    of `length * mean of sin t` beside the axis, and at least the sum of `length * mean of cos t` ahead. `reverse`: it
+    is run through from the end of segment `k` to the base.
+    """
+    turned = most_beside = least_ahead = 0.0
+    for i in range(k + 1):
+        j = k - i if reverse else i
+        low, high = limits[j, LOW], limits[j, HIGH]
+        bend = bend_cap(limits, j, high)
+        sine, cosine = math.sin(min(turned, 0.5 * math.pi)), math.cos(min(turned, math.pi))
+        if bend > 1e-6:
+            sine = (sine_area(turned + bend) - sine_area(turned)) / bend
+            cosine = (cosine_area(turned + bend) - cosine_area(turned)) / bend
+        most_beside += high * sine
+        least_ahead += cosine * (low if cosine > 0.0 else high)
+        turned += bend
+    away = sub(goal, place)
+    ahead = dot(away, axis)
+    beside = norm(sub(away, scale(ahead, axis)))
+    return beside - loose > most_beside or ahead + loose < least_ahead
+
+
+@kernel
+def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
+    """Too far for the lengths, too near or aside for lengths and bends together, or a direction that bends cannot give.
+
+    A curve of length L that turns by no more than a < pi in all ends at least `L cos(a / 2)` away: seen along the
+    tangent in the middle of its turning, no tangent points back by more than a / 2.
+    """
+    longest = shortest = turning = 0.0
+    for j in range(k + 1):
+        longest += problem.limits[j, HIGH]
+        shortest += problem.limits[j, LOW]
+        turning += bend_cap(problem.limits, j, problem.limits[j, HIGH])
+    rotation, base = frame(problem.base, 0)
+    axis = (rotation[0][2], rotation[1][2], rotation[2][2])
+    asked = problem.targets[i, ORIENTATION]
+    slack = 1e-9 * (problem.unit + longest)
+    has_tool = k == problem.limits.shape[0] - 1 and problem.tool[0, 8] != 1.0
+    if problem.targets[i, HAS_POSITION] != 0.0:
+        place, loose = backbone_end(problem, i, k)
+        far = norm(sub(place, base))
+        loose += problem.position_tolerance + slack
+        if far - loose > longest:
+            return True
+        if turning < math.pi and far + loose < shortest * math.cos(0.5 * turning):
+            return True
+        if _beside(problem.limits, k, base, axis, place, loose, False):
+            return True
+        if asked != FREE and not has_tool:
+            swing = loose + min(2.0, problem.angle_tolerance) * far
+            if _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True):
+                return True
+    if asked == DIRECTION and turning < math.pi:
+        # The tool's z axis is away from the tangent by a fixed angle, which adds to what the bends can turn.
+        off = 0.0
+        if k == problem.limits.shape[0] - 1:
+            offset, _ = frame(problem.tool, 0)
+            off = math.acos(max(-1.0, min(1.0, offset[2][2])))
+        needed = math.acos(max(-1.0, min(1.0, dot(axis, get_vec(problem.targets, i, GOAL)))))
+        return bool(needed > turning + off + problem.angle_tolerance + 1e-7)
+    return False
+
+
+@kernel
+def _target_blocked(problem: Problem, i: int, k: int) -> bool:
+    if problem.scene.table.shape[0] == 0 or problem.targets[i, HAS_POSITION] == 0.0:
+        return False
+    shortest = 0.0
+    for j in range(k + 1):
+        shortest += problem.limits[j, LOW]
+    if shortest <= problem.mount:
+        return False
+    place, loose = backbone_end(problem, i, k)
+    loose += problem.position_tolerance
+    return bool(at_most(problem.scene, place, math.inf) + loose < problem.limits[k, RADIUS] - 1e-9 * problem.unit)
+
+
+@kernel
+def verdict_of(problem: Problem) -> int:
+    """POSSIBLE as far as is known, or what proves the contrary."""
+    for i in range(problem.targets.shape[0]):
+        k = end_segment(problem.targets, i, problem.limits.shape[0])
+        if _out_of_reach(problem, i, k):
+            return OUT_OF_REACH
+        if _target_blocked(problem, i, k):
+            return TARGET_BLOCKED
+    return POSSIBLE

@@ -1,0 +1,1 @@
+"""The Newton step of the whole robot: sweeps, rows and limits."""

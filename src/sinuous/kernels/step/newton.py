@@ -1,0 +1,221 @@
+"""Damped Gauss-Newton from one start: linearise, step in two sweeps, keep what gets better."""
+
+import math
+
+from sinuous.kernels.body.body import CLEAR, SOFTNESS, contacts, prove
+from sinuous.kernels.chain.kinematics import forward_with_columns, frame
+from sinuous.kernels.clock import now
+from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.fields import solids
+from sinuous.kernels.fields.distances import coarseness
+from sinuous.kernels.maths.vectors import ZERO, put_vec
+from sinuous.kernels.step import actuation, limits, sweeps
+from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, WISH, Problem, State, Work, pick
+from sinuous.kernels.step.sweeps import SOFT
+from sinuous.kernels.step.targets import add_rows, end_segment
+
+MISSED = -1
+"""In place of a verdict of the proof: the targets were not met."""
+
+SLACK, SAMPLED_SLACK = 0.1, 0.6
+"""How far below the true clearance its proved bound may be, as a share of it; among sampled obstacles more, because
+less would cost exact distances everywhere."""
+
+FINEST = 1e-7
+"""Length of backbone, in robot lengths, below which a proof gives up."""
+
+EXACT = 1e-10
+"""Least damping, with which rows are met exactly."""
+
+PATIENCE = 12
+"""Steps in a row that gain little before a start is given up."""
+
+ROUNDS = 3
+"""Most times that a step is taken back because it would leave a limit, and computed anew along that limit."""
+
+
+@kernel
+def linearise(problem: Problem, state: State, work: Work, depth: int, how: int, wish: float) -> None:
+    """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
+
+    Contacts are looked for as deep as `depth` and as exactly as `how` says (see `body.contacts`).
+    """
+    q, frames, rows = state.q, state.frames, state.rows
+    forward_with_columns(q, frames, state.columns)
+    origin = frame(frames, 0)[1]
+    off = turn = 0.0
+    seen = math.inf
+    mount = problem.mount
+    at = actuator = 0
+    for k in range(q.shape[0]):
+        rows.start[k] = at
+        actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
+        if problem.scene.table.shape[0] > 0:
+            at, least = contacts(
+                problem.limits,
+                q,
+                frames,
+                problem.scene,
+                k,
+                mount,
+                problem.margin,
+                wish,
+                depth,
+                how,
+                origin,
+                problem.unit,
+                work.among,
+                rows,
+                at,
+            )
+            seen = min(seen, least)
+            mount -= q[k, 2]
+        for i in range(problem.targets.shape[0]):
+            if end_segment(problem.targets, i, q.shape[0]) == k:
+                at, miss, angle = add_rows(problem.targets, i, frames, problem.tool, origin, problem.unit, rows, at)
+                off, turn = max(off, miss), max(turn, angle)
+    rows.start[q.shape[0]] = at
+    merit = wished = 0.0
+    for i in range(at):
+        square = rows.value[i] * rows.value[i]  # idle rows hold 0
+        if rows.kind[i] == SOFT:
+            wished += square
+        else:
+            merit += square
+    norms = state.norms
+    norms[MERIT], norms[POSITION], norms[ANGLE], norms[SEEN] = merit, off, turn, seen
+    norms[WISH] = wished / (SOFTNESS * SOFTNESS)
+
+
+@kernel
+def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
+    """Fill `work.step` with the damped Newton step that keeps the limits; say whether limits bound it.
+
+    `work.mean` holds a motion that would be welcome for other reasons, or zero.
+    """
+    limits.release(problem.limits, work.root, work.bound)
+    bound = False
+    coupled = problem.actuation.shape[0] > 0
+    if coupled:
+        actuation.release(state.rows)
+    for _ in range(ROUNDS):
+        sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
+        sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
+        count = limits.bind(problem.limits, state.q, work.step, work.root, work.mean, work.bound)
+        if coupled:
+            count += actuation.bind(problem.actuation, state.q, work.step, state.rows)
+        if count == 0:
+            break
+        bound = True
+    return bound
+
+
+@kernel
+def rest(work: Work) -> None:
+    """Wish for no motion."""
+    for k in range(work.mean.shape[0]):
+        put_vec(work.mean, k, 0, ZERO)
+
+
+@kernel
+def move(problem: Problem, state: State, work: Work, trial: State) -> None:
+    """Take the step, within all limits."""
+    limits.move(problem.limits, state.q, work.step, trial.q)
+    actuation.hold_back(problem.actuation, state.q, trial.q)
+
+
+@kernel
+def enter(problem: Problem, state: State, work: Work) -> None:
+    """Bring the configuration of `state` within all limits."""
+    q = state.q
+    for k in range(q.shape[0]):
+        put_vec(q, k, 0, limits.retract(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
+    actuation.straighten(problem.actuation, q, work.step)
+
+
+@kernel
+def met(problem: Problem, state: State, loose: float) -> bool:
+    """Targets within tolerance, and no overlap seen that is more than `loose`."""
+    norms = state.norms
+    return bool(
+        norms[POSITION] <= problem.position_tolerance
+        and norms[ANGLE] <= problem.angle_tolerance
+        and norms[SEEN] >= -loose
+    )
+
+
+@kernel
+def met_by(state: State, loose: float) -> bool:
+    """Targets and obstacles within what samples may be wrong by: they may be what keeps the targets from being met."""
+    return bool(state.norms[POSITION] <= loose and state.norms[SEEN] >= -loose)
+
+
+@kernel
+def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
+    """Verdict and clearance of the whole body at `state`; see `body.prove`."""
+    if problem.scene.table.shape[0] == 0:
+        return CLEAR, math.inf
+    slack = SAMPLED_SLACK if coarseness(problem.scene) > 0.0 else SLACK
+    finest = FINEST * problem.unit
+    verdict, clearance, _, _, _ = prove(
+        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, work.among
+    )
+    return verdict, clearance
+
+
+linearise_here, step_here = inline(linearise), inline(step)
+
+
+@kernel
+def descend(
+    problem: Problem, states: State, at: int, work: Work, most: int, deadline: float
+) -> tuple[int, int, int, float, bool]:
+    """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
+
+    Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
+    when it fails again, contacts are looked for more closely.
+
+    Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
+    the clearance that the proof saw, and whether limits bound the last step.
+    """
+    enter(problem, pick(states, at), work)
+    depth, looked_at, merit, easing = problem.depth, at, math.inf, 1.0
+    # Samples may see an overlap where there is none; then the proof decides.
+    loose = coarseness(problem.scene)
+    how = solids.STEP if loose > 0.0 else solids.EXACT
+    slow = iteration = 0
+    bound = False
+    while True:
+        looked = pick(states, looked_at)
+        linearise_here(problem, looked, work, depth, how, 0.0)
+        found = looked.norms[MERIT]
+        if found < merit:
+            if merit < math.inf:
+                slow = slow + 1 if found > 0.8 * merit else 0
+                easing = max(1e-6, 0.3 * easing)
+            at, merit = looked_at, found
+        else:
+            slow += 1
+            easing *= 10.0
+        state = pick(states, at)
+        if met(problem, state, loose):
+            verdict, clearance = proof(problem, state, work)
+            if verdict == CLEAR or depth >= problem.depth + 6:
+                return at, verdict, iteration, clearance, bound
+            if how == solids.STEP:
+                how, loose = solids.EXACT, 0.0
+            else:
+                depth += 2
+            looked_at, merit = at, math.inf
+            continue
+        if slow >= PATIENCE and loose > 0.0 and met_by(state, loose):
+            how, loose = solids.EXACT, 0.0
+            looked_at, merit, slow, easing = at, math.inf, 0, 1.0
+            continue
+        if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
+            return at, MISSED, iteration, 0.0, bound
+        iteration += 1
+        rest(work)
+        bound = step_here(problem, state, work, max(EXACT, 0.01 * easing * merit))
+        looked_at = 1 - at
+        move(problem, state, work, pick(states, looked_at))

@@ -1,0 +1,124 @@
+"""What a solve works on: the problem, configurations and what follows from them, and scratch, all in one buffer."""
+
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.body.body import PER_SEGMENT
+from sinuous.kernels.chain.kinematics import frame, put_frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import Scene
+from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.step.sweeps import carve_rows, pick_rows, rows_size
+
+Problem = namedtuple(
+    "Problem",
+    [
+        "limits",
+        "actuation",
+        "base",
+        "tool",
+        "scene",
+        "targets",
+        "mount",
+        "unit",
+        "margin",
+        "position_tolerance",
+        "angle_tolerance",
+        "coarse",
+        "depth",
+    ],
+)
+"""What does not change during a solve: tables of robot, scene and targets; lengths that scale and bound; how often
+a segment is halved in the search for contacts, at a glance (`coarse`) and in a step (`depth`)."""
+
+SETTINGS = (
+    "mount",
+    "unit",
+    "margin",
+    "position_tolerance",
+    "angle_tolerance",
+    "coarse",
+    "depth",
+    "iterations",
+    "start",
+    "bends",
+    "clearance",
+)
+"""What a solve is set to, in this order: see `Problem`; most iterations from one start; and the preferences."""
+
+State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
+"""A configuration and the problem linearised there. `norms`: merit, position error, angle error,
+least clearance seen, and how far wishes for clearance are from met."""
+
+Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock"])
+"""Scratch of one solve."""
+
+STATES = 3
+"""States in a workspace: two take turns in a descent, a third serves corrections."""
+
+MERIT, POSITION, ANGLE, SEEN, WISH = 0, 1, 2, 3, 4
+
+
+@kernel
+def make_problem(
+    limits: Array, actuation: Array, poses: Array, table: Array, store: Array, settings: Array, targets: Array
+) -> Problem:
+    """Put the tables together; `poses` (2, 12) are the base and the tool, `table` and `store` the scene."""
+    return Problem(
+        limits,
+        actuation,
+        poses[0:1],
+        poses[1:2],
+        Scene(table, store),
+        targets,
+        settings[0],
+        settings[1],
+        settings[2],
+        settings[3],
+        settings[4],
+        int(settings[5]),
+        int(settings[6]),
+    )
+
+
+def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
+    """Numbers (float64) that a solve needs as workspace."""
+    capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
+    return STATES * (33 * segments + 18 + 27 * capacity + segments) + 19 * segments + obstacles + 2
+
+
+@kernel
+def carve(buffer: Array, problem: Problem) -> tuple[State, Work]:
+    """Lay out workspace: several states, as arrays with one more axis in front (see `pick`), and scratch."""
+    n, m, c = problem.limits.shape[0], problem.scene.table.shape[0], STATES
+    capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
+    size = c * (33 * n + 17)
+    frames = buffer[3 * n * c : (15 * n + 12) * c].reshape((c, n + 1, 12))
+    rotation, position = frame(problem.base, 0)
+    for i in range(c):
+        put_frame(frames[i], 0, rotation, position)
+    states = State(
+        buffer[: 3 * n * c].reshape((c, n, 3)),
+        frames,
+        buffer[(15 * n + 12) * c : (33 * n + 12) * c].reshape((c, n, 18)),
+        carve_rows(buffer[size:], c, n, capacity),
+        buffer[(33 * n + 12) * c : size].reshape((c, 5)),
+    )
+    rest = buffer[size + c * rows_size(n, capacity) :]
+    work = Work(
+        rest[: 9 * n].reshape((n, 9)),
+        rest[9 * n : 12 * n].reshape((n, 3)),
+        rest[12 * n : 15 * n].reshape((n, 3)),
+        rest[15 * n : 18 * n].reshape((n, 3)),
+        rest[18 * n : 19 * n].view(np.int64),
+        rest[19 * n : 19 * n + m].view(np.int64),
+        rest[19 * n + m : 19 * n + m + 2].view(np.int64),
+    )
+    return states, work
+
+
+@kernel
+def pick(states: State, i: int) -> State:
+    """State number `i` of several."""
+    return State(states.q[i], states.frames[i], states.columns[i], pick_rows(states.rows, i), states.norms[i])

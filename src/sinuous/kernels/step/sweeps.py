@@ -1,0 +1,256 @@
+"""The Newton step of the whole robot in two sweeps: exact, linear in the number of segments.
+
+Write every small motion as a twist `x = (omega, v)` in world axes. Then the world beyond segment k moves by
+`x_k = x_{k-1} + B_k dq_k`: the dynamics of the chain is the identity. Every constraint is a *row* that is linear in the
+twist at its place, `a . x + b . z = value`. The damped Gauss-Newton step
+
+    minimise  sum over rows (a . x + b . z - value)^2 / mu  +  sum over segments |z_k|^2,     dq_k = mean_k + L_k z_k
+
+is what a fixed-interval smoother computes for a random walk `x` with steps `B_k L_k z_k` and measurements of variance
+`mu`. `forward` is the Kalman filter along the arc (covariance 6 x 6 of what the robot can still do), `backward` the
+adjoint of Bryson & Frazier (Bierman 1973). Nothing is inverted but one number a row, and `mu -> 0` is well behaved:
+rows are then met exactly, with the least motion that does so.
+
+`L_k` (3 x 3) is the root of the metric in which motion is measured. Directions that a limit forbids are left out of
+it, and `mean_k` is a motion decided beforehand: up to a bound, or towards a preference.
+"""
+
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import (
+    IDENTITY,
+    NOTHING,
+    ZERO,
+    Array,
+    Mat,
+    Vec,
+    add,
+    add_outer,
+    add_scaled,
+    dot,
+    get_mat,
+    get_vec,
+    mat_vec,
+    put_vec,
+    scale,
+    transpose,
+    vec_mat,
+)
+
+Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", "gain", "innovation"])
+"""The constraints of a step, in the order of their segments.
+
+`start` (n + 1,): rows `start[k]` to `start[k + 1]` belong to segment k. `kind` (m,): END, at the end of the segment
+(these come last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE,
+left out. `twist` (m, 6) is `a`, seen from the end of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`,
+for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up to this segment, for HARD: actuators that run through
+several segments see no more than that. `value` (m,). The sweeps fill `gain` (m, 12) and `innovation` (m,).
+"""
+
+END, INNER, HARD, IDLE, SOFT = 0, 1, 2, 3, 4
+
+Reach = tuple[Mat, Mat, Mat, Vec, Vec]
+"""What the robot can still do up to here: covariance of (omega, omega), (omega, v), (v, v), and mean of omega and v."""
+
+Sums = tuple[Mat, Mat, Mat, Vec]
+"""The same of the sum of all motions: covariance with omega, with v, with itself, and mean."""
+
+Own = tuple[Mat, Mat, Mat, Mat, Vec]
+"""The same of the motion z of this segment: covariance with omega, v, the sum, itself, and mean."""
+
+HARD_SHARE = 1e-10
+"""Variance of HARD rows, relative to their weights: small, yet enough for two that say the same."""
+
+
+@kernel
+def rows_size(segments: int, capacity: int) -> int:
+    """Numbers that one set of rows takes from a buffer."""
+    return segments + 1 + 27 * capacity
+
+
+@kernel
+def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
+    """Lay out `count` sets of rows in the beginning of `buffer`; every array has one more axis in front."""
+    c, n, m = count, segments + 1, capacity
+    at = c * n
+    return Rows(
+        buffer[:at].view(np.int64).reshape((c, n)),
+        buffer[at : at + c * m].view(np.int64).reshape((c, m)),
+        buffer[at + c * m : at + c * 7 * m].reshape((c, m, 6)),
+        buffer[at + c * 7 * m : at + c * 10 * m].reshape((c, m, 3)),
+        buffer[at + c * 10 * m : at + c * 13 * m].reshape((c, m, 3)),
+        buffer[at + c * 13 * m : at + c * 14 * m].reshape((c, m)),
+        buffer[at + c * 14 * m : at + c * 26 * m].reshape((c, m, 12)),
+        buffer[at + c * 26 * m : at + c * 27 * m].reshape((c, m)),
+    )
+
+
+@kernel
+def pick_rows(rows: Rows, i: int) -> Rows:
+    """Set number `i` of several."""
+    return Rows(
+        rows.start[i],
+        rows.kind[i],
+        rows.twist[i],
+        rows.inner[i],
+        rows.total[i],
+        rows.value[i],
+        rows.gain[i],
+        rows.innovation[i],
+    )
+
+
+@kernel
+def _mix(weights: Vec, x: Vec, y: Vec, z: Vec) -> Vec:
+    return add_scaled(add_scaled(scale(weights[0], x), weights[1], y), weights[2], z)
+
+
+@kernel
+def _spread(columns: Array, k: int, lines: Mat) -> tuple[Mat, Mat]:
+    """`B_k L_k` as transposes, omega and v apart: one row a column of `L_k`; `lines` is `L_k` transposed."""
+    x, y, z = get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)
+    turn = (_mix(lines[0], x, y, z), _mix(lines[1], x, y, z), _mix(lines[2], x, y, z))
+    x, y, z = get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)
+    return turn, (_mix(lines[0], x, y, z), _mix(lines[1], x, y, z), _mix(lines[2], x, y, z))
+
+
+@kernel
+def _sub_outer(m: Mat, a: Vec, b: Vec) -> Mat:
+    """m - a b'."""
+    return add_scaled(m[0], -a[0], b), add_scaled(m[1], -a[1], b), add_scaled(m[2], -a[2], b)
+
+
+@kernel
+def _gram(m: Mat, a: Mat, b: Mat) -> Mat:
+    """m + a' b."""
+    return add_outer(add_outer(add_outer(m, a[0], b[0]), a[1], b[1]), a[2], b[2])
+
+
+@kernel
+def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
+    """Take in one row that sees the twist alone."""
+    A, B, C, turned, moved = reach
+    a, c = get_vec(rows.twist, i, 0), get_vec(rows.twist, i, 3)
+    turn, move = add(mat_vec(A, a), mat_vec(B, c)), add(vec_mat(a, B), mat_vec(C, c))
+    f = 1.0 / (dot(a, turn) + dot(c, move) + mu)
+    nu = rows.value[i] - dot(a, turned) - dot(c, moved)
+    gain_turn, gain_move = scale(f, turn), scale(f, move)
+    put_vec(rows.gain, i, 0, gain_turn)
+    put_vec(rows.gain, i, 3, gain_move)
+    rows.innovation[i] = f * nu
+    return (
+        _sub_outer(A, gain_turn, turn),
+        _sub_outer(B, gain_turn, move),
+        _sub_outer(C, gain_move, move),
+        add_scaled(turned, nu, gain_turn),
+        add_scaled(moved, nu, gain_move),
+    )
+
+
+@kernel
+def _within(
+    reach: Reach, own: Own, sums: Sums, L: Mat, m: Vec, rows: Rows, i: int, mu: float
+) -> tuple[Reach, Own, Sums]:
+    """Take in one row of any kind: it may also see the motion of its own segment, and the sum of all motions."""
+    A, B, C, turned, moved = reach
+    X, Y, R, Z, z = own
+    P, Q, T, summed = sums
+    kind = rows.kind[i]
+    a, c = get_vec(rows.twist, i, 0), get_vec(rows.twist, i, 3)
+    inner = get_vec(rows.inner, i, 0) if kind != END else ZERO
+    s = get_vec(rows.total, i, 0) if kind == HARD else ZERO
+    b = vec_mat(inner, L)
+    turn = add(add(mat_vec(A, a), mat_vec(B, c)), add(vec_mat(b, X), vec_mat(s, P)))
+    move = add(add(vec_mat(a, B), mat_vec(C, c)), add(vec_mat(b, Y), vec_mat(s, Q)))
+    used = add(add(mat_vec(X, a), mat_vec(Y, c)), add(mat_vec(Z, b), mat_vec(R, s)))
+    total = add(add(mat_vec(P, a), mat_vec(Q, c)), add(vec_mat(b, R), mat_vec(T, s)))
+    spread = dot(a, turn) + dot(c, move) + dot(b, used) + dot(s, total)
+    f = 1.0 / (spread + (mu if kind != HARD else HARD_SHARE * (dot(b, b) + dot(s, s))))
+    nu = rows.value[i] - dot(a, turned) - dot(c, moved) - dot(inner, m) - dot(b, z) - dot(s, summed)
+    gain_turn, gain_move, gain_used, gain_total = scale(f, turn), scale(f, move), scale(f, used), scale(f, total)
+    put_vec(rows.gain, i, 0, gain_turn)
+    put_vec(rows.gain, i, 3, gain_move)
+    put_vec(rows.gain, i, 6, gain_used)
+    put_vec(rows.gain, i, 9, gain_total)
+    rows.innovation[i] = f * nu
+    return (
+        (
+            _sub_outer(A, gain_turn, turn),
+            _sub_outer(B, gain_turn, move),
+            _sub_outer(C, gain_move, move),
+            add_scaled(turned, nu, gain_turn),
+            add_scaled(moved, nu, gain_move),
+        ),
+        (
+            _sub_outer(X, gain_used, turn),
+            _sub_outer(Y, gain_used, move),
+            _sub_outer(R, gain_used, total),
+            _sub_outer(Z, gain_used, used),
+            add_scaled(z, nu, gain_used),
+        ),
+        (
+            _sub_outer(P, gain_total, turn),
+            _sub_outer(Q, gain_total, move),
+            _sub_outer(T, gain_total, total),
+            add_scaled(summed, nu, gain_total),
+        ),
+    )
+
+
+@kernel
+def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, coupled: bool) -> None:
+    """Filter along the arc from base to tip; fill `rows.gain` and `rows.innovation`.
+
+    `coupled` says that HARD rows may weigh the sum of all motions; it is then part of the state.
+    """
+    reach = (NOTHING, NOTHING, NOTHING, ZERO, ZERO)
+    sums = (NOTHING, NOTHING, NOTHING, ZERO)
+    for k in range(columns.shape[0]):
+        L, m = get_mat(root, k, 0), get_vec(mean, k, 0)
+        lines = transpose(L)
+        turn, move = _spread(columns, k, lines)
+        A, B, C, turned, moved = reach
+        turned = add(turned, _mix(m, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
+        moved = add(moved, _mix(m, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
+        reach = (_gram(A, turn, turn), _gram(B, turn, move), _gram(C, move, move), turned, moved)
+        if coupled:
+            P, Q, T, summed = sums
+            sums = (_gram(P, lines, turn), _gram(Q, lines, move), _gram(T, lines, lines), add(summed, m))
+        own = (turn, move, lines, IDENTITY, ZERO)
+        for i in range(rows.start[k], rows.start[k + 1]):
+            if rows.kind[i] == END and not coupled:
+                reach = _at_end(reach, rows, i, mu)
+            elif rows.kind[i] != IDLE:
+                reach, own, sums = _within(reach, own, sums, L, m, rows, i, mu)
+
+
+@kernel
+def backward(columns: Array, root: Array, mean: Array, rows: Rows, step: Array, coupled: bool) -> None:
+    """Carry the adjoint from tip to base; fill `step` (n, 3) with dq."""
+    turn, move, total = ZERO, ZERO, ZERO
+    for k in range(columns.shape[0] - 1, -1, -1):
+        L = get_mat(root, k, 0)
+        z = ZERO
+        for i in range(rows.start[k + 1] - 1, rows.start[k] - 1, -1):
+            kind = rows.kind[i]
+            if kind == IDLE:
+                continue
+            push = rows.innovation[i] - dot(get_vec(rows.gain, i, 0), turn) - dot(get_vec(rows.gain, i, 3), move)
+            if coupled:
+                push -= dot(get_vec(rows.gain, i, 9), total)
+            if kind != END:
+                push -= dot(get_vec(rows.gain, i, 6), z)
+                z = add_scaled(z, push, vec_mat(get_vec(rows.inner, i, 0), L))
+            if kind == HARD and coupled:
+                total = add_scaled(total, push, get_vec(rows.total, i, 0))
+            turn = add_scaled(turn, push, get_vec(rows.twist, i, 0))
+            move = add_scaled(move, push, get_vec(rows.twist, i, 3))
+        pull = (
+            dot(get_vec(columns, k, 0), turn) + dot(get_vec(columns, k, 3), move) + total[0],
+            dot(get_vec(columns, k, 6), turn) + dot(get_vec(columns, k, 9), move) + total[1],
+            dot(get_vec(columns, k, 12), turn) + dot(get_vec(columns, k, 15), move) + total[2],
+        )
+        put_vec(step, k, 0, add(get_vec(mean, k, 0), mat_vec(L, add(z, vec_mat(pull, L)))))

@@ -1,0 +1,134 @@
+"""Targets as rows of the step, and their errors.
+
+Row i of `targets` (t, 15): segment whose end it concerns (from 0; -1 the last), 1 if a position is asked for,
+position (3), what is asked of the orientation (0 nothing, 1 a direction of the tangent, 2 a rotation), direction (3,
+then six unused) or rotation (9).
+"""
+
+import math
+
+from sinuous.kernels.chain.kinematics import compose, frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import (
+    Array,
+    Mat,
+    Vec,
+    across,
+    cross,
+    dot,
+    get_mat,
+    get_vec,
+    mat_mat,
+    norm,
+    put_vec,
+    scale,
+    sub,
+    transpose,
+)
+from sinuous.kernels.step.sweeps import END, Rows
+
+SEGMENT, HAS_POSITION, POSITION, ORIENTATION, GOAL = 0, 1, 2, 5, 6
+WIDTH = 15
+FREE, DIRECTION, ROTATION = 0, 1, 2
+NONE = (0.0, 0.0, 0.0)
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+@kernel
+def end_segment(targets: Array, i: int, segments: int) -> int:
+    """The segment, from 0, whose end target `i` concerns."""
+    k = int(targets[i, SEGMENT])
+    return k if k >= 0 else segments - 1
+
+
+@kernel
+def tangent_back(targets: Array, i: int) -> Vec:
+    """Where the backbone comes from at the target; zero where it may come from anywhere."""
+    if targets[i, ORIENTATION] == FREE:
+        return NONE
+    if targets[i, ORIENTATION] == DIRECTION:
+        return scale(-1.0, get_vec(targets, i, GOAL))
+    return (-targets[i, GOAL + 2], -targets[i, GOAL + 5], -targets[i, GOAL + 8])
+
+
+@kernel
+def end_pose(frames: Array, tool: Array, k: int) -> tuple[Mat, Vec]:
+    """Pose of the end of segment `k`; at the tip, of the tool."""
+    rotation, position = frame(frames, k + 1)
+    if k == frames.shape[0] - 2:
+        offset, shift = frame(tool, 0)
+        return compose(rotation, position, offset, shift)
+    return rotation, position
+
+
+@kernel
+def rotation_vector(m: Mat) -> Vec:
+    """Logarithm of a rotation matrix, angle in [0, pi]."""
+    w = (0.5 * (m[2][1] - m[1][2]), 0.5 * (m[0][2] - m[2][0]), 0.5 * (m[1][0] - m[0][1]))
+    sine, cosine = norm(w), 0.5 * (m[0][0] + m[1][1] + m[2][2] - 1.0)
+    angle = math.atan2(sine, cosine)
+    if sine > 1e-4 or (cosine > 0.0 and sine > 1e-10):
+        return scale(angle / sine, w)
+    if cosine > 0.0:
+        return w
+    # Near a half turn the sine is too small to divide by. (R + R') / 2 - cos I = (1 - cos) n n': the longest column.
+    x = (m[0][0] - cosine, 0.5 * (m[1][0] + m[0][1]), 0.5 * (m[2][0] + m[0][2]))
+    y = (x[1], m[1][1] - cosine, 0.5 * (m[2][1] + m[1][2]))
+    z = (x[2], y[2], m[2][2] - cosine)
+    axis = x
+    if y[1] > axis[0] and y[1] >= z[2]:
+        axis = y
+    elif z[2] > axis[0]:
+        axis = z
+    sign = -1.0 if dot(axis, w) < 0.0 else 1.0
+    return scale(sign * angle / norm(axis), axis)
+
+
+@kernel
+def direction_vector(tangent: Vec, goal: Vec) -> Vec:
+    """The shortest rotation that takes one unit vector to the other, as a rotation vector."""
+    w = cross(tangent, goal)
+    sine, cosine = norm(w), dot(tangent, goal)
+    if sine > 1e-14:
+        return scale(math.atan2(sine, cosine) / sine, w)
+    return w if cosine > 0.0 else scale(math.pi, across(tangent)[0])
+
+
+@kernel
+def _put(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
+    put_vec(rows.twist, at, 0, turn)
+    put_vec(rows.twist, at, 3, move)
+    rows.kind[at] = END
+    rows.value[at] = value
+    return at + 1
+
+
+@kernel
+def add_rows(
+    targets: Array, i: int, frames: Array, tool: Array, origin: Vec, unit: float, rows: Rows, at: int
+) -> tuple[int, float, float]:
+    """Write the rows of target `i` from row `at` on, lengths in units of `unit`.
+
+    Returns the next free row, the position error (length) and the angle error (rad); zero where nothing is asked.
+    """
+    rotation, position = end_pose(frames, tool, end_segment(targets, i, frames.shape[0] - 1))
+    miss, turn = NONE, NONE
+    if targets[i, HAS_POSITION] != 0.0:
+        inverse = 1.0 / unit
+        miss = sub(get_vec(targets, i, POSITION), position)
+        arm = scale(inverse, sub(position, origin))
+        at = _put(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
+        at = _put(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
+        at = _put(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
+    if targets[i, ORIENTATION] == ROTATION:
+        turn = rotation_vector(mat_mat(get_mat(targets, i, GOAL), transpose(rotation)))
+        at = _put(rows, at, X, NONE, turn[0])
+        at = _put(rows, at, Y, NONE, turn[1])
+        at = _put(rows, at, Z, NONE, turn[2])
+    elif targets[i, ORIENTATION] == DIRECTION:
+        tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
+        turn = direction_vector(tangent, get_vec(targets, i, GOAL))
+        a, b = across(tangent)
+        at = _put(rows, at, a, NONE, dot(turn, a))
+        at = _put(rows, at, b, NONE, dot(turn, b))
+    return at, norm(miss), norm(turn)

@@ -1,0 +1,44 @@
+"""DLS: damped least squares on the geometric Jacobian of the tip.
+
+Wampler 1986; Nakamura & Hanafusa 1986; the damping and the clamp that were chosen are those of Chan & Lawrence 1988 and
+Buss & Kim 2005 (see `sinuous.methods.dls.search`). Steps that leave the limits are put back within them. Everything is
+compiled, one call a solve, with a system of at most six rows whatever the number of segments.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from sinuous.methods.compiled import Compiled
+from sinuous.methods.dls.search import search, workspace_size
+from sinuous.methods.options import Options, count, number
+from sinuous.methods.registry import METHODS
+from sinuous.problem.problem import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Dls(Options):
+    """Options of the method `dls`.
+
+    Attributes
+    ----------
+    iterations : int
+        Most steps from one start.
+    damping : float
+        What is added to the diagonal, as a share of the squared error (robot lengths and rad).
+    clamp : float
+        Largest error that one step goes for, in robot lengths and rad together.
+    """
+
+    method: ClassVar[str] = "dls"
+
+    iterations: int = count(200, 1, 1_000_000)
+    damping: float = number(0.1, low=0.0)
+    clamp: float = number(0.5, above=0.0)
+
+    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
+        """Prepare the method for a robot in a scene."""
+        size = workspace_size(len(robot), len(scene))
+        can = METHODS[self.method].capabilities
+        return Compiled(self.method, can, search, size, robot, scene, tolerance, self.vector())

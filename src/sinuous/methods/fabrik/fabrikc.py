@@ -1,0 +1,44 @@
+"""FABRIKc: forward and backward reaching for constant-curvature segments.
+
+Zhang et al., "FABRIKc: an efficient iterative inverse kinematics solver for continuum robots" (2018).
+The paper has segments of fixed length. Those that stretch are what others call exFABRIKc, of which no description could
+be had: what was chosen is said in `sinuous.methods.fabrik.links`. Everything is compiled, one call a solve.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from sinuous.methods.compiled import Compiled
+from sinuous.methods.fabrik.search import search, workspace_size
+from sinuous.methods.options import Options, count, flag
+from sinuous.methods.registry import METHODS
+from sinuous.problem.problem import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Fabrikc(Options):
+    """Options of the method `fabrikc`.
+
+    Attributes
+    ----------
+    iterations : int
+        Most iterations from one start; each goes from the tip to the base and back.
+    stretch : bool
+        Whether segments may change the lengths that the start gave them, within their limits (exFABRIKc).
+    """
+
+    method: ClassVar[str] = "fabrikc"
+
+    iterations: int = count(300, 1, 1_000_000)
+    stretch: bool = flag(True)
+
+    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
+        """Prepare the method for a robot in a scene."""
+        one_segment_a_section = np.array([float(self.iterations), 1.0, 0.0, float(self.stretch)])
+        size = workspace_size(len(robot), len(scene))
+        can = METHODS[self.method].capabilities
+        return Compiled(self.method, can, search, size, robot, scene, tolerance, one_segment_a_section)

@@ -1,0 +1,51 @@
+"""FABRIKx: forward and backward reaching for sections of variable curvature.
+
+Kolpashchikov, Gerget & Danilov, "FABRIKx: tackling the inverse kinematics problem of continuum robots with variable
+curvature" (Robotics 11, 128, 2022). A section of variable curvature is planar and has two links, which differ; here as
+there it is approximated by arcs. Its full text could not be had, so chosen here are: which sections there are
+(`pieces` segments in a row are one), how curvature varies along them (`taper`), and the rules that all the methods of
+this family share (see `sinuous.methods.fabrik.links`). Lengths are those that the start has. Answers are configurations of
+the robot's segments like any other. Everything is compiled, one call a solve.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from sinuous.methods.compiled import Compiled
+from sinuous.methods.fabrik.search import search, workspace_size
+from sinuous.methods.options import Options, count, number
+from sinuous.methods.registry import METHODS
+from sinuous.problem.problem import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Fabrikx(Options):
+    """Options of the method `fabrikx`.
+
+    Attributes
+    ----------
+    iterations : int
+        Most iterations from one start; each goes from the tip to the base and back.
+    pieces : int
+        Segments in a row that are bent together as one section; the last section has what is left.
+    taper : float
+        How bends vary along a section of p segments: as `1 + taper (2 (j + 1/2) / p - 1)`, j = 0 ... p - 1. From
+        -0.9 to 0.9; 0 bends all alike.
+    """
+
+    method: ClassVar[str] = "fabrikx"
+
+    iterations: int = count(300, 1, 1_000_000)
+    pieces: int = count(1, 1, 10_000)
+    taper: float = number(0.0, low=-0.9, high=0.9)
+
+    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
+        """Prepare the method for a robot in a scene."""
+        no_stretch = np.array([*self.vector(), 0.0])
+        size = workspace_size(len(robot), len(scene))
+        can = METHODS[self.method].capabilities
+        return Compiled(self.method, can, search, size, robot, scene, tolerance, no_stretch)

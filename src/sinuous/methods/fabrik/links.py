@@ -1,0 +1,216 @@
+"""Forward and backward reaching for arcs: every section is two links that meet at the joint of its end tangents.
+
+The tangents at the two ends of a planar section that turns by less than half a turn meet in one point, its virtual
+joint. From there it is `near` back to where the section begins and `far` on to where it ends; for an arc of length L
+and angle t both are `L tan(t / 2) / t` (Zhang et al. 2018, FABRIKc). So the tangent between two sections is the line
+through their joints, and the heuristic of Aristidou & Lasenby (2011) applies: put the end on the target and lay the
+links back to the base, each towards the joint before it (`reach_back`); put the beginning on the base and lay them
+out to the tip, each towards the joint after it (`reach_out`); repeat.
+
+Chosen here, because no paper that could be had says it:
+
+- a section that can stretch is as long as brings its other end closest to where the pass before had put it, within
+  its range (fitting the joints instead took ten times as many iterations);
+- a bend beyond its limit, or beyond `STEEPEST`, is turned back into the cone about the tangent that the pass came
+  from, so bends keep their limits always and it is the target that is missed;
+- a target that asks for no direction is approached along the line from the last joint.
+
+A section is one segment or several in a row; see `Chain`.
+"""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.chain import arc
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import (
+    Array,
+    Vec,
+    across,
+    add_scaled,
+    cross,
+    dot,
+    get_vec,
+    norm,
+    put_vec,
+    scale,
+    sub,
+)
+from sinuous.kernels.step.limits import bend_cap
+
+Chain = namedtuple(
+    "Chain", ["first", "share", "part", "points", "joints", "tangents", "bends", "lengths", "low", "high"]
+)
+"""Sections from the base to the end that has a target, and what they have in common with segments.
+
+`first` (m + 1,): section i is made of the segments `first[i]` to `first[i + 1]`. `share` (n,) and `part` (n,): of its
+section's bend and of its section's length, what each segment has. `points` (m + 1, 3): ends of sections. `joints`
+(m, 3), `tangents` (m + 1, 3), `bends` (m,), `lengths` (m,): where it is now. `low`, `high` (m,): range of the lengths.
+"""
+
+STEEPEST = 0.95 * math.pi
+"""Most that a section may turn: at half a turn its tangents are parallel and the links infinite."""
+
+SMALL = 1e-5
+"""Bend below which a section's links are those of this bend; they differ by 1e-11 of its length at most."""
+
+
+PER_SEGMENT, BESIDE = 16, 7
+"""Numbers (float64) that a chain takes from a buffer at most: for every segment, and beside."""
+
+
+@kernel
+def carve_chain(buffer: Array, segments: int, sections: int) -> Chain:
+    """Lay out a chain in the beginning of `buffer`."""
+    n, m = segments, sections
+    points = 2 * n + m + 1
+    joints = points + 3 * m + 3
+    tangents = joints + 3 * m
+    rest = buffer[tangents + 3 * m + 3 :]
+    return Chain(
+        buffer[2 * n : points].view(np.int64),
+        buffer[:n],
+        buffer[n : 2 * n],
+        buffer[points:joints].reshape((m + 1, 3)),
+        buffer[joints:tangents].reshape((m, 3)),
+        buffer[tangents : tangents + 3 * m + 3].reshape((m + 1, 3)),
+        rest[:m],
+        rest[m : 2 * m],
+        rest[2 * m : 3 * m],
+        rest[3 * m : 4 * m],
+    )
+
+
+@kernel
+def group(chain: Chain, segments: int, pieces: int, taper: float) -> None:
+    """Make sections of `pieces` segments each, the last of what is left; fills `first` and `share`.
+
+    Within a section the bends of its p segments go as `1 + taper (2 (j + 1/2) / p - 1)`, j = 0 ... p - 1.
+    """
+    for i in range(chain.bends.shape[0]):
+        begin, end = i * pieces, min((i + 1) * pieces, segments)
+        chain.first[i], chain.first[i + 1] = begin, end
+        for k in range(begin, end):
+            chain.share[k] = (1.0 + taper * (2.0 * (k - begin + 0.5) / (end - begin) - 1.0)) / (end - begin)
+
+
+@kernel
+def links(chain: Chain, i: int, bend: float) -> tuple[float, float]:
+    """Links `near` and `far` of section i at this bend, for a length of one.
+
+    The end of the section, in the plane of its bend, is at (x, z); the tangents there meet where
+    `near + far cos(bend) = z`, `far sin(bend) = x`.
+    """
+    turn = max(bend, SMALL)
+    begin, end = chain.first[i], chain.first[i + 1]
+    if end - begin == 1:
+        half = math.tan(0.5 * turn) / turn
+        return half, half
+    x = z = angle = 0.0
+    for k in range(begin, end):
+        side, _, ahead = arc.point(chain.share[k] * turn, 0.0, chain.part[k])
+        cosine, sine = math.cos(angle), math.sin(angle)
+        x += cosine * side + sine * ahead
+        z += cosine * ahead - sine * side
+        angle += chain.share[k] * turn
+    far = x / math.sin(turn)
+    return z - far * math.cos(turn), far
+
+
+@kernel
+def cap_of(chain: Chain, limits: Array, i: int, length: float) -> float:
+    """Largest bend of section i at this length."""
+    cap = STEEPEST
+    for k in range(chain.first[i], chain.first[i + 1]):
+        own = bend_cap(limits, k, chain.part[k] * length)
+        if own < cap * chain.share[k]:
+            cap = own / chain.share[k]
+    return cap
+
+
+@kernel
+def unit_or(a: Vec, other: Vec) -> Vec:
+    """`a` as a unit vector; `other` where it has no direction."""
+    length = norm(a)
+    return scale(1.0 / length, a) if length > 1e-300 else other
+
+
+@kernel
+def angle_between(a: Vec, b: Vec) -> float:
+    """Angle between two unit vectors."""
+    return math.atan2(norm(cross(a, b)), dot(a, b))
+
+
+@kernel
+def cone(axis: Vec, wanted: Vec, cap: float) -> tuple[Vec, float]:
+    """The unit vector closest to `wanted` that is within the angle `cap` of `axis`, and its angle."""
+    angle = angle_between(axis, wanted)
+    if angle <= cap:
+        return wanted, angle
+    side = unit_or(add_scaled(wanted, -dot(wanted, axis), axis), across(axis)[0])
+    return add_scaled(scale(math.cos(cap), axis), math.sin(cap), side), cap
+
+
+@kernel
+def _length(chain: Chain, i: int, links_sum: Vec, wanted: Vec) -> float:
+    """The length, within its range, with which section i comes closest to spanning `wanted`."""
+    length = dot(wanted, links_sum) / dot(links_sum, links_sum)
+    return min(max(length, chain.low[i]), chain.high[i])
+
+
+@kernel
+def reach_back(chain: Chain, limits: Array, goal: Vec, aim: Vec, aimed: bool) -> None:
+    """Lay the links from the `goal` back towards the base; `aim` is the tangent there, if it is asked for.
+
+    Where the base comes to be, and with which tangent, is as it comes out; `reach_out` begins with the right ones.
+    """
+    m = chain.bends.shape[0]
+    end = goal
+    z = aim if aimed else unit_or(sub(goal, get_vec(chain.joints, m - 1, 0)), get_vec(chain.tangents, m, 0))
+    put_vec(chain.points, m, 0, goal)
+    for j in range(m):
+        i = m - 1 - j
+        length = chain.lengths[i]
+        _, far = links(chain, i, chain.bends[i])
+        joint = add_scaled(end, -far * length, z)
+        before = get_vec(chain.joints, i - 1, 0) if i > 0 else get_vec(chain.points, 0, 0)
+        wanted = unit_or(sub(joint, before), get_vec(chain.tangents, i, 0))
+        toward, bend = cone(z, wanted, cap_of(chain, limits, i, length))
+        near, far = links(chain, i, bend)
+        span = add_scaled(scale(near, toward), far, z)
+        length = _length(chain, i, span, sub(end, get_vec(chain.points, i, 0)))
+        put_vec(chain.joints, i, 0, add_scaled(end, -far * length, z))
+        end, z = add_scaled(end, -length, span), toward
+        put_vec(chain.points, i, 0, end)
+        chain.bends[i], chain.lengths[i] = bend, length
+
+
+@kernel
+def reach_out(chain: Chain, limits: Array, base: Vec, tangent: Vec, aim: Vec, aimed: bool) -> None:
+    """Lay the links from the base, with its tangent, out to the tip."""
+    m = chain.bends.shape[0]
+    begin, z = base, tangent
+    put_vec(chain.points, 0, 0, base)
+    put_vec(chain.tangents, 0, 0, tangent)
+    for i in range(m):
+        length = chain.lengths[i]
+        near, _ = links(chain, i, chain.bends[i])
+        joint = add_scaled(begin, near * length, z)
+        after = get_vec(chain.joints, i + 1, 0) if i < m - 1 else get_vec(chain.points, m, 0)
+        wanted = aim if aimed and i == m - 1 else unit_or(sub(after, joint), z)
+        toward, bend = cone(z, wanted, cap_of(chain, limits, i, length))
+        near, far = links(chain, i, bend)
+        span = add_scaled(scale(near, z), far, toward)
+        length = _length(chain, i, span, sub(get_vec(chain.points, i + 1, 0), begin))
+        cap = cap_of(chain, limits, i, length)
+        if bend > cap:  # a shorter segment may bend less
+            toward, bend = cone(z, wanted, cap)
+            near, far = links(chain, i, bend)
+            span = add_scaled(scale(near, z), far, toward)
+        put_vec(chain.joints, i, 0, add_scaled(begin, near * length, z))
+        begin, z = add_scaled(begin, length, span), toward
+        put_vec(chain.points, i + 1, 0, begin)
+        put_vec(chain.tangents, i + 1, 0, z)
+        chain.bends[i], chain.lengths[i] = bend, length

@@ -1,0 +1,1 @@
+"""Forward and backward reaching among obstacles."""

@@ -1,0 +1,1 @@
+"""Random search from a shrinking range."""

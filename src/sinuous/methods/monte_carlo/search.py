@@ -1,0 +1,222 @@
+"""Monte Carlo: draw configurations at random about the best so far, from a range that shrinks (Qin et al. 2022).
+
+A round draws configurations evenly from the range about the best so far; one that is better takes its place at once.
+After a round without a better one the range shrinks. The range of a bend's components is twice the largest bend (half
+a turn at most), that of a length its own. What is drawn outside the limits is put back within them. Of the paper only
+what others say of it could be had; chosen here are the even draws, the squared errors and overlaps that are compared,
+and when the range shrinks (after every round, as one might read it, it closed in on the wrong place from two of three
+starts).
+"""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.body.glance import deepest
+from sinuous.kernels.chain.kinematics import forward, frame
+from sinuous.kernels.clock import now
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
+from sinuous.kernels.solve.judge import (
+    GIVEN,
+    Check,
+    begin,
+    begin_from,
+    carve_check,
+    check_size,
+    end,
+    has_obstacles,
+    offer,
+    target_errors,
+)
+from sinuous.kernels.step.actuation import straighten
+from sinuous.kernels.step.limits import HIGH, LOW, bend_cap, retract
+from sinuous.kernels.step.states import Problem, make_problem
+
+LOOKS = 8
+"""Places of every segment that are looked at for obstacles."""
+
+NEAR_GIVEN = 0.1
+"""Range about a start that was given, as a share of the whole."""
+
+FINEST = 1e-12
+"""Range at which a start is given up, as a share of the whole."""
+
+MARGIN = 1e-6
+"""Clearance that is asked for where the proof of the whole body failed, in robot lengths; it doubles every time."""
+
+PER_SEGMENT, BESIDE = 9, 1
+"""Numbers (float64) that the scratch takes from a buffer: for every segment, and beside."""
+
+Work = namedtuple("Work", ["q", "trial", "straight", "state"])
+"""Scratch of one solve: the best, a draw, what `straighten` needs (all (n, 3)), and the state of the random numbers."""
+
+
+def workspace_size(segments: int, obstacles: int) -> int:
+    """Numbers (float64) that a search needs as workspace."""
+    return check_size(segments, obstacles) + PER_SEGMENT * segments + BESIDE
+
+
+@kernel
+def carve(buffer: Array, segments: int) -> Work:
+    """Lay out the scratch in the beginning of `buffer`."""
+    n = segments
+    return Work(
+        buffer[: 3 * n].reshape((n, 3)),
+        buffer[3 * n : 6 * n].reshape((n, 3)),
+        buffer[6 * n : 9 * n].reshape((n, 3)),
+        buffer[9 * n : 9 * n + 1].view(np.uint64),
+    )
+
+
+@kernel
+def draw(state: Array) -> float:
+    """The next number in [-1, 1) (Steele et al. 2014, splitmix64)."""
+    state[0] += np.uint64(0x9E3779B97F4A7C15)
+    z = state[0]
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return float((z ^ (z >> np.uint64(31))) >> np.uint64(11)) * 2.0**-52 - 1.0
+
+
+@kernel
+def enter(problem: Problem, q: Array, straight: Array) -> None:
+    """Bring `q` within all limits."""
+    for k in range(q.shape[0]):
+        put_vec(q, k, 0, retract(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
+    straighten(problem.actuation, q, straight)
+
+
+@kernel
+def scatter(problem: Problem, work: Work, share: float) -> None:
+    """Draw a configuration into `work.trial`, from this share of the whole range about `work.q`."""
+    for k in range(work.q.shape[0]):
+        low, high = problem.limits[k, LOW], problem.limits[k, HIGH]
+        bend = share * min(math.pi, bend_cap(problem.limits, k, high))
+        ux, uy, length = get_vec(work.q, k, 0)
+        ux, uy = ux + bend * draw(work.state), uy + bend * draw(work.state)
+        length += 0.5 * share * (high - low) * draw(work.state)
+        put_vec(work.trial, k, 0, (ux, uy, length))
+    enter(problem, work.trial, work.straight)
+
+
+@kernel
+def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float) -> tuple[float, bool]:
+    """What is wrong with `q`, squared, in robot lengths and rad, and whether it may be an answer.
+
+    Obstacles are looked at only when the rest is better than `enough`.
+    """
+    forward(q, check.frames)
+    off, turn = target_errors(problem, check.frames)
+    wrong = off * off / (problem.unit * problem.unit) + turn * turn
+    met = off <= problem.position_tolerance and turn <= problem.angle_tolerance
+    if not has_obstacles(problem) or wrong >= enough:
+        return wrong, met
+    overlap = travel = 0.0
+    for k in range(q.shape[0]):
+        rotation, position = frame(check.frames, k)
+        clearance, _, _ = deepest(problem, rotation, position, get_vec(q, k, 0), k, travel, LOOKS)
+        travel += q[k, 2]
+        overlap = max(overlap, margin - clearance)
+    return wrong + overlap * overlap / (problem.unit * problem.unit), met and overlap == 0.0
+
+
+@kernel
+def descend(
+    problem: Problem,
+    check: Check,
+    work: Work,
+    options: Array,
+    share: float,
+    deadline: float,
+    kind: int,
+    best: Array,
+    record: Array,
+) -> tuple[int, bool]:
+    """Draw in rounds, from this share of the range, until an answer is solved, the range is used up, or time is over.
+
+    Begins at `work.q`; returns the number of rounds, and whether an answer is solved.
+    """
+    rounds, samples, shrink = int(options[0]), int(options[1]), options[2]
+    margin = 0.0
+    least, met = judge(problem, check, work.q, margin, math.inf)
+    for done in range(rounds + 1):
+        if met:
+            if offer(problem, check, work.q, kind, best, record):
+                return done, True
+            margin = max(2.0 * margin, MARGIN * problem.unit)
+            least, met = judge(problem, check, work.q, margin, math.inf)
+        if done == rounds or share < FINEST or now(check.clock) > deadline:
+            return done, offer(problem, check, work.q, kind, best, record)
+        before = least
+        for _ in range(samples):
+            scatter(problem, work, share)
+            wrong, found = judge(problem, check, work.trial, margin, least)
+            if wrong < least or (found and not met):
+                least, met = wrong, found
+                copy(work.trial, work.q)
+                if met:
+                    break
+        if not least < before:
+            share *= shrink
+    return rounds, False
+
+
+@kernel
+def _solve(
+    problem: Problem,
+    check: Check,
+    work: Work,
+    given: Array,
+    first: int,
+    most: int,
+    seed: int,
+    seconds: float,
+    options: Array,
+    best: Array,
+    record: Array,
+) -> None:
+    deadline, last = begin(problem, check, given, first, most, seconds, best, record)
+    total, index, late, done = 0, first, False, False
+    while index < last and not late and not done:
+        work.state[0] = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index)
+        kind = begin_from(problem, check, given, index, seed, work.q)
+        index += 1
+        enter(problem, work.q, work.straight)
+        share = NEAR_GIVEN if kind == GIVEN else 1.0
+        used, done = descend(problem, check, work, options, share, deadline, kind, best, record)
+        total += used
+        late = not done and now(check.clock) > deadline
+    end(problem, check, total, index - first, late, best, record)
+
+
+@entry
+def search(
+    limits: Array,
+    actuation: Array,
+    poses: Array,
+    table: Array,
+    store: Array,
+    settings: Array,
+    options: Array,
+    targets: Array,
+    given: Array,
+    first: int,
+    most: int,
+    seed: int,
+    seconds: float,
+    buffer: Array,
+    best: Array,
+    records: Array,
+) -> None:
+    """Solve m problems; see `sinuous.methods.compiled`.
+
+    `options`: most rounds from one start, draws of a round, and what is left of the range after a vain one.
+    """
+    n = limits.shape[0]
+    work = carve(buffer, n)
+    for i in range(targets.shape[0]):
+        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
+        check = carve_check(buffer[PER_SEGMENT * n + BESIDE :], problem)
+        _solve(problem, check, work, given[i], first, most, seed, seconds, options, best[i], records[i])

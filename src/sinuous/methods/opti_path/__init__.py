@@ -1,0 +1,1 @@
+"""The method of Sun & Wang: a path of arcs, moved until it fits."""

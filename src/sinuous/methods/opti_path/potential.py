@@ -1,0 +1,124 @@
+"""The artificial potential of obstacles: zero from a distance on, then rising, with a continuous slope.
+
+    c(d) = slope (reach / 2 - d)            where d < 0
+           slope (d - reach)^2 / (2 reach)  where 0 <= d <= reach
+           0                                farther away
+
+as CHOMP has it (Ratliff et al. 2009); `d` is the distance of the body's surface. It is sampled on a grid beforehand and
+interpolated linearly, or computed from the obstacles each time.
+"""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import Scene, nearest, obstacle
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, norm, scale, sub
+
+BLOCK = 8
+"""Nodes along the edge of a block that is looked at as a whole before its nodes are."""
+
+Potential = namedtuple("Potential", ["values", "origin", "spacing", "slope", "reach", "radius"])
+"""Values (x, y, z) at the nodes of a grid, none: exact; where its first node is and how far nodes are apart; the
+parameters of `c`; and the radius of the body."""
+
+
+@kernel
+def hinge(d: float, slope: float, reach: float) -> tuple[float, float]:
+    """c(d) and its derivative."""
+    if d < 0.0:
+        return slope * (0.5 * reach - d), -slope
+    if d <= reach:
+        return 0.5 * slope / reach * (d - reach) * (d - reach), slope / reach * (d - reach)
+    return 0.0, 0.0
+
+
+@kernel
+def make_potential(values: Array, place: Array, slope: float, reach: float) -> Potential:
+    """Put a grid together; `place` (1, 5) holds its origin (3), its spacing, and the radius of the body."""
+    return Potential(values, get_vec(place, 0, 0), place[0, 3], slope, reach, place[0, 4])
+
+
+@kernel
+def exact(scene: Scene, potential: Potential, p: Vec) -> tuple[float, Vec]:
+    """Potential and its gradient at `p`, from the obstacles themselves."""
+    d, which = nearest(scene, p)
+    c, slope = hinge(d - potential.radius, potential.slope, potential.reach)
+    if c == 0.0:
+        return 0.0, ZERO
+    return c, scale(slope, obstacle(scene, which, p)[1])
+
+
+@kernel
+def interpolated(potential: Potential, p: Vec) -> tuple[float, Vec]:
+    """Potential at `p`, linear along each axis within a cell of the grid, and its gradient; zero outside the grid."""
+    values, inverse = potential.values, 1.0 / potential.spacing
+    x, y, z = scale(inverse, sub(p, potential.origin))
+    i, j, k = math.floor(x), math.floor(y), math.floor(z)
+    if i < 0 or j < 0 or k < 0:
+        return 0.0, ZERO
+    if i >= values.shape[0] - 1 or j >= values.shape[1] - 1 or k >= values.shape[2] - 1:
+        return 0.0, ZERO
+    x, y, z = x - i, y - j, z - k
+    a, b = values[i, j, k], values[i, j, k + 1]
+    c, d = values[i, j + 1, k], values[i, j + 1, k + 1]
+    e, f = values[i + 1, j, k], values[i + 1, j, k + 1]
+    g, h = values[i + 1, j + 1, k], values[i + 1, j + 1, k + 1]
+    near, far = a + z * (b - a), c + z * (d - c)
+    near_on, far_on = e + z * (f - e), g + z * (h - g)
+    here, on = near + y * (far - near), near_on + y * (far_on - near_on)
+    rise_y = (far - near) + x * ((far_on - near_on) - (far - near))
+    rise, rise_on = (b - a) + y * ((d - c) - (b - a)), (f - e) + y * ((h - g) - (f - e))
+    return here + x * (on - here), scale(inverse, (on - here, rise_y, rise + x * (rise_on - rise)))
+
+
+@kernel
+def potential_at(scene: Scene, potential: Potential, p: Vec) -> tuple[float, Vec]:
+    """Potential and its gradient at `p`."""
+    if potential.values.shape[0] > 0:
+        return interpolated(potential, p)
+    return exact(scene, potential, p)
+
+
+@entry
+def sample(
+    table: Array,
+    store: Array,
+    place: Array,
+    slope: float,
+    reach: float,
+    centre: Array,
+    extent: float,
+    values: Array,
+) -> None:
+    """Fill `values` (x, y, z) with the potential at the nodes; zero where no body can be.
+
+    `place` is laid out as `make_potential` says; a body can be within `extent` of `centre` (1, 3). Blocks of nodes
+    that are farther from every obstacle than the potential reaches are filled at once.
+    """
+    scene = Scene(table, store)
+    potential = make_potential(values, place, slope, reach)
+    middle = get_vec(centre, 0, 0)
+    spacing = potential.spacing
+    half = 0.5 * (BLOCK - 1) * spacing
+    around = math.sqrt(3.0) * half
+    for bi in range(0, values.shape[0], BLOCK):
+        for bj in range(0, values.shape[1], BLOCK):
+            for bk in range(0, values.shape[2], BLOCK):
+                p = _node(potential, bi, bj, bk)
+                p = (p[0] + half, p[1] + half, p[2] + half)
+                d, _ = nearest(scene, p)
+                clear = d > potential.radius + reach + around or norm(sub(p, middle)) > extent + around
+                for i in range(bi, min(bi + BLOCK, values.shape[0])):
+                    for j in range(bj, min(bj + BLOCK, values.shape[1])):
+                        for k in range(bk, min(bk + BLOCK, values.shape[2])):
+                            values[i, j, k] = 0.0
+                            if not clear:
+                                d, _ = nearest(scene, _node(potential, i, j, k))
+                                values[i, j, k] = hinge(d - potential.radius, slope, reach)[0]
+
+
+@kernel
+def _node(potential: Potential, i: int, j: int, k: int) -> Vec:
+    origin, spacing = potential.origin, potential.spacing
+    return (origin[0] + i * spacing, origin[1] + j * spacing, origin[2] + k * spacing)

@@ -1,0 +1,203 @@
+"""The registry of all algorithms for inverse kinematics.
+
+A method is prepared once for a robot, a scene and tolerances; `run` then tries a range of starts on one table of
+targets and returns the best that it found. A method is chosen by its name, or by its options (`OptiPath(...)`).
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Protocol, cast
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.methods.capabilities import LIMITS, Capabilities
+from sinuous.methods.options import Options
+from sinuous.solution.solution import Outcome
+
+if TYPE_CHECKING:
+    from sinuous.problem.problem import Preferences, Tolerance
+    from sinuous.robot.robot import Robot
+    from sinuous.scene.scene import Scene
+
+
+SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, NO_ROUTE = range(7)
+
+Choice = str | Options
+"""How a method is chosen: its name, or its options."""
+
+
+class Method(Protocol):
+    """A prepared algorithm."""
+
+    def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
+        """Solve for targets `rows` (t, 15) from starts number `first` up to, without it, `last`, for at most `seconds`.
+
+        Starts are counted: those of `given` (g, n, 3), then the method's own. The run ends at the first that is
+        solved; `Outcome.starts` is 0 when the method has no start of these numbers.
+        """
+        ...
+
+    def run_many(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> list[Outcome]:
+        """Solve m problems as `run` does one: `rows` (m, t, 15), `given` (m, g, n, 3), `seconds` for each."""
+        ...
+
+
+@dataclass(frozen=True)
+class Registered:
+    """A method in the registry: the class of its options in `sinuous.methods.registry.NAME`, and what it handles."""
+
+    options: str
+    capabilities: Capabilities
+
+
+_OF_THE_TIP = Capabilities(
+    direction=True,
+    rotation=False,
+    alone=False,
+    elbows=False,
+    tool=True,
+    limits=("length", "bend", "curvature"),
+    obstacles=False,
+    preferences=False,
+    given=True,
+    starts=True,
+    compiled="everything, in one call",
+    source="",
+)
+"""Of a method that looks at the tip alone."""
+
+
+METHODS: dict[str, Registered] = {
+    "newton": Registered(
+        "",
+        Capabilities(
+            direction=True,
+            rotation=True,
+            alone=True,
+            elbows=True,
+            tool=True,
+            limits=LIMITS,
+            obstacles=True,
+            preferences=True,
+            given=True,
+            starts=True,
+            compiled="everything, in one call",
+            source="this library; docs/design.md",
+        ),
+    ),
+    "opti_path": Registered(
+        "opti_path.options.OptiPath",
+        Capabilities(
+            direction=True,
+            rotation=False,
+            alone=False,
+            elbows=False,
+            tool=False,
+            limits=("length", "bend", "curvature"),
+            obstacles=True,
+            preferences=False,
+            given=True,
+            starts=True,
+            compiled="everything, in one call; the potential is sampled once, compiled too",
+            source="Sun & Wang, An Optimization-Based Inverse Kinematics Solver for Continuum Manipulators in "
+            "Intricate Environments",
+        ),
+    ),
+    "dls": Registered(
+        "dls.options.Dls",
+        replace(_OF_THE_TIP, rotation=True, alone=True, source="Wampler 1986, Nakamura & Hanafusa 1986"),
+    ),
+    "fabrikc": Registered("fabrik.fabrikc.Fabrikc", replace(_OF_THE_TIP, source="Zhang et al. 2018")),
+    "slinki": Registered(
+        "slinki.options.Slinki", replace(_OF_THE_TIP, obstacles=True, given=False, source="Chiang et al. 2021")
+    ),
+    "fabrikx": Registered("fabrik.fabrikx.Fabrikx", replace(_OF_THE_TIP, source="Kolpashchikov et al. 2022")),
+    "fabrik_avoid": Registered(
+        "fabrik_avoid.options.FabrikAvoid", replace(_OF_THE_TIP, obstacles=True, source="Wu et al. 2022")
+    ),
+    "monte_carlo": Registered(
+        "monte_carlo.options.MonteCarlo",
+        replace(
+            _OF_THE_TIP,
+            rotation=True,
+            alone=True,
+            elbows=True,
+            limits=LIMITS,
+            obstacles=True,
+            source="Qin et al. 2022",
+        ),
+    ),
+}
+"""All methods by name, ours first."""
+
+
+def options_class(name: str) -> type[Options]:
+    """Return the class of the options of the method called `name`.
+
+    Raises
+    ------
+    InputError
+        When there is no such method.
+    """
+    if not isinstance(name, str) or name not in METHODS:
+        raise InputError("method", "is not known", name, "one of " + ", ".join(METHODS))
+    registered = METHODS[name]
+    if not registered.options:
+        return Options
+    return cast(type[Options], getattr(import_module(f"sinuous.methods.registry.{name}"), registered.options))
+
+
+def with_options(name: str, pairs: Iterable[str]) -> Choice:
+    """Choose the method called `name` with options as they are typed, `KEY=VALUE` each.
+
+    Raises
+    ------
+    InputError
+        When there is no such method, or an option is refused.
+    """
+    pairs = list(pairs)
+    chosen = options_class(name)
+    return chosen.parse(pairs) if pairs else name
+
+
+def name_of(method: Choice) -> str:
+    """Return the name of a chosen method.
+
+    Raises
+    ------
+    InputError
+        When it is none.
+    """
+    name = method.method if isinstance(method, Options) else method
+    if not isinstance(name, str) or name not in METHODS:
+        raise InputError("method", "is not known", method, "one of " + ", ".join(METHODS) + ", or its options")
+    return name
+
+
+def capabilities(method: Choice) -> Capabilities:
+    """What a method handles."""
+    return METHODS[name_of(method)].capabilities
+
+
+def prepare(
+    method: Choice, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences"
+) -> Method:
+    """Prepare a chosen method.
+
+    Raises
+    ------
+    InputError
+        When there is no such method, or it cannot mean this robot or these preferences.
+    """
+    name = name_of(method)
+    can = METHODS[name].capabilities
+    can.refuse_robot(name, robot)
+    if preferences and not can.preferences:
+        raise InputError("prefer", f"not handled by the method {name}", preferences, "no preferences")
+    if name == "newton":
+        from sinuous.methods.newton import Newton  # noqa: PLC0415
+
+        return Newton(robot, scene, tolerance, preferences)
+    chosen = method if isinstance(method, Options) else options_class(name)()
+    return chosen.prepare(robot, scene, tolerance)

@@ -1,0 +1,1 @@
+"""SLInKi: A* over motion primitives, then FABRIKc."""

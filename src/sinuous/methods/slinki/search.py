@@ -1,0 +1,230 @@
+"""SLInKi (Chiang et al. 2021): A* over a lattice of shapes for all segments but two, FABRIKc for these.
+
+The tree of `sinuous.methods.slinki.motion_primitives` grows until a node with two segments left costs least; FABRIKc then reaches
+from there for the target. Where it does not get there, or the whole shape is not clear, the search goes on. Of the
+paper only what others say of it could be had; chosen here are the primitives and what they cost, that FABRIKc begins
+with the single arc, that primitives which run into an obstacle are left out, and that a lattice that found nothing is
+followed by finer ones.
+"""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.body.glance import deepest
+from sinuous.kernels.chain.arc import pose
+from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
+from sinuous.kernels.clock import now
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec, sub, vec_mat
+from sinuous.kernels.solve.judge import ARC, Check, begin, carve_check, check_size, end, has_obstacles, offer
+from sinuous.kernels.step.limits import HIGH, LOW, bend_cap
+from sinuous.kernels.step.states import Problem, make_problem
+from sinuous.methods.fabrik.search import BESIDE as REACHING_BESIDE
+from sinuous.methods.fabrik.search import PER_SEGMENT as REACHING_PER_SEGMENT
+from sinuous.methods.fabrik.search import axis_of, carve, descend, end_goal, settle
+from sinuous.methods.slinki.motion_primitives import PER_NODE, Tree, carve_tree, outlook, pop, primitive, push, single
+
+LAST = 2
+"""Segments that FABRIKc reaches with."""
+
+LEVELS = 3
+"""Lattices that are tried, each finer than the one before."""
+
+LOOKS = 4
+"""Places of a primitive that are looked at for obstacles."""
+
+PER_SEGMENT, BESIDE = REACHING_PER_SEGMENT + 3, REACHING_BESIDE + 3
+"""Numbers (float64) that the scratch takes from a buffer without its nodes: for every segment, and beside."""
+
+Search = namedtuple("Search", ["tree", "work", "sums"])
+"""Scratch of one solve: nodes, what FABRIKc works on, and sums (n + 1, 3) of limits (see `lattice.outlook`)."""
+
+Goal = namedtuple("Goal", ["place", "tangent", "aimed"])
+"""Where the end of the backbone is wanted, its tangent there, and whether that is asked for."""
+
+
+def workspace_size(segments: int, obstacles: int, nodes: int) -> int:
+    """Numbers (float64) that a search needs as workspace."""
+    return check_size(segments, obstacles) + PER_SEGMENT * segments + BESIDE + PER_NODE * nodes
+
+
+@kernel
+def carve_search(buffer: Array, limits: Array, nodes: int) -> Search:
+    """Lay out the scratch in the beginning of `buffer`, for this robot."""
+    n = limits.shape[0]
+    sums = buffer[: 3 * n + 3].reshape((n + 1, 3))
+    put_vec(sums, n, 0, ZERO)
+    for j in range(n):
+        k = n - 1 - j
+        sums[k, 0] = sums[k + 1, 0] + limits[k, LOW]
+        sums[k, 1] = sums[k + 1, 1] + limits[k, HIGH]
+        sums[k, 2] = sums[k + 1, 2] + bend_cap(limits, k, limits[k, HIGH])
+    work = carve(buffer[3 * n + 3 :], n, min(LAST, n))
+    for i in range(work.chain.bends.shape[0] + 1):
+        work.chain.first[i] = max(0, n - LAST) + i
+    for k in range(n):
+        work.chain.share[k] = 1.0
+    return Search(carve_tree(buffer[PER_SEGMENT * n + BESIDE :], nodes), work, sums)
+
+
+@kernel
+def lay_up(tree: Tree, node: int, frames: Array, q: Array) -> None:
+    """Write the segments that lead to a node to `q`, and their frames."""
+    while tree.depth[node] > 0:
+        k = tree.depth[node] - 1
+        rotation, position = frame(tree.frames, node)
+        put_frame(frames, k + 1, rotation, position)
+        put_vec(q, k, 0, get_vec(tree.q, node, 0))
+        node = tree.parent[node]
+
+
+@kernel
+def arc_from(frames: Array, first: int, goal: Vec, q: Array) -> None:
+    """Put segments `first` and after on the single arc to the goal, whatever their limits."""
+    rotation, position = frame(frames, first)
+    local = vec_mat(sub(goal, position), rotation)
+    bend, length = single(ZERO, (0.0, 0.0, 1.0), local)
+    side = math.hypot(local[0], local[1])
+    nx, ny = (local[0] / side, local[1] / side) if side > 0.0 else (1.0, 0.0)
+    share = 1.0 / (q.shape[0] - first)
+    for k in range(first, q.shape[0]):
+        put_vec(q, k, 0, (share * bend * nx, share * bend * ny, share * length))
+
+
+@kernel
+def expand(
+    problem: Problem,
+    search: Search,
+    node: int,
+    size: int,
+    open_nodes: int,
+    goal: Goal,
+    lattice: tuple[int, int, int],
+    weight: float,
+) -> tuple[int, int]:
+    """Give a node its children, as far as there is room; returns how many nodes there are, and how many are open."""
+    tree = search.tree
+    k = tree.depth[node]
+    rotation, position = frame(tree.frames, node)
+    number = 0
+    while size < tree.cost.shape[0]:
+        q, there = primitive(problem.limits, k, number, lattice[0], lattice[1], lattice[2])
+        if not there:
+            break
+        number += 1
+        turn, shift = pose(q[0], q[1], q[2])
+        to, place = compose(rotation, position, turn, shift)
+        put_frame(tree.frames, size, to, place)
+        put_vec(tree.q, size, 0, q)
+        if has_obstacles(problem) and deepest(problem, rotation, position, q, k, tree.travel[node], LOOKS)[0] < 0.0:
+            continue
+        tree.parent[size], tree.depth[size] = node, k + 1
+        tree.travel[size] = tree.travel[node] + q[2]
+        tree.effort[size] = tree.effort[node] + q[0] * q[0] + q[1] * q[1]
+        ahead = outlook(problem.limits, search.sums, k + 1, place, axis_of(to), goal.place, goal.tangent, goal.aimed)
+        tree.cost[size] = tree.effort[size] + weight * ahead
+        open_nodes = push(tree, open_nodes, size)
+        size += 1
+    return size, open_nodes
+
+
+@kernel
+def grow(
+    problem: Problem,
+    check: Check,
+    search: Search,
+    options: Array,
+    level: int,
+    deadline: float,
+    best: Array,
+    record: Array,
+) -> tuple[int, bool]:
+    """Grow one tree until an answer is solved, nothing is open, or time is over.
+
+    Returns the number of nodes looked at and iterations of FABRIKc, and whether it is solved.
+    """
+    tree, work, n = search.tree, search.work, problem.limits.shape[0]
+    lattice = (int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level)
+    for k in range(n):
+        put_vec(work.q, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, LOW] + problem.limits[k, HIGH])))
+    forward(work.q, check.frames)
+    place, tangent, aimed = end_goal(problem, check.frames)
+    goal = Goal(place, tangent, aimed)
+    rotation, base = frame(check.frames, 0)
+    put_frame(tree.frames, 0, rotation, base)
+    tree.cost[0] = tree.effort[0] = tree.travel[0] = 0.0
+    tree.parent[0], tree.depth[0] = -1, 0
+    first = max(0, n - LAST)
+    size, open_nodes, effort, looked = 1, push(tree, 0, 0), 0, 0
+    while open_nodes > 0:
+        node = pop(tree, open_nodes)
+        open_nodes -= 1
+        looked += 1
+        if tree.depth[node] < first:
+            size, open_nodes = expand(problem, search, node, size, open_nodes, goal, lattice, options[5])
+        else:
+            lay_up(tree, node, check.frames, work.q)
+            arc_from(check.frames, first, goal.place, work.q)
+            settle(problem.limits, work.chain, check.frames, True, work.q)
+            effort += descend(problem, check, work, int(options[0]), deadline)
+            if offer(problem, check, work.kept, ARC, best, record):
+                return looked + effort, True
+        if now(check.clock) > deadline:
+            break
+    return looked + effort, False
+
+
+@kernel
+def _solve(
+    problem: Problem,
+    check: Check,
+    search: Search,
+    given: Array,
+    first: int,
+    most: int,
+    seconds: float,
+    options: Array,
+    best: Array,
+    record: Array,
+) -> None:
+    deadline, last = begin(problem, check, given, first, most, seconds, best, record)
+    total, index, late, done = 0, first, False, False
+    while index < min(last, given.shape[0] + LEVELS) and not late and not done:
+        if index >= given.shape[0]:
+            used, done = grow(problem, check, search, options, index - given.shape[0], deadline, best, record)
+            total += used
+            late = not done and now(check.clock) > deadline
+        index += 1
+    end(problem, check, total, index - first, late, best, record)
+
+
+@entry
+def search(
+    limits: Array,
+    actuation: Array,
+    poses: Array,
+    table: Array,
+    store: Array,
+    settings: Array,
+    options: Array,
+    targets: Array,
+    given: Array,
+    first: int,
+    most: int,
+    seed: int,
+    seconds: float,
+    buffer: Array,
+    best: Array,
+    records: Array,
+) -> None:
+    """Solve m problems; see `sinuous.methods.compiled`. Nothing is random: `seed` is not looked at.
+
+    `options`: most iterations of FABRIKc from one node, most nodes, rings and directions of bends, lengths, and the
+    weight of what a node may still cost. Given starts are counted and passed over.
+    """
+    n, nodes = limits.shape[0], int(options[1])
+    scratch = carve_search(buffer, limits, nodes)
+    for i in range(targets.shape[0]):
+        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
+        check = carve_check(buffer[PER_SEGMENT * n + BESIDE + PER_NODE * nodes :], problem)
+        _solve(problem, check, scratch, given[i], first, most, seconds, options, best[i], records[i])

@@ -1,0 +1,219 @@
+"""Follow a path: targets solved one after the other, each from the last."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError, NotSolvedError
+from sinuous.methods.registry import Choice
+from sinuous.problem.problem import Preferences, Tolerance
+from sinuous.problem.target import Target, Targets, target_list, target_table
+from sinuous.robot.robot import Robot
+from sinuous.solution.solution import Solution, Status
+from sinuous.solving.solver import TIME, Solver
+
+if TYPE_CHECKING:
+    from sinuous.solution.verification import Verification
+
+MOST_WAYPOINTS = 1_000_000
+
+BETWEEN = "unproved"
+"""What a track says about the motion between its waypoints: they are proved one by one, the ways between are not."""
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """What following a path found, in the order of its waypoints; frozen.
+
+    Attributes
+    ----------
+    solutions : tuple of Solution
+        One for each waypoint that was tried.
+    remaining : int
+        Waypoints that were never tried, because the work was interrupted.
+    """
+
+    solutions: tuple[Solution, ...]
+    remaining: int = 0
+
+    @property
+    def status(self) -> Status:
+        """`solved` when every waypoint is; else the first other status, `time_limit` when waypoints were not tried."""
+        unsolved = next((solution.status for solution in self.solutions if not solution.solved), None)
+        if unsolved is not None:
+            return unsolved
+        return Status.TIME_LIMIT if self.remaining else Status.SOLVED
+
+    @property
+    def solved(self) -> bool:
+        """Whether every waypoint is solved."""
+        return self.status is Status.SOLVED
+
+    @property
+    def q(self) -> Floats:
+        """Configurations (T, n, 3), one a waypoint."""
+        return np.stack([solution.q for solution in self.solutions])
+
+    @property
+    def seconds(self) -> float:
+        """Time of all solves together."""
+        return sum(solution.seconds for solution in self.solutions)
+
+    @property
+    def clearance(self) -> float | None:
+        """Least proved clearance over the waypoints; `None` without obstacles, or when one has no proof."""
+        values = [solution.clearance for solution in self.solutions]
+        known = [value for value in values if value is not None]
+        return min(known) if known and len(known) == len(values) else None
+
+    @property
+    def largest_step(self) -> tuple[float, float]:
+        """Largest change of a bending vector (rad) and of a length between neighbouring waypoints."""
+        if len(self.solutions) < 2:
+            return 0.0, 0.0
+        steps = np.diff(self.q, axis=0)
+        return float(np.hypot(steps[..., 0], steps[..., 1]).max()), float(np.abs(steps[..., 2]).max())
+
+    @property
+    def between(self) -> str:
+        """What is known of the motion between neighbouring waypoints."""
+        return BETWEEN
+
+    def verify(self) -> "list[Verification]":
+        """Recompute every waypoint by an independent, slow path."""
+        return [solution.verify() for solution in self.solutions]
+
+    def raise_for_status(self) -> "Track":
+        """Return this track when every waypoint is solved.
+
+        Raises
+        ------
+        NotSolvedError
+            When one is not.
+        """
+        if not self.solved:
+            raise NotSolvedError(str(self), self)
+        return self
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the totals and the waypoints as plain values, in the order of the file format."""
+        waypoints = [solution.to_dict() for solution in self.solutions]
+        first = waypoints[0]
+        bend, length = self.largest_step
+        return {
+            "status": str(self.status),
+            "base": first["base"],
+            "position_error": _largest(waypoints, "position_error"),
+            "angle_error": _largest(waypoints, "angle_error"),
+            "clearance": self.clearance,
+            "worst": next((w["worst"] for w in waypoints if w["worst"] is not None), None),
+            "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
+            "iterations": sum(w["iterations"] for w in waypoints),
+            "starts": sum(w["starts"] for w in waypoints),
+            "seconds": self.seconds,
+            "method": first["method"],
+            "seed": first["seed"],
+            "between": self.between,
+            "largest_step": {"bend": bend, "length": length},
+            "remaining": self.remaining,
+            "waypoints": waypoints,
+        }
+
+    def __len__(self) -> int:
+        return len(self.solutions)
+
+    def __repr__(self) -> str:
+        bend, length = self.largest_step
+        times = np.array([solution.seconds for solution in self.solutions])
+        parts = [f"Track: {self.status} ({self._sentence()})"]
+        if self.clearance is not None:
+            parts.append(f"  clearance  {self.clearance:.3g} at the waypoints, between them {self.between}")
+        parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
+        parts.append(f"  effort     {1e3 * self.seconds:.3g} ms, median {1e6 * np.median(times):.0f} us a waypoint")
+        return "\n".join(parts)
+
+    def _sentence(self) -> str:
+        solved = sum(solution.solved for solution in self.solutions)
+        counted = f"{solved} of {len(self) + self.remaining} waypoints"
+        failed = next((i for i, solution in enumerate(self.solutions) if not solution.solved), None)
+        if failed is None:
+            return counted
+        reason = self.solutions[failed].worst or self.solutions[failed].status.sentence
+        return f"{counted}; waypoint {failed + 1}: {reason}"
+
+
+def track(
+    robot: Robot,
+    targets: Iterable[Targets],
+    scene: Any = None,
+    *,
+    start: "Solution | Any" = None,
+    tolerance: Tolerance | None = None,
+    method: Choice = "newton",
+    prefer: Preferences | None = None,
+    time: float = TIME,
+    seed: int = 0,
+    progress: Callable[[Solution], object] | None = None,
+) -> Track:
+    """Follow a path of targets; most parameters as for `Solver`.
+
+    Parameters
+    ----------
+    robot : Robot
+    targets : iterable of Target or list of Target
+        The waypoints; the targets of a list are met at once.
+    scene : Scene or list of obstacles, optional
+    start : Solution or array_like (n, 3), optional
+        Where the first waypoint begins.
+    time : float
+        Budget of one waypoint, in seconds.
+    progress : callable, optional
+        Called with the solution of each waypoint as it is found.
+
+    Returns
+    -------
+    Track
+        Always; look at its status.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be; nothing is solved then.
+    """
+    path = as_path(robot, targets)
+    solver = Solver(robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, seed=seed)
+    solutions = []
+    for solution in waypoints(solver, path, start):
+        solutions.append(solution)
+        if progress is not None:
+            progress(solution)
+    return Track(tuple(solutions))
+
+
+def as_path(robot: Robot, targets: Iterable[Targets]) -> tuple[tuple[Target, ...], ...]:
+    """Check the waypoints of a path for this robot."""
+    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets):
+        raise InputError("targets", "not a path", targets, "a list of targets")
+    path = tuple(target_list(f"targets[{i}]", waypoint) for i, waypoint in enumerate(targets))
+    checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
+    for i, waypoint in enumerate(path):
+        with checks.inside(f"targets[{i}]"):
+            target_table(robot, waypoint)
+    return path
+
+
+def waypoints(solver: Solver, path: Iterable[Targets], start: "Solution | Any" = None) -> Iterator[Solution]:
+    """Solve one waypoint after the other, each from the last that was solved, and yield what is found at once."""
+    for targets in path:
+        solution = solver.solve(targets, start)
+        if solution.solved:
+            start = solution
+        yield solution
+
+
+def _largest(results: list[dict[str, Any]], key: str) -> float | None:
+    return max((result[key] for result in results if result[key] is not None), default=None)

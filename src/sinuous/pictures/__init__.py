@@ -1,0 +1,1 @@
+"""Robots, scenes and solutions as pictures."""

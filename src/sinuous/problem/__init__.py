@@ -1,0 +1,1 @@
+"""The question: targets, tolerances, preferences."""

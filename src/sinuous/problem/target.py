@@ -1,0 +1,110 @@
+"""Where the tip, or the end of any segment, must be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.poses import rotation_matrix
+from sinuous.robot.robot import MOST_SEGMENTS, Robot
+
+FREE, DIRECTION, ROTATION = 0, 1, 2
+WIDTH = 15
+MOST_TARGETS = 1000
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Target:
+    """What is asked of the end of one segment: a position, an orientation, or both.
+
+    Parameters
+    ----------
+    position : array_like (3,), optional
+        Where, in the world.
+    direction : array_like (3,), optional
+        Where the tangent of the backbone (the tool's z axis) points; any length but zero.
+    rotation : array_like (3, 3) or (4,), optional
+        The whole orientation, instead of `direction`: a matrix or a quaternion wxyz.
+    segment : int, optional
+        The segment whose end is meant, 1 = first. The last one, which is the default, means the tool.
+
+    Raises
+    ------
+    InputError
+        When nothing is asked, or direction and rotation both, or a value is none.
+    """
+
+    position: Floats | None
+    direction: Floats | None
+    rotation: Floats | None
+    segment: int | None
+    table: Floats
+
+    def __init__(
+        self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None
+    ) -> None:
+        if position is None and direction is None and rotation is None:
+            raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
+        if direction is not None and rotation is not None:
+            raise InputError("direction", "stands beside rotation", direction, "one of direction, rotation")
+        values = {
+            "position": None if position is None else checks.vector("position", position),
+            "direction": None if direction is None else checks.direction("direction", direction),
+            "rotation": None if rotation is None else rotation_matrix("rotation", rotation),
+            "segment": None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS),
+        }
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+        object.__setattr__(self, "table", self._make_table())
+
+    def _make_table(self) -> Floats:
+        """The row (1, 15) of this target; layout of `sinuous.kernels.step.targets`, segment -1 stands for the last."""
+        row = np.zeros((1, WIDTH))
+        row[0, 0] = -1 if self.segment is None else self.segment - 1
+        if self.position is not None:
+            row[0, 1], row[0, 2:5] = 1.0, self.position
+        if self.direction is not None:
+            row[0, 5], row[0, 6:9] = DIRECTION, self.direction
+        elif self.rotation is not None:
+            row[0, 5], row[0, 6:15] = ROTATION, self.rotation.ravel()
+        return row  # writable: the kernels are compiled for one type of array
+
+    def __repr__(self) -> str:
+        parts = [
+            f"{key}={np.round(value, 6).tolist()}"
+            for key, value in (("position", self.position), ("direction", self.direction), ("rotation", self.rotation))
+            if value is not None
+        ]
+        if self.segment is not None:
+            parts.append(f"segment={self.segment}")
+        return f"Target({', '.join(parts)})"
+
+
+Targets = Target | Sequence[Target]
+
+
+def target_list(key: str, targets: Any) -> tuple[Target, ...]:
+    """Check one target or several that are to be met at once."""
+    listed = (targets,) if isinstance(targets, Target) else targets
+    if isinstance(listed, (str, bytes, dict)) or not np.iterable(listed):
+        raise InputError(key, "of the wrong kind", targets, "a Target or a list of them")
+    result = tuple(listed)
+    checks.integer(f"len({key})", len(result), 1, MOST_TARGETS)
+    for i, target in enumerate(result):
+        if not isinstance(target, Target):
+            raise InputError(f"{key}[{i}]", "of the wrong kind", target, "a Target")
+    return result
+
+
+def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
+    """Rows (t, 15) of all targets, for this robot; layout of `sinuous.kernels.step.targets`."""
+    for i, target in enumerate(targets):
+        if target.segment is not None and target.segment > len(robot):
+            raise InputError(f"targets[{i}].segment", "is not there", target.segment, f"1 to {len(robot)}")
+    if len(targets) == 1:
+        return targets[0].table
+    return np.concatenate([target.table for target in targets])

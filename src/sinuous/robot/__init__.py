@@ -1,0 +1,1 @@
+"""The robot: segments, limits, actuators."""

@@ -1,0 +1,1 @@
+"""Distances and occupancy on grids."""

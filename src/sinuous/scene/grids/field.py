@@ -1,0 +1,114 @@
+"""Obstacles that a function describes."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.sampled.samples import check_lipschitz, sample_points
+
+MOST = 2**26
+"""Samples of a field: half a gigabyte."""
+
+CHUNK = 2**16
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Field(Obstacle):
+    """Where a function is negative.
+
+    The function is called when the field is made, for all points of a grid over a box; solving uses these samples,
+    less what a distance can change between them. Out of the box the samples at its border answer: what they do not
+    prove free is not free.
+
+    Parameters
+    ----------
+    function : callable
+        From points (m, 3) in the world to signed distances (m,), positive outside: it may change by no more than the
+        distance between two points (a lower bound of the true distance is one, mostly).
+    low, high : array_like (3,)
+        Opposite corners of the box.
+    spacing : float
+        Of the grid, along every axis. Its last points may lie beyond `high`.
+    name : str, optional
+
+    Attributes
+    ----------
+    values : ndarray (nx, ny, nz)
+        Samples at the points `low + spacing * (i, j, k)`.
+
+    Raises
+    ------
+    InputError
+        When the box is empty, the grid has more than `MOST` points, or the function returns something else than one
+        finite number for each point, or changes faster than the place.
+    """
+
+    function: Callable[[Floats], Any]
+    low: Floats
+    high: Floats
+    spacing: float
+    values: Floats
+
+    def __init__(
+        self, function: Callable[[Floats], Any], low: Any, high: Any, spacing: Any, *, name: Any = None
+    ) -> None:
+        if not callable(function):
+            raise InputError(
+                "function", "cannot be called", function, "a function from points (m, 3) to distances (m,)"
+            )
+        start, end = checks.vector("low", low), checks.vector("high", high)
+        if not (start < end).all():
+            raise InputError("high", "is not beyond low", end.tolist(), f"greater in every entry than {start.tolist()}")
+        step = checks.number("spacing", spacing, above=0.0)
+        values = _sampled(function, start, step, _shape(end - start, step))
+        check_lipschitz("function", values, step, float(np.finfo(np.float64).eps))
+        values.flags.writeable = False
+        self._keep(name, function=function, low=start, high=end, spacing=step, values=values)
+
+    @property
+    def origin(self) -> Floats:
+        """Point (3,) of `values[0, 0, 0]`: `low`."""
+        return self.low
+
+
+def _shape(extent: Floats, spacing: float) -> tuple[int, ...]:
+    """Points along every axis that cover `extent`."""
+    with np.errstate(over="ignore"):
+        steps = extent / spacing
+        count = float(np.prod(steps + 1.0))
+    if count > MOST:
+        raise InputError("spacing", f"makes {count:.3g} samples", spacing, f"a coarser one: at most {MOST} samples")
+    return tuple(max(1, math.ceil(s - 1e-9)) + 1 for s in steps.tolist())
+
+
+def _sampled(function: Callable[[Floats], Any], low: Floats, spacing: float, shape: tuple[int, ...]) -> Floats:
+    values = np.empty(math.prod(shape))
+    for first in range(0, len(values), CHUNK):
+        last = min(first + CHUNK, len(values))
+        values[first:last] = evaluate(function, sample_points(low, spacing, shape, first, last))
+    return values.reshape(shape)
+
+
+def evaluate(function: Callable[[Floats], Any], points: Floats) -> Floats:
+    """Call a signed distance for points (m, 3) and check what it returns.
+
+    Raises
+    ------
+    InputError
+        For `function`, when that is not one finite number for each point.
+    """
+    expected = f"finite numbers of shape ({len(points)},)"
+    result = np.asarray(function(points))
+    if result.dtype.kind not in "iuf" or result.shape != (len(points),):
+        raise InputError("function", f"returns shape {result.shape}", result, expected)
+    bad = ~np.isfinite(result)
+    if bad.any():
+        raise InputError("function", f"is not finite at {points[bad][0].tolist()}", float(result[bad][0]), expected)
+    return result.astype(np.float64)

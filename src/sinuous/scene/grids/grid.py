@@ -1,0 +1,112 @@
+"""Obstacles on a regular grid: sampled distances, or occupied cells."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.sampled.samples import check_lipschitz
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Grid(Obstacle):
+    """Values at the points `origin + spacing * (i, j, k)`.
+
+    Numbers are signed distances, positive outside. They prove free what is nearer to a point than its value: out of
+    the grid, that ends as far from its border as the values there say.
+
+    True and false (or whole numbers 1 and 0) say what is occupied: every true point is the middle of a solid cube with
+    edges of `spacing` along the axes. Everything else is free, out of the grid too.
+
+    Parameters
+    ----------
+    values : array_like (nx, ny, nz)
+        Distances, at least two along every axis; or occupancy.
+    origin : array_like (3,)
+        Point of `values[0, 0, 0]`, in the world.
+    spacing : float
+        Between neighbours along every axis.
+    name : str, optional
+
+    Attributes
+    ----------
+    values : ndarray (nx, ny, nz)
+        float64 or bool.
+    occupancy : bool
+        Whether the values are true and false.
+
+    Raises
+    ------
+    InputError
+        When the values have another number of axes, are neither numbers nor truth values, are not finite, or are no
+        distances because they change faster than the place (to any of the 26 neighbours).
+    """
+
+    values: NDArray[Any]
+    origin: Floats
+    spacing: float
+
+    def __init__(self, values: Any, origin: Any, spacing: Any, *, name: Any = None) -> None:
+        start, step = checks.vector("origin", origin), checks.number("spacing", spacing, above=0.0)
+        self._keep(name, values=_checked("values", values, step), origin=start, spacing=step)
+
+    @property
+    def occupancy(self) -> bool:
+        """See `Grid`."""
+        return bool(self.values.dtype == np.bool_)
+
+    @classmethod
+    def load(cls, file: str | Path, name: Any = None) -> "Grid":
+        """Read an NPZ file with the arrays `values`, `origin` and `spacing`; nothing in it is ever unpickled.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be read, lacks an array or has one of Python objects, or as `Grid` does.
+        """
+        from sinuous.scene.grids.grid_files import read_arrays  # noqa: PLC0415
+
+        arrays = read_arrays(Path(file))
+        try:
+            return cls(arrays["values"], arrays["origin"], arrays["spacing"].item(), name=name)
+        except InputError as error:
+            raise error if error.key == "name" else error.in_file(file) from None
+
+
+def _checked(key: str, values: Any, spacing: float) -> NDArray[Any]:
+    """Check values of a grid; return a new read-only array of float64 or bool."""
+    expected = "numbers or truth values of shape (nx, ny, nz)"
+    try:
+        given = np.array(values, order="C")
+    except (ValueError, TypeError, OverflowError):
+        raise InputError(key, "not an array of numbers", values, expected) from None
+    if given.dtype.kind not in "biuf":
+        raise InputError(key, "not numbers", given.dtype.name, expected)
+    if given.ndim != 3 or not given.size:
+        raise InputError(key, f"wrong shape {given.shape}", values, expected)
+    if given.dtype.kind == "f":
+        result: NDArray[Any] = _distances(key, given, spacing)
+    else:
+        if given.max() > 1 or given.min() < 0:
+            raise InputError(key, "neither distances nor occupancy", int(given.max()), "floats, or only 0 and 1")
+        result = given.astype(np.bool_)
+    result.flags.writeable = False
+    return result
+
+
+def _distances(key: str, given: NDArray[Any], spacing: float) -> Floats:
+    if min(given.shape) < 2:
+        raise InputError(key, f"wrong shape {given.shape}", given, "at least two points along every axis")
+    result: Floats = given.astype(np.float64)
+    bad = ~np.isfinite(result)
+    if bad.any():
+        place = [int(i) for i in np.argwhere(bad)[0]]
+        raise InputError(f"{key}{place}", "not finite", float(result[tuple(place)]), "a distance")
+    check_lipschitz(key, result, spacing, float(np.finfo(given.dtype).eps))
+    return result

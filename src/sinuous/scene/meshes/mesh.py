@@ -1,0 +1,195 @@
+"""Obstacles made of triangles: solid when they are watertight, a shell otherwise."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.scene.meshes.bodies import apart
+from sinuous.scene.meshes.mending import mend
+from sinuous.scene.meshes.topology import Integers
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.placement import Placement
+
+ODD = 1000.0
+"""By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Mesh(Obstacle):
+    """Triangles: a solid where they are watertight, a surface otherwise.
+
+    Watertight means that every edge has exactly two triangles, which run along it in opposite directions, and that the
+    whole encloses a volume. Distances to a solid are negative inside; to a surface they are unsigned, less half of its
+    `thickness`.
+
+    Vertices that are exactly equal are taken for one unless the surface is closed without that (STL files repeat them).
+    Triangles without area and vertices without a triangle are dropped. Bodies that face inwards, and single triangles
+    that face another way than their neighbours, are turned.
+
+    Parameters
+    ----------
+    vertices : array_like (v, 3)
+        In the world.
+    faces : array_like of int (f, 3)
+        Vertices of every triangle, counterclockwise as seen from outside.
+    thickness : float
+        Of a surface that is not watertight: half of it lies on each side.
+    inside : bool
+        The body must stay within; for watertight meshes only.
+    name : str, optional
+
+    Attributes
+    ----------
+    vertices : ndarray (v, 3)
+    faces : ndarray of int64 (f, 3)
+        As used, after what is said above.
+    watertight : bool
+        Whether it is a solid.
+    flaws : tuple of str
+        What is not as it should be, and what became of it; one sentence each.
+    extent : float
+        Length of the diagonal of its box; of a mesh that is one of several `bodies`, of all together.
+    scale : float or None
+        What the coordinates in its file were multiplied with; None when it comes from arrays.
+
+    Raises
+    ------
+    InputError
+        When there are no triangles, a vertex is not finite, a triangle has a vertex that is not there, or when
+        `thickness` or `inside` do not fit to what the mesh is.
+    """
+
+    vertices: Floats
+    faces: Integers
+    thickness: float
+    inside: bool
+    watertight: bool
+    flaws: tuple[str, ...]
+    extent: float
+    scale: float | None
+
+    def __init__(
+        self, vertices: Any, faces: Any, *, thickness: Any = 0.0, inside: Any = False, name: Any = None
+    ) -> None:
+        places = checks.points("vertices", vertices)
+        clean, used, solid, flaws = mend(places, _indices(faces, len(places)))
+        width, within = checks.number("thickness", thickness, low=0.0), checks.truth("inside", inside)
+        if width > 0.0 and solid:
+            raise InputError("thickness", "is for open meshes", width, "none: this mesh is watertight, a solid")
+        if within and not solid:
+            raise InputError("inside", "needs a watertight mesh", within, f"another mesh: {flaws[-1]}")
+        clean.flags.writeable = used.flags.writeable = False
+        self._keep(
+            name,
+            vertices=clean,
+            faces=used,
+            thickness=width,
+            inside=within,
+            watertight=solid,
+            flaws=tuple(flaws),
+            extent=float(np.linalg.norm(np.ptp(clean, axis=0))),
+            scale=None,
+        )
+
+    @classmethod
+    def load(
+        cls,
+        file: str | Path,
+        scale: Any,
+        position: Any = None,
+        rotation: Any = None,
+        thickness: Any = 0.0,
+        inside: Any = False,
+        name: Any = None,
+    ) -> "Mesh":
+        """Read a mesh from an STL, PLY, OBJ or GLB file; needs the extra `mesh`.
+
+        A vertex p of the file comes to lie at `rotation @ (scale * p) + position`. Of several bodies in a file all are
+        used, as they are placed in it.
+
+        Parameters
+        ----------
+        file : path
+        scale : float
+            Length unit of the scene over that of the file, like 0.001 for a file in mm and a robot in m: mesh files
+            do not say it.
+        position : array_like (3,), optional
+            Where the origin of the file lies.
+        rotation : array_like (3, 3) or (4,), optional
+            A matrix or a quaternion wxyz.
+        thickness, inside, name
+            See `Mesh`.
+
+        Raises
+        ------
+        InputError
+            When the package is missing, the file cannot be read or holds no mesh, or as `Mesh` does.
+        """
+        from sinuous.scene.meshes.mesh_files import read_mesh  # noqa: PLC0415
+
+        placement = Placement(scale, position, rotation)
+        vertices, faces = read_mesh(Path(file))
+        try:
+            moved = placement.apply(checks.points("vertices", vertices))
+            mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
+        except InputError as error:
+            raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
+        mesh._keep(name, scale=placement.scale)
+        return mesh
+
+    def bodies(self) -> "tuple[Mesh, ...]":
+        """Divide a solid whose bodies may overlap, like the parts of a machine, into solids within which none do.
+
+        Distances to bodies that overlap are known to each of them only, not to their triangles taken together. A mesh
+        that needs no dividing, is a shell, or is to be stayed within, is returned as it is. The first part has
+        all flaws.
+        """
+        groups = apart(self.vertices, self.faces) if self.watertight and not self.inside else []
+        if len(groups) < 2:
+            return (self,)
+        parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
+        for i, part in enumerate(parts):
+            part._keep(self.name, flaws=() if i else self.flaws, extent=self.extent, scale=self.scale)
+        return parts
+
+    def check_size(self, length: float) -> None:
+        """Refuse a mesh that no robot of this length can be meant to meet: its unit must be another one.
+
+        Raises
+        ------
+        InputError
+            When a triangle is `ODD` times as long as the robot, or the robot as the whole mesh.
+        """
+        corners = self.vertices[self.faces]
+        longest = float(np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=-1).max()))
+        key, value = ("vertices", self.extent) if self.scale is None else ("scale", self.scale)
+        expected = f"a mesh in the unit of the robot, which is {length:g} long"
+        if longest > ODD * length:
+            raise InputError(key, f"makes a triangle {longest:g} long", value, expected)
+        if self.extent * ODD < length:
+            raise InputError(key, f"makes the whole mesh only {self.extent:g} large", value, expected)
+
+
+def _indices(faces: Any, count: int) -> Integers:
+    """Check triangles as rows of three vertex numbers below `count`."""
+    expected = f"whole numbers from 0 to {count - 1}, of shape (any, 3)"
+    try:
+        result = np.array(faces)
+    except (ValueError, TypeError, OverflowError):
+        raise InputError("faces", "not an array of numbers", faces, expected) from None
+    if result.size == 0:
+        raise InputError("faces", "has no triangles", faces, "at least one")
+    if result.dtype.kind not in "iu":
+        raise InputError("faces", "not whole numbers", faces, expected)
+    if result.ndim != 2 or result.shape[1] != 3:
+        raise InputError("faces", f"wrong shape {result.shape}", faces, expected)
+    wrong = ((result < 0) | (result >= count)).any(axis=1)
+    if wrong.any():
+        first = int(wrong.argmax())
+        raise InputError(f"faces[{first}]", "has a vertex that is not there", result[first].tolist(), expected)
+    return result.astype(np.int64)

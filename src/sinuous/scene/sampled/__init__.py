@@ -1,0 +1,1 @@
+"""Trees and samples of large obstacles."""

@@ -1,0 +1,113 @@
+"""Exact distances at the points of a grid about an obstacle, computed once and kept on disk."""
+
+import hashlib
+import itertools
+import math
+import os
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.scene.sampled import kept
+
+Progress = Callable[[float], None]
+"""Called with the share of the work that is done, 0 to 1."""
+
+LEAST, MOST = 2**18, 2_000_000
+"""Samples of an obstacle: at least about so many, and at most (16 MB)."""
+
+FEWEST_PIECES = 500
+"""Triangles from which on a mesh is sampled: the exact distance to fewer is nearly as quick."""
+
+PER_PIECE = 128
+"""Samples for every primitive, between these."""
+
+PAD = 3
+"""Cells around the box of the obstacle."""
+
+THREADS = 2
+
+WORTH_KEEPING = 0.1
+"""Seconds of computing from which samples are kept on disk."""
+
+VERSION = 1
+"""Raised when the samples of the same obstacle come out differently."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Distances at the points `low + spacing * (i, j, k)`.
+
+    Attributes
+    ----------
+    values : ndarray (nx, ny, nz)
+    low : ndarray (3,)
+    spacing : float
+    """
+
+    values: Floats
+    low: Floats
+    spacing: float
+
+
+def lattice(low: Floats, high: Floats, most: int) -> tuple[Floats, float, tuple[int, int, int]]:
+    """First point, spacing and shape of the finest grid of at most `most` points about a box, with `PAD` around it."""
+    extent = high - low
+
+    def shape(spacing: float) -> tuple[int, int, int]:
+        x, y, z = (max(1, math.ceil(e / spacing)) + 1 + 2 * PAD for e in extent.tolist())
+        return x, y, z
+
+    fine, coarse = math.log(extent.max() / most), math.log(10.0 * extent.max())
+    for _ in range(50):
+        middle = 0.5 * (fine + coarse)
+        if math.prod(shape(math.exp(middle))) > most:
+            fine = middle
+        else:
+            coarse = middle
+    spacing = math.exp(coarse)
+    counts = shape(spacing)
+    first = 0.5 * (low + high) - 0.5 * spacing * (np.array(counts) - 1)
+    return first, spacing, counts
+
+
+def sample(
+    row: Floats, store: Floats, low: Floats, spacing: float, shape: tuple[int, int, int], progress: Progress | None
+) -> Floats:
+    """Distances (nx, ny, nz) to the obstacle of one row, whose low corner and spacing are in that row, or kept ones."""
+    digest = hashlib.sha256(f"{VERSION} {shape} {low.tolist()} {spacing!r}".encode())
+    digest.update(row.tobytes())
+    digest.update(store.tobytes())
+    name = digest.hexdigest()
+    found = kept.load(name, shape)
+    if found is not None:
+        if progress is not None:
+            progress(1.0)
+        return found
+    began = time.perf_counter()
+    values = _compute(row, store, shape, progress)
+    if time.perf_counter() - began > WORTH_KEEPING:
+        kept.save(name, values)
+    return values
+
+
+def _compute(row: Floats, store: Floats, shape: tuple[int, int, int], progress: Progress | None) -> Floats:
+    """Sample by slabs, in threads: the kernel runs without the interpreter's lock."""
+    from sinuous.kernels.fields import solids  # noqa: PLC0415
+
+    values = np.empty(shape)
+    table = row.reshape(1, -1).copy()
+    cuts = np.unique(np.linspace(0, shape[0], 33).astype(int)).tolist()
+    with ThreadPoolExecutor(min(THREADS, os.cpu_count() or 1)) as threads:
+        slabs = [
+            threads.submit(solids.sample, table, store, first, last, values) for first, last in itertools.pairwise(cuts)
+        ]
+        for done, slab in enumerate(slabs):
+            slab.result()
+            if progress is not None:
+                progress((done + 1) / len(slabs))
+    return values

@@ -1,0 +1,252 @@
+"""The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
+
+import math
+from enum import StrEnum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.errors import NotSolvedError
+from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
+from sinuous.solution.verification import Verification, Worst, find_worst, verify
+
+if TYPE_CHECKING:
+    from sinuous.problem.problem import Problem
+
+
+class Status(StrEnum):
+    """How a solve ended. Where it says proved, one counterexample is a defect."""
+
+    SOLVED = "solved"
+    OUT_OF_REACH = "out_of_reach"
+    TARGET_BLOCKED = "target_blocked"
+    BASE_BLOCKED = "base_blocked"
+    NO_ROUTE = "no_route"
+    UNPROVED = "unproved"
+    BLOCKED = "blocked"
+    LIMIT_BOUND = "limit_bound"
+    STALLED = "stalled"
+    TIME_LIMIT = "time_limit"
+
+    @property
+    def sentence(self) -> str:
+        """What the status means."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    Status.SOLVED: "all within tolerance and limits, whole body proved clear",
+    Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
+    Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
+    Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
+    Status.NO_ROUTE: "proved at the stated resolution: no way through free space wide enough for the body",
+    Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
+    Status.BLOCKED: "not solved: the best found overlaps an obstacle",
+    Status.LIMIT_BOUND: "not solved: limits stop the best found",
+    Status.STALLED: "not solved: no progress from any start",
+    Status.TIME_LIMIT: "not solved within the time budget",
+}
+
+
+_OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
+"""Statuses of which clearance is the reason."""
+
+
+STARTS = ("given", "arc", "random", "route")
+"""Kinds of starts, as an outcome numbers them."""
+
+ROUTE = STARTS.index("route")
+
+
+class Outcome(NamedTuple):
+    """What a method found for one problem: the best configuration, how far it is from solved, and at what effort.
+
+    `code` and `kind` are the method's own numbers for how it ended and which kind of start won (see `STARTS`).
+    `clearance` is proved when it is solved, else the least that was seen; `merit` is what is left of the residual,
+    squared; `bound` says whether limits stopped the best; `cell` is the edge of the cubes by which it was proved that
+    there is no way.
+    """
+
+    q: Floats
+    code: int
+    iterations: int
+    starts: int
+    kind: int
+    position_error: float
+    angle_error: float
+    clearance: float
+    bound: bool
+    merit: float
+    seconds: float
+    cell: float = math.nan
+
+
+class Solution:
+    """What a solve found; frozen. On failure it holds the best configuration found.
+
+    With the method `newton` that one keeps all limits; other methods may violate some, and `worst` says which.
+
+    Attributes
+    ----------
+    status : Status
+    q : ndarray (n, 3)
+        Configuration: bend_x, bend_y (rad), length of every segment.
+    position_error, angle_error : float or None
+        Largest distance (length unit) and angle (rad) to a target; `None` where no target asks for it.
+    clearance : float or None
+        Proved lower bound of the distance between body and obstacles; `None` without obstacles, or without a proof.
+    iterations, starts : int
+        Newton iterations in all, and how many starts they came from.
+    start : str
+        Which kind of start won: given, arc, route, random.
+    seconds : float
+        Time of the solve alone.
+    method : str
+    seed : int
+    problem : Problem
+        What was asked.
+    """
+
+    def __init__(
+        self, problem: "Problem", status: Status, outcome: Outcome, seconds: float, method: str, seed: int
+    ) -> None:
+        self.problem = problem
+        self.status = status
+        self.q = outcome.q
+        self.seconds = seconds
+        self.method = method
+        self.seed = seed
+        self._outcome = outcome
+
+    @property
+    def iterations(self) -> int:
+        """Iterations of all starts together."""
+        return self._outcome.iterations
+
+    @property
+    def starts(self) -> int:
+        """How many starts were tried."""
+        return self._outcome.starts
+
+    @property
+    def start(self) -> str:
+        """Which kind of start won: given, arc, random or route."""
+        return STARTS[self._outcome.kind]
+
+    @property
+    def solved(self) -> bool:
+        """Whether the status is `solved`."""
+        return self.status is Status.SOLVED
+
+    @property
+    def position_error(self) -> float | None:
+        """Largest distance of an end to its target position; `None` where none is asked for."""
+        return self._outcome.position_error if any(t.position is not None for t in self.problem.targets) else None
+
+    @property
+    def angle_error(self) -> float | None:
+        """Largest angle (rad) of an end to its target orientation; `None` where none is asked for."""
+        return (
+            self._outcome.angle_error
+            if any(t.direction is not None or t.rotation is not None for t in self.problem.targets)
+            else None
+        )
+
+    @property
+    def clearance(self) -> float | None:
+        """Proved lower bound of the distance between body and obstacles."""
+        return self._outcome.clearance if self.solved and len(self.problem.scene) else None
+
+    @property
+    def base(self) -> Floats:
+        """Pose (4, 4) of the robot's base."""
+        return self.problem.robot.base
+
+    @cached_property
+    def reason(self) -> Reason | None:
+        """What proves that there is no solution; `None` when nothing does."""
+        if self.status is Status.OUT_OF_REACH:
+            return unreachable(self.problem)
+        if self.status is Status.TARGET_BLOCKED:
+            return target_in(self.problem)
+        if self.status is Status.BASE_BLOCKED:
+            return base_in(self.problem)
+        if self.status is Status.NO_ROUTE:
+            return closed_in(self.problem, self._outcome.cell)
+        return None
+
+    @cached_property
+    def worst(self) -> Worst | None:
+        """The constraint farthest from being met; `None` when solved."""
+        return None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
+
+    def verify(self) -> Verification:
+        """Recompute everything by an independent, slow path; see `sinuous.solution.verification`."""
+        return verify(self.problem, self.q)
+
+    def raise_for_status(self) -> "Solution":
+        """Return this solution when it is solved.
+
+        Raises
+        ------
+        NotSolvedError
+            When it is not.
+        """
+        if not self.solved:
+            raise NotSolvedError(str(self), self)
+        return self
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain values, in the order of the file format."""
+        worst, reason = self.worst, self.reason
+        return {
+            "status": str(self.status),
+            "q": self.q.tolist(),
+            "base": self.base.tolist(),
+            "position_error": self.position_error,
+            "angle_error": self.angle_error,
+            "clearance": None if self.clearance is None or np.isinf(self.clearance) else self.clearance,
+            "worst": None
+            if worst is None
+            else {
+                "constraint": worst.constraint,
+                "segment": worst.segment,
+                "obstacle": worst.obstacle,
+                "amount": worst.amount,
+            },
+            "reason": None
+            if reason is None
+            else {
+                "bound": reason.bound,
+                "needed": reason.needed,
+                "available": reason.available,
+                "obstacle": reason.obstacle,
+            },
+            "iterations": self.iterations,
+            "starts": self.starts,
+            "start": self.start,
+            "seconds": self.seconds,
+            "method": self.method,
+            "seed": self.seed,
+        }
+
+    def __repr__(self) -> str:
+        parts = [f"Solution: {self.status} ({self.status.sentence})"]
+        if self.reason is not None:
+            parts.append(f"  reason     {self.reason}")
+        if self.worst is not None:
+            parts.append(f"  worst      {self.worst}")
+        for label, value in (
+            ("position", self.position_error),
+            ("angle", self.angle_error),
+            ("clearance", self.clearance),
+        ):
+            if value is not None:
+                parts.append(f"  {label:<10} {value:.3g}")
+        parts.append(
+            f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us"
+        )
+        parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
+        return "\n".join(parts)

@@ -1,0 +1,142 @@
+"""Every family: the hidden shape is feasible by an independent check, seeds make places again, all robots occur."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from benchmarks.collisions import Body
+from benchmarks.judges import Flags
+from benchmarks.places import FAMILIES, Place, make, place
+from benchmarks.places.place import Sketch, settle
+from benchmarks.places.robots import robot_of
+from benchmarks.places.spheres import spheres
+from benchmarks.problems import random_configurations
+from sinuous.checks import Floats
+from sinuous.measures.obstacles import measure
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle, Sphere
+from sinuous.solution.verification import arc_poses
+
+DRAWN = [name for name in FAMILIES if not name.startswith("p")] + ["pipe 1.3", "pipe 1.6 scan", "plates"]
+
+
+def backbone(made: Place) -> tuple[Floats, Floats]:
+    """Points of the hidden shape beyond the mount and the pose of its end, by matrix exponentials."""
+    pose, points, before = made.robot.base, [], 0.0
+    for coordinates in made.hidden_q:
+        poses = pose @ arc_poses(coordinates, 60)
+        exposed = before + np.linspace(0.0, coordinates[2], 61) >= made.robot.mount
+        points.append(poses[exposed, :3, 3])
+        pose, before = poses[-1], before + coordinates[2]
+    return np.concatenate(points), pose
+
+
+def distance(obstacle: Obstacle, points: Floats) -> Floats:
+    if isinstance(obstacle, Mesh):
+        solid = trimesh.Trimesh(obstacle.vertices, obstacle.faces, process=False)
+        distances: Floats = trimesh.proximity.closest_point_naive(solid, points)[1]  # type: ignore[no-untyped-call]
+        return distances * np.where(inside(solid, points), -1.0, 1.0)
+    if isinstance(obstacle, PointCloud):
+        gaps = np.linalg.norm(points[:, None] - obstacle.points, axis=-1) - obstacle.radii
+        nearest: Floats = gaps.min(axis=1)
+        return nearest
+    return measure(obstacle, points)
+
+
+def inside(solid: trimesh.Trimesh, points: Floats) -> Flags:
+    """By the solid angles that the triangles take up (van Oosterom and Strackee 1983)."""
+    a, b, c = (solid.triangles[None, :, k] - points[:, None] for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
+    volume = (a * np.cross(b, c)).sum(axis=-1)
+    cosine = la * lb * lc + (a * b).sum(-1) * lc + (b * c).sum(-1) * la + (c * a).sum(-1) * lb
+    within: Flags = np.abs(2.0 * np.arctan2(volume, cosine).sum(axis=1)) > 2.0 * np.pi
+    return within
+
+
+@pytest.mark.parametrize("family", DRAWN)
+def test_the_hidden_shape_is_feasible(family: str) -> None:
+    made = make(family, 10)
+    robot, q = made.robot, made.hidden_q
+    points, end = backbone(made)
+    some = points[:: max(1, len(points) // 40)]
+    for obstacle in made.scene.obstacles:
+        assert distance(obstacle, some).min() >= min(robot.radii)
+    assert robot.excess(q) <= 1e-12
+    assert made.target.position is not None
+    np.testing.assert_allclose(end[:3, 3], made.target.position, atol=1e-9 * robot.mean_length)
+    if made.target.direction is not None:
+        np.testing.assert_allclose(end[:3, 2], made.target.direction, atol=1e-9)
+
+
+@pytest.mark.parametrize("family", ["pipe 2.2", "duct", "pipe 1.6 scan", "duct scan"])
+def test_nobody_gets_out_of_what_is_closed(family: str) -> None:
+    """Shapes drawn at random leave the pipe, through its wall: the judge sees every one."""
+    made = make(family, 6)
+    drawn = random_configurations(made.robot, 12, np.random.default_rng(0))
+    body = Body(made.robot, made.scene, thorough=True)
+    assert all(body.overlaps(drawn))
+    assert body.overlaps(made.hidden_q[None]) == [False]
+
+
+@pytest.mark.parametrize("family", ["spheres 12", "drum scan", "duct", "p4 pose"])
+def test_a_seed_makes_its_place_again(family: str) -> None:
+    first, again, other = make(family, 5), make(family, 5), make(family, 6)
+    np.testing.assert_array_equal(first.hidden_q, again.hidden_q)
+    np.testing.assert_array_equal(first.target.table, again.target.table)
+    assert first.target.position is not None
+    assert other.target.position is not None
+    assert not np.array_equal(first.target.position, other.target.position)
+    for mine, same in zip(first.scene.obstacles, again.scene.obstacles, strict=True):
+        if isinstance(mine, Mesh) and isinstance(same, Mesh):
+            np.testing.assert_array_equal(mine.vertices, same.vertices)
+        if isinstance(mine, PointCloud) and isinstance(same, PointCloud):
+            np.testing.assert_array_equal(mine.points, same.points)
+
+
+@pytest.mark.parametrize("family", ["pipe 1.3", "pipe 2.2", "plates", "drum", "duct"])
+@pytest.mark.parametrize("seed", [0, 13])
+def test_meshes_are_solids_without_flaws(family: str, seed: int) -> None:
+    for obstacle in make(family, seed).scene.obstacles:
+        if isinstance(obstacle, Mesh):
+            assert obstacle.watertight
+            assert obstacle.flaws == ()
+            solid = trimesh.Trimesh(obstacle.vertices, obstacle.faces, process=False)
+            assert solid.is_watertight
+            assert solid.volume > 0.0
+
+
+def test_twenty_seeds_have_all_robots() -> None:
+    robots = [robot_of(seed, np.random.default_rng(seed)) for seed in range(20)]
+    stages = [robot.segments[0].max_bend == 0.0 for robot in robots]
+    bending = [len(robot) - stage for robot, stage in zip(robots, stages, strict=True)]
+    extensible = [robot.segments[-1].length[0] < robot.segments[-1].length[1] for robot in robots]
+    assert len(set(zip(bending, extensible, stages, strict=True))) == 20
+    assert set(bending) == {3, 5, 8, 12, 20}
+
+
+def test_half_of_the_targets_ask_for_a_direction_whatever_the_robot() -> None:
+    asked = [make("spheres 12", seed) for seed in range(40)]
+    assert sum(made.target.direction is not None for made in asked) == 20
+    for seed in range(20):
+        assert (asked[seed].target.direction is None) != (asked[seed + 20].target.direction is None)
+
+
+def test_a_shape_that_touches_is_drawn_again() -> None:
+    tried = []
+
+    def draw(seed: int, rng: np.random.Generator) -> Sketch:
+        sketch = spheres(12, seed, rng)
+        tried.append(sketch)
+        blocked = Sphere(sketch.robot.base[:3, 3], 0.5 * min(sketch.robot.radii))
+        return sketch._replace(obstacles=[*sketch.obstacles, blocked] if len(tried) < 3 else sketch.obstacles)
+
+    made = settle("spheres 12", 0, draw)
+    assert len(tried) == 3
+    np.testing.assert_array_equal(made.hidden_q, tried[2].q)
+
+
+def test_a_family_without_room_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(place, "PATIENCE", 3)
+    with pytest.raises(RuntimeError, match="no place for seed 4"):
+        settle("nowhere", 4, lambda _seed, _rng: None)

@@ -1,0 +1,299 @@
+"""Contacts of the body, and the proof that it has none, against dense sampling."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.body import body
+from sinuous.kernels.body.body import CLEAR, PER_SEGMENT, TOUCHING, UNDECIDED
+from sinuous.kernels.fields.solids import EXACT
+from sinuous.kernels.step.sweeps import INNER, SOFT
+from sinuous.robot.robot import Robot, Segment
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.scene import Scene
+from tests.helpers import (
+    Floats,
+    columns_of,
+    configurations,
+    expm_chain,
+    frames_of,
+    kernel_scene,
+    make_rows,
+    random_rotation,
+)
+from tests.kernels.step.test_targets import Case
+
+SAMPLES = 200
+SLACK = 0.1
+FINEST = 1e-7
+RADII = (0.2, 0.1, 0.15, 0.05)
+ROBOT = Robot([Segment((0.0, 3.0), 2 * math.pi, radius=radius) for radius in RADII])
+N = len(ROBOT)
+
+
+def random_scene(rng: np.random.Generator, reach: float) -> Scene:
+    """Obstacles of all kinds, as far away as `reach` on average."""
+    obstacles: list[Obstacle] = []
+    for _ in range(rng.integers(1, 8)):
+        at = rng.normal(size=3) * reach
+        to, size, turn = at + rng.normal(size=3), rng.uniform(0.1, 0.6), random_rotation(rng)
+        drawn: tuple[Obstacle, ...] = (
+            Sphere(at, size),
+            Box(at, rng.uniform(0.1, 1.0, 3), turn),
+            Capsule(at, to, size),
+            Cylinder(at, to, size),
+            HalfSpace(at, -at),
+            Sphere((0, 0, 0), 2.0 * reach, inside=True),
+            Box((0, 0, 0), np.full(3, 4.0 * reach), turn, inside=True),
+        )
+        obstacles.append(drawn[rng.integers(len(drawn))])
+    return Scene(obstacles)
+
+
+def sampled(q: Floats, scene: Scene, mount: float = 0.0) -> tuple[float, float]:
+    """Least clearance over many places of the body beyond the mount, and how far apart these are."""
+    least, spacing = math.inf, 0.0
+    reach = 0.0
+    points = ROBOT.backbone(q, SAMPLES)
+    for k, length in enumerate(q[:, 2]):
+        arc = reach + length * np.linspace(0.0, 1.0, SAMPLES + 1)
+        own = points[k * SAMPLES : (k + 1) * SAMPLES + 1][arc >= mount]
+        if len(own) and (arc[-1] > mount or arc[0] >= mount):
+            least = min(least, float((scene.distance(own) - RADII[k]).min()))
+            spacing = max(spacing, length / SAMPLES)
+        reach += length
+    return least, spacing
+
+
+def prove(q: Floats, scene: Scene, mount: float = 0.0, slack: float = SLACK) -> tuple[int, float, int, float, int]:
+    among = np.empty(len(scene), np.int64)
+    return body.prove(ROBOT.limits, q, frames_of(q), kernel_scene(scene), mount, slack, FINEST, among)
+
+
+@pytest.mark.parametrize("reach", [0.7, 2.0, 5.0])
+@pytest.mark.parametrize("mount", [0.0, 0.5, 2.2])
+def test_the_proof_agrees_with_dense_sampling(reach: float, mount: float) -> None:
+    rng = np.random.default_rng(round(10 * reach))
+    verdicts = []
+    for q in configurations(5, N, 80):
+        scene = random_scene(rng, reach)
+        verdict, clearance, where, fraction, which = prove(q, scene, mount)
+        least, spacing = sampled(q, scene, mount)
+        verdicts.append(verdict)
+        assert verdict != UNDECIDED
+        if verdict == CLEAR:
+            assert 0.0 < clearance <= least + 1e-12
+            # The truth is between the least sample and half a spacing below it.
+            assert clearance >= (1.0 - SLACK) * (least - 0.5 * spacing) - FINEST
+        else:
+            assert verdict == TOUCHING
+            assert clearance < 0.0
+            assert least < 0.5 * spacing
+        if verdict == TOUCHING or which >= 0:
+            place = expm_chain(np.concatenate([q[:where], q[where : where + 1] * fraction]))[-1][:3, 3]
+            assert q[:where, 2].sum() + fraction * q[where, 2] >= mount - 1e-12
+            seen = scene.distance(place) - RADII[where]
+            assert scene.nearest(place) == which
+            assert seen == pytest.approx(clearance, abs=1e-12) if verdict == TOUCHING else seen >= clearance - 1e-12
+    assert verdicts.count(CLEAR) >= 3
+    assert verdicts.count(TOUCHING) >= 3
+
+
+@pytest.mark.parametrize("slack", [0.5, 0.1, 0.001])
+def test_the_bound_comes_as_close_as_asked(slack: float) -> None:
+    rng = np.random.default_rng(3)
+    compared = 0
+    for q in configurations(6, N, 60):
+        scene = random_scene(rng, 3.0)
+        verdict, clearance, *_ = prove(q, scene, slack=slack)
+        _, finer, *_ = prove(q, scene, slack=1e-6)
+        if verdict == CLEAR:
+            compared += 1
+            assert (1.0 - slack) * finer - FINEST <= clearance <= finer + 2e-6 * finer + FINEST
+    assert compared > 10
+
+
+def straight(length: float = 1.0) -> Floats:
+    return np.array([[0.0, 0.0, length]] * N)
+
+
+def test_a_known_clearance() -> None:
+    """A straight body of radius 0.2 first, beside a plane at 0.3."""
+    verdict, clearance, where, _, which = prove(straight(), Scene([HalfSpace((0.3, 0, 0), (-1, 0, 0))]))
+    assert (verdict, where, which) == (CLEAR, 0, 0)
+    assert 0.09 <= clearance <= 0.1 + 1e-12
+
+
+def test_what_is_too_close_to_tell_is_not_called_clear() -> None:
+    for gap, verdict in (
+        (1e-3, CLEAR),
+        (1e-5, CLEAR),
+        (1e-9, UNDECIDED),
+        (0.0, UNDECIDED),
+        (-1e-9, TOUCHING),
+        (-1e-3, TOUCHING),
+    ):
+        got, clearance, *_ = prove(straight(), Scene([HalfSpace((0.2 + gap, 0, 0), (-1, 0, 0))]))
+        assert got == verdict
+        assert clearance <= gap + 1e-15
+
+
+def test_a_needle_between_samples_is_found() -> None:
+    """An obstacle far smaller than any fixed spacing, at the middle of nowhere."""
+    q = configurations(11, N, 1)[0]
+    q[:, 2] = [1.0, 0.9, 1.1, 1.2]
+    place = expm_chain(np.concatenate([q[:2], q[2:3] * 0.61803]))[-1][:3, 3]
+    verdict, _, where, fraction, _ = prove(q, Scene([Sphere(place, 1e-6), Sphere((50, 0, 0), 1.0)]))
+    assert verdict == TOUCHING
+    spot = expm_chain(np.concatenate([q[:where], q[where : where + 1] * fraction]))[-1][:3, 3]
+    assert np.linalg.norm(spot - place) < 0.2 + 1e-6
+
+
+def test_obstacles_do_not_concern_what_sits_in_the_mount() -> None:
+    scene = Scene([Box((0, 0, 0), (1, 1, 2.5))])  # up to z = 1.25; the second segment has radius 0.1
+    assert prove(straight(), scene, mount=0.0)[0] == TOUCHING
+    assert prove(straight(), scene, mount=1.2)[0] == TOUCHING
+    assert prove(straight(), scene, mount=1.34)[0] == TOUCHING
+    verdict, clearance, *_ = prove(straight(), scene, mount=1.36)
+    assert verdict == CLEAR
+    assert 0.008 <= clearance <= 0.01 + 1e-12
+    assert prove(straight(), scene, mount=4.1)[:2] == (CLEAR, math.inf)
+
+
+def test_without_obstacles_the_body_is_clear() -> None:
+    assert prove(straight(), Scene())[:2] == (CLEAR, math.inf)
+
+
+def test_a_robot_of_no_length_is_a_ball() -> None:
+    verdict, clearance, *_ = prove(straight(0.0), Scene([Sphere((0, 0, 1), 0.5)]))
+    assert verdict == CLEAR
+    assert clearance == pytest.approx(0.3)
+    assert prove(straight(0.0), Scene([Sphere((0, 0, 1), 0.81)]))[0] == TOUCHING
+
+
+def contacts(
+    q: Floats,
+    frames: Floats,
+    scene: Scene,
+    k: int,
+    margins: tuple[float, float],
+    depth: int,
+    case: Case | None = None,
+    mount: float = 0.0,
+) -> tuple[Any, int, float]:
+    rows: Any = make_rows(len(q), PER_SEGMENT)
+    origin = (0.0, 0.0, 0.0) if case is None else case.origin
+    among = np.empty(len(scene), np.int64)
+    at, least = body.contacts(
+        ROBOT.limits,
+        q,
+        frames,
+        kernel_scene(scene),
+        k,
+        mount,
+        *margins,
+        depth,
+        EXACT,
+        origin,
+        2.0,
+        among,
+        rows,
+        0,
+    )
+    return rows, at, least
+
+
+@pytest.mark.parametrize("depth", [0, 2, 3])
+@pytest.mark.parametrize("margin", [0.0, 0.05])
+def test_every_place_that_is_too_close_gets_a_row(depth: int, margin: float) -> None:
+    rng = np.random.default_rng(depth)
+    found = 0
+    for q in configurations(7, N, 40):
+        scene = random_scene(rng, 1.0)
+        for k in range(N):
+            mount = 0.3 if k == 0 else 0.0
+            rows, at, least = contacts(q, frames_of(q), scene, k, (margin, 0.0), depth, mount=mount)
+            start = min(1.0, mount / q[k, 2]) if mount and q[k, 2] else float(mount > 0)
+            if start == 1.0:
+                assert at == 0
+                continue
+            parts = (np.arange(2**depth) + 0.5) / 2**depth * (1 - start) + start
+            places = [expm_chain(np.concatenate([q[:k], q[k : k + 1] * s]))[-1][:3, 3] for s in parts]
+            each = np.array([[Scene([o]).distance(p) for o in scene.obstacles] for p in places]).reshape(
+                len(places), -1
+            )
+            gaps = RADII[k] + margin - each.ravel()
+            expected = np.sort(gaps[gaps > 0.0])
+            if abs(gaps).min(initial=1.0) < 1e-9 or len(expected) > PER_SEGMENT:
+                continue
+            found += at
+            np.testing.assert_allclose(np.sort(rows.value[:at]) * 2.0, expected, atol=1e-10)
+            assert (rows.kind[:at] == INNER).all()
+            if len(expected):
+                assert least == pytest.approx(each.min() - RADII[k], abs=1e-10)
+            else:
+                assert least >= margin - 1e-12
+    assert found > 50
+
+
+def test_rows_are_never_more_than_there_is_room_for() -> None:
+    q = straight()
+    scene = Scene([Sphere((0.0, 0.0, 0.1 * i), 0.5) for i in range(12)])
+    rows, at, least = contacts(q, frames_of(q), scene, 0, (0.0, 0.0), 3)
+    assert at == PER_SEGMENT
+    assert least < -0.5
+    assert (rows.value[:at] > 0).all()
+
+
+def test_wishes_for_clearance_become_soft_rows() -> None:
+    q = straight()
+    scene = Scene([HalfSpace((0.5, 0, 0), (-1, 0, 0)), HalfSpace((0, -0.21, 0), (0, 1, 0))])
+    frames = frames_of(q)
+    rows, at, _ = contacts(q, frames, scene, 0, (0.05, 0.0), 0)
+    assert at == 1
+    rows, at, _ = contacts(q, frames, scene, 0, (0.05, 0.4), 0)
+    assert rows.kind[:at].tolist() == [SOFT, INNER]
+    assert rows.value[0] == pytest.approx(body.SOFTNESS * 0.1 / 2.0)
+    assert rows.value[1] == pytest.approx(0.04 / 2.0)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_contact_rows_are_the_derivative_of_the_distance(seed: int) -> None:
+    case = Case(seed, N)
+    q = case.q
+    q[:, 2] += 0.1
+    k = seed % N
+    mount = 0.03 if seed % 2 else 0.0
+    start = mount / q[k, 2]
+    s = start + 0.5 * (1 - start)
+    case = Case(seed, N)
+    frames = frames_of(q, case.base)
+    case.q[:] = q
+
+    def place(x: Floats) -> Floats:
+        return np.asarray(expm_chain(np.concatenate([x[:k], s * x[k : k + 1]]), case.base)[-1][:3, 3])
+
+    at = place(q)
+    offset = random_rotation(case.rng)
+    scene = Scene([Sphere(at + 0.3 * offset[0], 0.2), Capsule(at + 0.4 * offset[1], at + 0.5 * offset[2], 0.3)])
+    rows, count, _ = contacts(q, frames, scene, k, (0.5, 0.0), 0, case, mount)
+    assert count == 2
+    for i in range(2):
+        single = Scene(scene.obstacles[i : i + 1])
+        slope = np.zeros((N, 3))
+        for j in range(3 * N):
+            step = np.zeros((N, 3))
+            step.flat[j] = 1e-6
+            slope.flat[j] = (single.distance(place(q + step)) - single.distance(place(q - step))) / 2e-6
+        assert rows.value[i] == pytest.approx((RADII[k] + 0.5 - single.distance(at)) / 2.0, abs=1e-12)
+        np.testing.assert_allclose(seen(case, rows, i, k), slope / 2.0, atol=1e-8)
+
+
+def seen(case: Case, rows: Any, i: int, k: int) -> Floats:
+    """What row `i` of segment `k` sees of every coordinate."""
+    out = np.zeros((N, 3))
+    out[: k + 1] = columns_of(case.q, case.base)[: k + 1].reshape(-1, 3, 6) @ rows.twist[i]
+    out[k] += rows.inner[i]
+    return out

@@ -1,0 +1,124 @@
+"""The chain of segments: products of exponentials, and their derivatives by the complex step."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.chain import kinematics as chain
+from tests.helpers import (
+    Floats,
+    as_matrix,
+    columns_of,
+    complex_columns,
+    configurations,
+    expm_chain,
+    frames_of,
+    random_pose,
+    twist_of,
+    vec,
+)
+
+SAMPLES = [q for n in (1, 2, 5, 12) for q in configurations(n, n, 12)]
+
+
+def poses(frames: Floats) -> list[Floats]:
+    return [as_matrix(row[:9].reshape(3, 3), row[9:]) for row in frames]
+
+
+def reach(q: Floats) -> float:
+    return float(1.0 + q[:, 2].sum())
+
+
+def test_forward_is_the_product_of_exponentials() -> None:
+    rng = np.random.default_rng(0)
+    for q in SAMPLES:
+        base = random_pose(rng)
+        for got, expected in zip(poses(frames_of(q, base)), expm_chain(q, base), strict=True):
+            np.testing.assert_allclose(got, expected, atol=3e-14 * reach(q))
+
+
+def test_a_moved_base_moves_everything_alike() -> None:
+    rng = np.random.default_rng(1)
+    for q in SAMPLES:
+        base = random_pose(rng)
+        for got, at_origin in zip(poses(frames_of(q, base)), poses(frames_of(q)), strict=True):
+            np.testing.assert_allclose(got, base @ at_origin, atol=1e-13 * reach(q))
+
+
+def test_seen_from_its_tip_the_robot_is_the_reversed_chain() -> None:
+    half_turn = np.diag([1.0, -1.0, -1.0, 1.0])
+    for q in SAMPLES:
+        # Backwards along the tangent: half a turn about x keeps bend_x's axis sense and mirrors the y axis.
+        back = q[::-1] * np.array([1.0, -1.0, 1.0])
+        ends = poses(frames_of(q))
+        for got, expected in zip(poses(frames_of(back, ends[-1] @ half_turn)), ends[::-1], strict=True):
+            np.testing.assert_allclose(got @ half_turn, expected, atol=1e-13 * reach(q))
+
+
+def test_a_segment_of_no_length_and_no_bend_is_neutral() -> None:
+    for q in SAMPLES:
+        padded = np.insert(q, len(q) // 2, 0.0, axis=0)
+        np.testing.assert_allclose(frames_of(padded)[-1], frames_of(q)[-1], atol=1e-14 * reach(q))
+
+
+def test_a_segment_cut_in_two_is_the_same_robot() -> None:
+    for q in SAMPLES:
+        cut = np.repeat(0.5 * q, 2, axis=0)
+        np.testing.assert_allclose(frames_of(cut)[::2], frames_of(q), atol=1e-13 * reach(q))
+
+
+@pytest.mark.parametrize("s", [0.0, 1e-9, 0.25, 0.7, 1.0])
+def test_the_body_between_the_ends(s: float) -> None:
+    rng = np.random.default_rng(2)
+    for q in SAMPLES:
+        base = random_pose(rng)
+        frames = frames_of(q, base)
+        for k in range(len(q)):
+            part = q[: k + 1].copy()
+            part[k] *= s
+            expected = expm_chain(part, base)[-1]
+            got = as_matrix(*chain.body_pose(q, frames, k, s))
+            np.testing.assert_allclose(got, expected, atol=3e-14 * reach(q))
+            np.testing.assert_allclose(chain.body_point(q, frames, k, s), got[:3, 3], atol=1e-14 * reach(q))
+
+
+def test_the_frames_come_along_with_the_columns() -> None:
+    rng = np.random.default_rng(4)
+    for q in SAMPLES:
+        expected = frames_of(q, random_pose(rng))
+        frames = np.full_like(expected, np.nan)
+        frames[0] = expected[0]
+        chain.forward_with_columns(q, frames, np.empty((len(q), 18)))
+        np.testing.assert_allclose(frames, expected, atol=1e-14 * reach(q))
+
+
+@pytest.mark.parametrize("s", [0.0, 1e-6, 0.4, 1.0])
+def test_columns_are_the_derivatives_of_body_poses(s: float) -> None:
+    rng = np.random.default_rng(3)
+    for q in SAMPLES:
+        base = random_pose(rng)
+        origin = base[:3, 3]
+        seen = as_matrix(np.eye(3), -origin)  # twists are about the base
+        k = len(q) - 1
+        frames, columns = frames_of(q, base), columns_of(q, base)
+
+        def place(x: Floats, seen: Floats = seen, base: Floats = base, s: float = s) -> Floats:
+            part = x.copy()
+            part[-1] = s * part[-1]
+            return np.asarray(seen @ expm_chain(part, base)[-1])
+
+        rates = complex_columns(place, q)
+        x, y, stretch = chain.body_columns(q, frames, vec(origin), k, s)
+        # The body at a fraction moves with the ends of all segments before its own, and by `s` of its own columns.
+        columns[k] = s * np.array([*x[0], *x[1], *y[0], *y[1], *stretch[0], *stretch[1]])
+        pose = place(q)
+        for i in range(q.size):
+            got = columns[i // 3, 6 * (i % 3) : 6 * (i % 3) + 6]
+            np.testing.assert_allclose(got, twist_of(rates[..., i], pose), atol=1e-12 * reach(q))
+
+
+def test_a_closed_polygon_of_arcs_comes_back() -> None:
+    """Four quarter circles in a plane: back where it began, however the length is shared."""
+    q = np.array([[0.5 * math.pi, 0.0, 1.7]] * 4)
+    np.testing.assert_allclose(poses(frames_of(q))[-1], np.eye(4), atol=1e-14)

@@ -1,0 +1,105 @@
+"""Samples on a grid: interpolation, its slope, and bounds that hold for whatever has these samples."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.fields import grids
+from sinuous.kernels.fields.grids import Grid
+from tests.helpers import Floats, vec
+
+LOW, SPACING, SHAPE = (0.5, -1.0, 2.0), 0.25, (5, 4, 6)
+NODES = np.array(LOW) + SPACING * np.argwhere(np.ones(SHAPE))
+HIGH = NODES.max(axis=0)
+
+
+def grid(shape: tuple[int, int, int] = SHAPE) -> Grid:
+    return Grid(2, shape, LOW, SPACING)
+
+
+def store(values: Floats) -> Floats:
+    return np.concatenate([[math.nan, math.nan], values.ravel()])
+
+
+def points(seed: int, count: int = 100) -> Floats:
+    return np.asarray(np.random.default_rng(seed).uniform(LOW, HIGH, (count, 3)))
+
+
+def test_linear_functions_are_met_exactly() -> None:
+    slope = np.array([0.3, -0.5, 0.2])
+    numbers = store(NODES @ slope)
+    for p in [*points(0), *NODES[::7]]:
+        corners, t, beyond = grids.look_up(numbers, grid(), vec(p))
+        assert beyond == (0.0, 0.0, 0.0)
+        assert grids.value(corners, t) == pytest.approx(p @ slope, abs=1e-12)
+        np.testing.assert_allclose(grids.slope(corners, t, SPACING), slope, atol=1e-12)
+
+
+def test_the_slope_is_that_of_the_interpolation() -> None:
+    numbers = store(np.random.default_rng(1).normal(size=SHAPE))
+    for p in points(2):
+        corners, t, _ = grids.look_up(numbers, grid(), vec(p))
+        slope = grids.slope(corners, t, SPACING)
+        for axis in range(3):
+            ahead = [*t]
+            ahead[axis] += 1e-6
+            change = grids.value(corners, vec(ahead)) - grids.value(corners, t)
+            assert change / (1e-6 * SPACING) == pytest.approx(slope[axis], abs=1e-6)
+
+
+def test_out_of_the_grid_the_border_answers() -> None:
+    numbers = store(np.random.default_rng(3).normal(size=SHAPE))
+    for p in np.random.default_rng(4).normal(size=(200, 3)) * 3.0:
+        inside = p.clip(LOW, HIGH)
+        corners, t, beyond = grids.look_up(numbers, grid(), vec(p))
+        np.testing.assert_allclose(p - inside, beyond, atol=1e-12)
+        again = grids.look_up(numbers, grid(), vec(inside))
+        assert grids.value(corners, t) == pytest.approx(grids.value(*again[:2]), abs=1e-9)
+
+
+def test_no_place_is_read_beyond_the_samples() -> None:
+    numbers = store(np.zeros(SHAPE))
+    for p in ((math.nan, 0.0, 0.0), (1e300, -1e300, math.inf), (-math.inf, math.nan, 1e18), HIGH):
+        corners, t, _ = grids.look_up(numbers, grid(), vec(p))
+        assert corners == (0.0,) * 8
+        assert all(0.0 <= x <= 1.0 for x in t)
+
+
+def test_a_grid_may_be_flat() -> None:
+    values = np.arange(5.0).reshape(5, 1, 1)
+    corners, t, _ = grids.look_up(store(values), grid((5, 1, 1)), (LOW[0] + 0.3 * SPACING, 9.0, -9.0))
+    assert grids.value(corners, t) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_bounds_hold_for_distances_to_sets(seed: int) -> None:
+    """The distance to a few points, some of them within the grid, and less a rounding."""
+    rng = np.random.default_rng(seed)
+    places = rng.uniform(np.array(LOW) - 0.5, HIGH + 0.5, (1 + seed, 3))
+    rounding = rng.uniform(0.0, 0.2)
+
+    def distance(p: Floats) -> Floats:
+        return np.asarray(np.linalg.norm(p[:, None] - places, axis=-1).min(axis=1) - rounding)
+
+    numbers = store(distance(NODES))
+    asked = points(seed, 400)
+    lost = []
+    for p, true in zip(asked, distance(asked), strict=True):
+        corners, t, _ = grids.look_up(numbers, grid(), vec(p))
+        assert grids.at_least(corners, t, SPACING) <= true + 1e-12
+        assert grids.at_most(corners, t, SPACING) >= true - 1e-12
+        low = grids.set_distance(corners, t, SPACING)
+        assert low <= true + 1e-12
+        if true > 2.0 * SPACING and len(places) == 1:  # else there are kinks
+            lost.append((true - low) * true / SPACING**2)
+    assert not lost or max(lost) < 0.6
+
+
+def test_bounds_hold_for_every_distance() -> None:
+    """Also for one that is not that of a set, like a smaller one."""
+    numbers = store(0.5 * np.abs(np.sin(2.0 * NODES)).min(axis=1))
+    for p in points(9, 300):
+        corners, t, _ = grids.look_up(numbers, grid(), vec(p))
+        true = 0.5 * np.abs(np.sin(2.0 * p)).min()
+        assert grids.at_least(corners, t, SPACING) <= true + 1e-12 <= grids.at_most(corners, t, SPACING) + 2e-12

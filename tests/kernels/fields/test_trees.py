@@ -1,0 +1,119 @@
+"""The closest of many, against looking at all of them."""
+
+import math
+
+import igl
+import numpy as np
+import pytest
+
+from sinuous.kernels.fields import trees
+from sinuous.kernels.fields.trees import BALLS, CUBES, SIZES, TRIANGLES, Tree
+from sinuous.scene.sampled.trees import with_planes
+from tests.helpers import Floats, vec
+
+KINDS = (TRIANGLES, BALLS, CUBES)
+HALF = 0.15
+
+
+def draw(kind: int, count: int, rng: np.random.Generator) -> Floats:
+    if kind == TRIANGLES:
+        a = rng.normal(size=(count, 1, 3))
+        return with_planes(np.concatenate([a, a + 0.3 * rng.normal(size=(count, 2, 3))], axis=1))
+    items = rng.normal(size=(count, SIZES[kind]))
+    if kind == BALLS:
+        items[:, 3] = rng.uniform(0.0, 0.4, count)
+    return items
+
+
+def corners(kind: int, items: Floats) -> tuple[Floats, Floats]:
+    if kind == TRIANGLES:
+        places = items[:, :9].reshape(-1, 3, 3)
+        return places.min(axis=1), places.max(axis=1)
+    around = items[:, 3:] if kind == BALLS else np.full((len(items), 1), HALF)
+    return items[:, :3] - around, items[:, :3] + around
+
+
+def planted(kind: int, items: Floats) -> tuple[Floats, Tree, Floats]:
+    """Store and tree, and the primitives in its order."""
+    count = len(items)
+    lows, highs = corners(kind, items)
+    levels = max(0, (max(1, -(-count // trees.LEAF)) - 1).bit_length())
+    order, nodes = np.arange(count), np.empty((2 << levels, 6))
+    trees.arrange(0.5 * (lows + highs), levels, order)
+    assert sorted(order) == list(range(count))
+    trees.enclose(lows, highs, order, levels, nodes)
+    kept = items[order]
+    return np.concatenate([nodes.ravel(), kept.ravel()]), Tree(0, levels, nodes.size, count, kind, HALF), kept
+
+
+def each(kind: int, items: Floats, p: Floats) -> Floats:
+    """Signed distance of `p` to every primitive."""
+    if kind == TRIANGLES:
+        flat = items[:, :9].reshape(-1, 3)
+        faces = np.arange(len(flat)).reshape(-1, 3)
+        one = [igl.point_mesh_squared_distance(p[None], flat, face[None])[0] for face in faces]
+        return np.asarray(np.sqrt(np.ravel(one)))
+    if kind == BALLS:
+        return np.asarray(np.linalg.norm(items[:, :3] - p, axis=1) - items[:, 3])
+    beyond = abs(items - p) - HALF
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+    return np.asarray(np.where(outside > 0.0, outside, beyond.max(axis=1)))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("count", [1, 2, 4, 5, 37, 200])
+def test_the_closest_is_the_closest_of_all(kind: int, count: int) -> None:
+    rng = np.random.default_rng(count)
+    store, tree, items = planted(kind, draw(kind, count, rng))
+    for p in rng.normal(size=(40, 3)) * rng.choice([0.5, 1.0, 10.0], (40, 1)):
+        true = each(kind, items, p)
+        found, lifted = trees.closest(store, tree, vec(p), math.inf)
+        assert trees.unlift(lifted) == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
+        assert true[found] == pytest.approx(true.min(), abs=1e-12, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_only_what_is_within_reach_is_found(kind: int) -> None:
+    rng = np.random.default_rng(3)
+    store, tree, items = planted(kind, draw(kind, 60, rng))
+    for p in rng.normal(size=(60, 3)):
+        nearest = each(kind, items, p).min()
+        for reach in (nearest - 0.3, nearest - 1e-9, nearest + 1e-9, nearest + 0.3):
+            found, lifted = trees.closest(store, tree, vec(p), trees.lift(reach))
+            assert (found >= 0) == (reach > nearest)
+            if found < 0:
+                assert lifted == trees.lift(reach)
+            else:
+                assert trees.unlift(lifted) == pytest.approx(nearest, abs=1e-12)
+
+
+def test_many_in_one_place_and_in_a_row() -> None:
+    for points in (np.zeros((50, 3)), np.arange(50.0)[:, None] * [1.0, 0.0, 0.0]):
+        store, tree, items = planted(CUBES, points)
+        for p in np.random.default_rng(4).normal(size=(20, 3)) * 20.0:
+            _, lifted = trees.closest(store, tree, vec(p), math.inf)
+            assert trees.unlift(lifted) == pytest.approx(each(CUBES, items, p).min())
+
+
+def test_nothing_is_never_found() -> None:
+    store, tree, _ = planted(BALLS, np.empty((0, 4)))
+    assert trees.closest(store, tree, (0.0, 0.0, 0.0), math.inf)[0] == -1
+
+
+def test_a_box_holds_what_is_below_it() -> None:
+    rng = np.random.default_rng(5)
+    items = draw(BALLS, 100, rng)
+    store, tree, kept = planted(BALLS, items)
+    nodes = store[: tree.items].reshape(-1, 6)
+    for node in range(1, 1 << tree.levels):
+        pair = nodes[2 * node : 2 * node + 2]
+        np.testing.assert_array_equal(nodes[node], [*pair[:, :3].min(axis=0), *pair[:, 3:].max(axis=0)])
+    lows, highs = corners(BALLS, kept)
+    np.testing.assert_array_equal(nodes[1], [*lows.min(axis=0), *highs.max(axis=0)])
+
+
+def test_lifting_keeps_the_order() -> None:
+    values = np.linspace(-2.0, 2.0, 41)
+    lifted = [trees.lift(x) for x in values]
+    assert lifted == sorted(lifted)
+    np.testing.assert_allclose([trees.unlift(x) for x in lifted], values, atol=1e-15)

@@ -1,0 +1,127 @@
+"""Starts: the single arc, even samples of the limits, and shapes turned to face the goal."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+from sinuous.kernels.solve import starts
+from sinuous.poses import as_row
+from sinuous.robot.robot import Robot, Segment
+from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
+
+MIXED = Robot(
+    [
+        Segment((0.5, 2.0), 2.0),
+        Segment((0.5, 2.0), 6.0, max_curvature=1.5),
+        Segment((0.0, 1.0), 1.0),
+        Segment(1.0, 0.0),
+        Segment(0.7, math.pi),
+    ]
+)
+
+
+@given(st.one_of(st.floats(0.0, 1.0 - 1e-6), st.sampled_from([0.0, 1e-12, 0.5, 0.999])))
+def test_chord_angle_solves_its_equation(ratio: float) -> None:
+    expected = math.pi if ratio < 1e-12 else brentq(lambda x: math.sin(x) / x - ratio, 1e-9, math.pi)
+    assert starts.chord_angle(ratio) == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_chord_as_long_as_its_arc_is_straight() -> None:
+    assert starts.chord_angle(1.0) == 0.0
+    assert starts.chord_angle(1.5) == 0.0
+
+
+def single_arc(robot: Robot, goal: Floats, tip: int, base: Floats) -> Floats:
+    q = np.full((len(robot), 3), np.nan)
+    starts.single_arc(robot.limits, frames_of(np.zeros((len(robot), 3)), base), tip, vec(goal), q)
+    return q
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_single_arc_ends_at_the_goal_where_lengths_and_bends_allow(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    base = random_pose(rng)
+    tip = int(rng.integers(1, 6))
+    robot = Robot.uniform(6, (0.01, 5.0), max_bend=7.0)
+    bend, angle = rng.choice([0.0, 1e-6, 1.0, 3.0, 5.0]), rng.uniform(-math.pi, math.pi)
+    goal = expm_chain(np.array([[bend * math.cos(angle), bend * math.sin(angle), 3.0]]), base)[-1][:3, 3]
+    q = single_arc(robot, goal, tip, base)
+    np.testing.assert_allclose(expm_chain(q, base)[tip + 1][:3, 3], goal, atol=1e-9)
+    np.testing.assert_array_equal(q[tip + 1 :, :2], 0.0)
+    assert q[: tip + 1, 2].sum() == pytest.approx(3.0)
+
+
+def test_too_near_a_goal_bows_the_robot() -> None:
+    """Straight ahead at half the robot's length: the arc of that chord, which only points elsewhere."""
+    robot = Robot.uniform(4, 1.0, max_bend=3.0)
+    for ahead in (0.5, 2.0, 3.9):
+        q = single_arc(robot, np.array([0.0, 0.0, ahead]), 3, np.eye(4))
+        end = expm_chain(q)[-1][:3, 3]
+        assert np.linalg.norm(end) == pytest.approx(ahead, abs=0.05)
+        assert (np.hypot(q[:, 0], q[:, 1]) > 0.0).all()
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_every_start_keeps_the_limits(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    goals = [rng.normal(size=3) * s for s in (1e-9, 0.5, 5.0, 100.0)] + [
+        np.zeros(3),
+        np.array([0, 0, 3.0]),
+        np.array([0, 0, -3.0]),
+    ]
+    for goal in goals:
+        for tip in (0, 2, len(MIXED) - 1):
+            q = single_arc(MIXED, goal, tip, np.eye(4))
+            assert np.isfinite(q).all()
+            assert MIXED.excess(q) <= 1e-12
+    q = np.full((len(MIXED), 3), np.nan)
+    starts.scattered(MIXED.limits, int(rng.integers(10**6)), seed, q)
+    assert MIXED.excess(q) <= 1e-12
+
+
+def sequence(seed: int, count: int) -> Floats:
+    out = np.empty((count, len(MIXED), 3))
+    for i in range(count):
+        starts.scattered(MIXED.limits, i, seed, out[i])
+    return out
+
+
+def test_shapes_repeat_for_a_seed_and_differ_between_seeds() -> None:
+    np.testing.assert_array_equal(sequence(3, 20), sequence(3, 20))
+    assert len(np.unique(np.concatenate([sequence(seed, 20)[:, 0, 0] for seed in range(20)]))) == 400
+
+
+def test_shapes_cover_the_limits_evenly() -> None:
+    q = sequence(0, 4000)
+    bends = q[:, 0, :2] / 2.0  # within the unit disc
+    quantiles = np.linspace(0.05, 0.95, 19)
+    np.testing.assert_allclose(np.quantile((bends**2).sum(axis=1), quantiles), quantiles, atol=0.03)
+    turns = (np.arctan2(bends[:, 1], bends[:, 0]) + math.pi) / (2 * math.pi)
+    np.testing.assert_allclose(np.quantile(turns, quantiles), quantiles, atol=0.03)
+    np.testing.assert_allclose(np.quantile((q[:, 0, 2] - 0.5) / 1.5, quantiles), quantiles, atol=0.03)
+    # Neighbouring coordinates and segments have nothing to do with each other.
+    columns = np.stack([bends[:, 0], bends[:, 1], q[:, 0, 2], q[:, 1, 2], q[:, 2, 2], q[:, 4, 0]])
+    np.testing.assert_allclose(np.corrcoef(columns), np.eye(len(columns)), atol=0.06)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_face_turns_the_end_to_the_side_of_the_goal(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q = configurations(seed, 4, 1)[0] + [0.3, 0.1, 0.5]
+    base, tool, goal = random_pose(rng), random_pose(rng, 0.1), rng.normal(size=3)
+    before = q.copy()
+    tip = int(rng.integers(0, 4))
+    starts.face(frames_of(np.zeros((4, 3)), base), as_row(tool), tip, vec(goal), q)
+    np.testing.assert_allclose(np.hypot(q[:, 0], q[:, 1]), np.hypot(before[:, 0], before[:, 1]))
+    np.testing.assert_array_equal(q[:, 2], before[:, 2])
+    end = expm_chain(q, base)[tip + 1]
+    # A tool turns about the base's tangent with the tip only as far as it lies along the tip's frame.
+    place = (end @ tool)[:3, 3] if tip == 3 else end[:3, 3]
+    local, aim = base[:3, :3].T @ (place - base[:3, 3]), base[:3, :3].T @ (goal - base[:3, 3])
+    if tip < 3:
+        assert abs(local[0] * aim[1] - local[1] * aim[0]) < 1e-9 * np.linalg.norm(aim) * (1 + np.linalg.norm(local))
+        assert local[0] * aim[0] + local[1] * aim[1] > 0

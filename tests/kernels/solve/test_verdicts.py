@@ -1,0 +1,141 @@
+"""What is called impossible is impossible: no configuration is ever contradicted, and the clear cases are seen."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.solve import verdicts
+from sinuous.kernels.solve.verdicts import OUT_OF_REACH, POSSIBLE, TARGET_BLOCKED
+from sinuous.kernels.step.states import Problem
+from sinuous.poses import pose
+from sinuous.problem.target import Target, target_list, target_table
+from sinuous.robot.robot import Robot, Segment
+from sinuous.scene.obstacles import Box, Sphere
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats, kernel_scene, random_pose
+
+TOLERANCE = (1e-3, 1e-2)
+
+
+def verdict(robot: Robot, targets: Any, scene: Scene | None = None) -> int:
+    values: dict[str, Any] = {
+        "limits": robot.limits,
+        "actuation": robot.actuation,
+        "base": robot.base_row,
+        "tool": robot.tool_row,
+        "scene": kernel_scene(scene or Scene()),
+        "targets": target_table(robot, target_list("targets", targets)).copy(),
+        "mount": robot.mount,
+        "unit": robot.mean_length,
+        "margin": 0.0,
+        "position_tolerance": TOLERANCE[0],
+        "angle_tolerance": TOLERANCE[1],
+        "coarse": 2,
+        "depth": 3,
+    }
+    return verdicts.verdict_of(Problem(**values))
+
+
+def robots(seed: int) -> Robot:
+    rng = np.random.default_rng(seed)
+    segments = [
+        Segment(sorted(rng.uniform(0.0, 1.5, 2)), rng.choice([0.0, 0.2, 0.6, 2.0]), rng.choice([0.2, 1.0, 9.0]))
+        for _ in range(rng.integers(1, 6))
+    ]
+    tool = random_pose(rng, 0.3) if seed % 2 else None
+    return Robot(segments, base=random_pose(rng), tool=tool, radius=0.05)
+
+
+def extreme(robot: Robot, rng: np.random.Generator) -> Floats:
+    """Draw a configuration, most of it on the limits, bent to one side: as far and as near as the robot gets."""
+    out = []
+    side = rng.uniform(-math.pi, math.pi)
+    for segment in robot.segments:
+        length = rng.choice([*segment.length, rng.uniform(*segment.length)])
+        bend = min(segment.max_bend, segment.max_curvature * length) * rng.choice([0.0, 1.0, 1.0])
+        angle = rng.choice([side, side, rng.uniform(-math.pi, math.pi)])
+        out.append([bend * math.cos(angle), bend * math.sin(angle), length])
+    return np.array(out)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_what_a_configuration_attains_is_never_impossible(seed: int) -> None:
+    robot = robots(seed)
+    rng = np.random.default_rng(seed)
+    for _ in range(10):
+        q = extreme(robot, rng)
+        tip = robot.tip(q)
+        off = rng.normal(size=3)
+        place = tip[:3, 3] + 0.999 * TOLERANCE[0] * off / np.linalg.norm(off)  # tolerances are inclusive
+        k = int(rng.integers(1, len(robot) + 1))
+        inner = robot.forward(q)[k - 1]
+        for target in (
+            Target(place),
+            Target(direction=tip[:3, 2]),
+            Target(place, direction=tip[:3, 2]),
+            Target(place, rotation=tip[:3, :3]),
+        ):
+            assert verdict(robot, target) == POSSIBLE
+        if k < len(robot):
+            assert verdict(robot, Target(inner[:3, 3], direction=inner[:3, 2], segment=k)) == POSSIBLE
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_target_that_a_clear_body_attains_is_never_blocked(seed: int) -> None:
+    robot = robots(seed)
+    rng = np.random.default_rng(seed)
+    q = extreme(robot, rng)
+    end, tip = robot.forward(q)[-1], robot.tip(q)
+    away = rng.normal(size=3)
+    away /= np.linalg.norm(away)
+    ball = Scene([Sphere(end[:3, 3] + away * (0.2 + 0.05 + 1e-9), 0.2)])  # touches the ball at the tip
+    for target in (Target(tip[:3, 3]), Target(tip[:3, 3], rotation=tip[:3, :3]), Target(direction=tip[:3, 2])):
+        assert verdict(robot, target, ball) == POSSIBLE
+
+
+def test_too_far() -> None:
+    robot = Robot.uniform(3, (0.5, 1.0))
+    assert verdict(robot, Target((0, 0, 3.0))) == POSSIBLE
+    assert verdict(robot, Target((0, 0, 3.0 + 0.5 * TOLERANCE[0]))) == POSSIBLE
+    assert verdict(robot, Target((0, 0, 3.0 + 2 * TOLERANCE[0]))) == OUT_OF_REACH
+    assert verdict(robot, Target((0, 2.1, 0), segment=2)) == OUT_OF_REACH
+    assert verdict(robot, [Target((0, 0, 2.0)), Target((0, 2.1, 0), segment=2)]) == OUT_OF_REACH
+    assert verdict(robot, Target(direction=(0, 0, -1))) == POSSIBLE
+
+
+def test_too_near() -> None:
+    """Three segments of 1 that turn by 0.6 together: the chord of the arc is the least."""
+    robot = Robot.uniform(3, (1.0, 2.0), max_bend=0.2)
+    least = 3.0 * math.cos(0.3)
+    assert verdict(robot, Target((0, 0, least - 0.01))) == OUT_OF_REACH
+    assert verdict(robot, Target((0, 0, least + 0.01))) == POSSIBLE
+
+
+def test_a_direction_that_the_bends_cannot_turn_to() -> None:
+    robot = Robot.uniform(2, 1.0, max_bend=0.5)
+    for angle, expected in ((0.9, POSSIBLE), (1.0, POSSIBLE), (1.1, OUT_OF_REACH), (3.0, OUT_OF_REACH)):
+        assert verdict(robot, Target(direction=(math.sin(angle), 0, math.cos(angle)))) == expected
+    tilted = Robot.uniform(2, 1.0, max_bend=0.5, tool=pose(direction=(math.sin(0.3), 0, math.cos(0.3))))
+    assert verdict(tilted, Target(direction=(math.sin(1.25), 0, math.cos(1.25)))) == POSSIBLE
+    assert verdict(tilted, Target(direction=(math.sin(1.35), 0, math.cos(1.35)))) == OUT_OF_REACH
+
+
+def test_a_tip_that_would_be_in_an_obstacle() -> None:
+    robot = Robot.uniform(3, (0.5, 1.0), radius=0.1)
+    wall = Scene([Box((0, 0, 3), (1, 1, 2))])
+    assert verdict(robot, Target((0, 0, 2.5)), wall) == TARGET_BLOCKED
+    assert verdict(robot, Target((0, 0, 1.95)), wall) == TARGET_BLOCKED
+    assert verdict(robot, Target((0, 0, 1.89)), wall) == POSSIBLE
+    assert verdict(robot, Target((0, 0, 1.95), segment=2), wall) == TARGET_BLOCKED
+    # A tool reaches into what the body must not touch.
+    armed = Robot.uniform(3, (0.5, 1.0), radius=0.1, tool=pose((0, 0, 0.5)))
+    assert verdict(armed, Target((0, 0, 2.2)), wall) == POSSIBLE
+    assert verdict(armed, Target((0, 0, 2.2), rotation=np.eye(3)), wall) == POSSIBLE
+    assert verdict(armed, Target((0, 0, 2.8), rotation=np.eye(3)), wall) == TARGET_BLOCKED
+
+
+def test_an_obstacle_about_the_mount_blocks_nothing_there() -> None:
+    robot = Robot.uniform(3, (0.5, 1.0), radius=0.1, mount=2.0)
+    assert verdict(robot, Target((0, 0, 1.5)), Scene([Sphere((0, 0, 1.5), 0.3)])) == POSSIBLE

@@ -1,0 +1,174 @@
+"""The limits of a segment are held exactly, and a bound step runs along them."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sinuous.kernels.step import limits
+from sinuous.robot.robot import Robot, Segment
+from tests.helpers import BENDS, Floats
+
+SEGMENTS = (
+    Segment((0.5, 2.0), 2.0),
+    Segment((0.5, 2.0), 2.0, max_curvature=1.5),
+    Segment((0.0, 2.0), 6.0, max_curvature=0.7),
+    Segment(1.0, 1.0),
+    Segment((0.5, 1.0), 0.0),
+    Segment(0.0, 1.0),
+)
+TABLE = Robot(SEGMENTS).limits
+ONES = st.integers(0, len(SEGMENTS) - 1)
+bends = st.one_of(st.sampled_from(BENDS), st.floats(0.0, 10.0))
+angles = st.floats(-math.pi, math.pi)
+lengths = st.floats(-3.0, 5.0)
+
+
+def cap(k: int, length: float) -> float:
+    """The largest bend of this segment, from what was asked of it."""
+    segment = SEGMENTS[k]
+    if segment.length[1] == 0.0:
+        return 0.0
+    return min(segment.max_bend, segment.max_curvature * length)
+
+
+def excess(k: int, q: Any) -> float:
+    low, high = SEGMENTS[k].length
+    return float(max(low - q[2], q[2] - high, math.hypot(q[0], q[1]) - cap(k, q[2])))
+
+
+@given(ONES, bends, angles, lengths)
+def test_retract_ends_within_the_limits_and_stays(k: int, bend: float, angle: float, length: float) -> None:
+    q = (bend * math.cos(angle), bend * math.sin(angle), length)
+    once = limits.retract(TABLE, k, *q)
+    assert excess(k, once) <= 1e-12
+    assert once[2] == min(max(length, SEGMENTS[k].length[0]), SEGMENTS[k].length[1])
+    assert abs(once[0] * q[1] - once[1] * q[0]) <= 1e-12 * (1.0 + bend) ** 2  # the direction of the bend is kept
+    np.testing.assert_allclose(limits.retract(TABLE, k, *once), once, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("beyond", [1e-15, 1e-9, 1e-4, 1e-2])
+def test_a_little_beyond_a_limit_is_brought_back_too(beyond: float) -> None:
+    for k, segment in enumerate(SEGMENTS):
+        for length in np.linspace(*segment.length, 5):
+            bend = cap(k, length) * (1.0 + beyond)
+            got = limits.retract(TABLE, k, bend * math.cos(2.0), bend * math.sin(2.0), float(length))
+            assert math.hypot(*got[:2]) == pytest.approx(cap(k, length), rel=1e-14, abs=0.0)
+        low, high = segment.length
+        assert limits.retract(TABLE, k, 0.0, 0.0, low - beyond)[2] == low
+        assert limits.retract(TABLE, k, 0.0, 0.0, high + beyond)[2] == high
+
+
+@given(ONES, st.floats(0.0, 1.0), angles, st.floats(0.0, 1.0))
+def test_retract_leaves_alone_what_is_within(k: int, part: float, angle: float, share: float) -> None:
+    low, high = SEGMENTS[k].length
+    length = low + share * (high - low)
+    bend = part * cap(k, length) * (1 - 1e-15)
+    q = (bend * math.cos(angle), bend * math.sin(angle), length)
+    if excess(k, q) <= 0.0:
+        assert limits.retract(TABLE, k, *q) == q
+
+
+def test_a_length_that_is_zero_does_not_confuse_an_absent_curvature_limit() -> None:
+    table = Robot([Segment((0.0, 1.0), 2.0)]).limits
+    assert limits.retract(table, 0, 1.0, 0.5, 0.0) == (1.0, 0.5, 0.0)
+    assert limits.bend_cap(table, 0, 0.0) == 2.0
+
+
+def within(rng: np.random.Generator) -> Floats:
+    """Draw a configuration within the limits, often on them."""
+    out = []
+    for k, segment in enumerate(SEGMENTS):
+        low, high = segment.length
+        length = rng.choice([low, high, rng.uniform(low, high)])
+        bend = rng.choice([0.0, 1.0, rng.random()]) * cap(k, length)
+        angle = rng.uniform(-math.pi, math.pi)
+        out.append(limits.retract(TABLE, k, bend * math.cos(angle), bend * math.sin(angle), length))
+    return np.array(out)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_move_takes_the_step_and_keeps_the_limits(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, step = within(rng), rng.normal(size=(len(SEGMENTS), 3)) * rng.choice([0.01, 1.0, 10.0])
+    out = np.empty_like(q)
+    limits.move(TABLE, q, step, out)
+    for k, row in enumerate(out):
+        assert excess(k, row) <= 1e-12
+        if excess(k, q[k] + step[k]) <= 0.0:
+            np.testing.assert_array_equal(row, q[k] + step[k])
+
+
+def workspace() -> tuple[Floats, Floats, Any]:
+    n = len(SEGMENTS)
+    root, mean, bound = np.full((n, 9), np.nan), np.zeros((n, 3)), np.full(n, 9, np.int64)
+    limits.release(TABLE, root, bound)
+    return root, mean, bound
+
+
+def test_released_segments_move_in_the_metric_of_their_scales() -> None:
+    root, _, bound = workspace()
+    np.testing.assert_array_equal(bound, 0)
+    scales = [(1, 1, 1.25), (1, 1, 1.25), (1, 1, 1.0), (1, 1, 0), (0, 0, 0.75), (0, 0, 0)]
+    np.testing.assert_array_equal(root.reshape(-1, 3, 3), [np.diag(row) for row in scales])
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_bound_segment_goes_to_its_bound_and_then_along_it(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, step = within(rng), rng.normal(size=(len(SEGMENTS), 3)) * rng.choice([0.1, 1.0, 10.0])
+    free, _, _ = workspace()
+    root, mean, bound = workspace()
+    count = limits.bind(TABLE, q, step, root, mean, bound)
+    assert count == np.count_nonzero(bound)
+    for k in range(len(SEGMENTS)):
+        aim = q[k] + step[k]
+        low, high = SEGMENTS[k].length
+        assert bool(bound[k]) == (excess(k, aim) > 1e-9)
+        L = root[k].reshape(3, 3)
+        if not bound[k]:
+            np.testing.assert_array_equal(L, free[k].reshape(3, 3))
+            continue
+        assert bool(bound[k] & 1) == (not low <= aim[2] <= high)
+        normal = aim[:2] / np.hypot(*aim[:2])
+        moves = [mean[k] + L @ z for z in 3.0 * rng.normal(size=(5, 3))]
+        for move in moves:
+            end = q[k] + move
+            if bound[k] & 1:
+                assert end[2] == pytest.approx(min(max(aim[2], low), high), abs=1e-12)
+            if bound[k] & 2:
+                edge = cap(k, min(max(aim[2], low), high))
+                if edge < SEGMENTS[k].max_bend and L[2].any():
+                    edge = SEGMENTS[k].max_curvature * end[2]  # free to slide along the slanted edge
+                assert normal @ end[:2] == pytest.approx(edge, abs=1e-9)
+        # What is left is everything the scales allow, less one direction a bound.
+        free_rank = np.linalg.matrix_rank(free[k].reshape(3, 3))
+        lengthless = free[k].reshape(3, 3)[2, 2] == 0.0
+        lost = int(bool(bound[k] & 1) and not lengthless) + int(bool(bound[k] & 2) and free_rank > 1)
+        assert np.linalg.matrix_rank(L, tol=1e-12) == max(0, free_rank - lost)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_on_the_slanted_edge_the_metric_stays_the_same(seed: int) -> None:
+    """Bend = curvature * length: the way there is the shortest, and a unit step along it stays one."""
+    rng = np.random.default_rng(seed)
+    k, curvature = 1, 1.5
+    q = np.tile([0.0, 0.0, 1.0], (len(SEGMENTS), 1))
+    angle = rng.uniform(-math.pi, math.pi)
+    q[k] = [0.9 * math.cos(angle), 0.9 * math.sin(angle), 0.8]
+    step = np.zeros_like(q)
+    step[k, :2] = rng.uniform(1.0, 2.0) * q[k, :2]
+    free, _, _ = workspace()
+    root, mean, bound = workspace()
+    limits.bind(TABLE, q, step, root, mean, bound)
+    assert bound[k] == 2
+    D, L = free[k].reshape(3, 3), root[k].reshape(3, 3)
+    scaled = np.linalg.solve(D, L)
+    np.testing.assert_allclose(np.linalg.svd(scaled)[1], [1.0, 1.0, 0.0], atol=1e-12)
+    normal = np.array([math.cos(angle), math.sin(angle), -curvature]) @ D  # of the edge, in scaled coordinates
+    np.testing.assert_allclose(normal @ scaled, 0.0, atol=1e-12)
+    gap = -(np.array([math.cos(angle), math.sin(angle), -curvature]) @ q[k])
+    np.testing.assert_allclose(mean[k], D @ normal * gap / (normal @ normal), atol=1e-12)

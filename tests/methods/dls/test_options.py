@@ -1,0 +1,58 @@
+"""Damped least squares as a method."""
+
+import pytest
+
+import sinuous as sn
+from sinuous.methods.dls.options import Dls
+from tests.helpers import refused
+from tests.methods import laws
+
+
+def test_the_papers_four_poses() -> None:
+    solver = sn.Solver(laws.ARM, method="dls", tolerance=sn.Tolerance(1e-3, 1e-4))
+    assert laws.solved_and_verified(solver, laws.PAPER) == 4
+
+
+@pytest.mark.parametrize("kind", ["position", "direction", "rotation"])
+def test_reachable_targets(kind: str) -> None:
+    solver = sn.Solver(laws.ARM, method="dls")
+    assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 60, 2.0, kind=kind)) == 60
+
+
+def test_a_direction_alone_and_a_tool() -> None:
+    robot = sn.Robot(laws.ARM.segments, tool=sn.pose((3, 4, 20), direction=(1, 0, 1)))
+    solver = sn.Solver(robot, method="dls")
+    assert laws.solved_and_verified(solver, [sn.Target(direction=(1, 2, 0.5)), sn.Target(direction=(0, 0, -1))]) == 2
+    assert laws.solved_and_verified(solver, laws.tip_targets(robot, 40)) == 40
+
+
+def test_a_batch_is_a_loop() -> None:
+    laws.many_are_as_one(sn.Solver(laws.ARM, method="dls"), laws.tip_targets(laws.ARM, 20, 2.4))
+
+
+def test_limits_and_starts_and_obstacles() -> None:
+    laws.keeps_its_limits("dls", laws.LIMITED)
+    laws.begins_from_a_given_start("dls")
+    laws.does_not_pretend("dls")
+
+
+def test_a_step_goes_no_farther_than_its_clamp() -> None:
+    """Far away and hardly moving: with a small clamp and few steps the tip stays near its start."""
+    start = laws.shapes(laws.ARM, 1, 1.0, 0)[0]
+    target = sn.Target((200, 0, 0))
+    moved = []
+    for clamp in (0.01, 0.1):
+        solver = sn.Solver(laws.ARM, method=Dls(iterations=1, clamp=clamp, damping=0.0), starts=1)
+        solution = solver.solve(target, start=start)
+        moved.append(abs(laws.ARM.tip(solution.q)[:3, 3] - laws.ARM.tip(start)[:3, 3]).max())
+    assert 0.0 < moved[0] < 0.02 * laws.ARM.mean_length
+    assert moved[1] > 5.0 * moved[0]
+
+
+def test_what_it_cannot_mean_is_refused() -> None:
+    refused("damping", lambda: Dls(damping=-1.0))
+    refused("clamp", lambda: Dls(clamp=0.0))
+    refused("iterations", lambda: Dls(iterations=0))
+    solver = sn.Solver(laws.ARM, method="dls")
+    refused("target.segment", lambda: solver.solve(sn.Target((0, 0, -100), segment=2)))
+    refused("targets", lambda: solver.solve([sn.Target((0, 0, -200)), sn.Target(direction=(0, 0, 1))]))

@@ -1,0 +1,293 @@
+"""The method of the paper: what it reaches, and where it fails without its repairs."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_configurations
+from sinuous.methods.opti_path import costs as path_costs
+from sinuous.methods.opti_path import starts as path_starts
+from sinuous.methods.opti_path import steps as path_steps
+from sinuous.methods.opti_path.costs import Aim, Setting, Weights
+from sinuous.methods.opti_path.potential import Potential
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats, kernel_scene, refused, vec
+from tests.methods.opti_path.test_costs import make_path
+
+EXACT = sn.Tolerance(1e-9, 0.0175)
+DOWN = (0.0, 0.0, -1.0)
+
+
+def poses() -> list[sn.Target]:
+    return [sn.Target(position, direction=direction) for position, direction in PAPER_POSES.values()]
+
+
+def solve_from_the_arc(target: sn.Target, robot: sn.Robot | None = None, **options: Any) -> sn.Solution:
+    """Solve from the method's first start alone."""
+    return sn.Solver(robot or arm(5, np.pi), tolerance=EXACT, method=sn.OptiPath(**options), starts=1).solve(target)
+
+
+def largest_bend(solution: sn.Solution) -> float:
+    return float(np.hypot(solution.q[:, 0], solution.q[:, 1]).max())
+
+
+@pytest.mark.parametrize("target", poses(), ids=list(PAPER_POSES))
+def test_the_four_poses_of_the_paper(target: sn.Target) -> None:
+    for gradient in ("adjoint", "differences"):
+        solution = solve_from_the_arc(target, gradient=gradient)
+        assert solution.solved
+        assert solution.verify().ok
+        assert solution.iterations <= 60
+        assert solution.position_error == pytest.approx(0.0, abs=1e-10)
+        assert solution.starts == 1
+
+
+@pytest.mark.parametrize("target", poses(), ids=list(PAPER_POSES))
+def test_the_faithful_mode_solves_them_and_the_literal_exponent_does_not(target: sn.Target) -> None:
+    def run(**changes: Any) -> sn.Solution:
+        return sn.Solver(arm(5, 6.0), tolerance=EXACT, method=sn.OptiPath.faithful(**changes)).solve(target)
+
+    solution = run()
+    assert solution.solved
+    assert solution.iterations <= 60
+    for metric in ("acceleration", "identity"):
+        literal = run(exponent="literal", metric=metric, orientation="norm", largest_step=0.0)
+        assert not literal.solved
+        assert literal.worst is not None
+
+
+def lengths_after(target: sn.Target, iterations: int, exponent: str) -> Floats:
+    """Largest length of an arc in every iteration, without any limit of a step, by the kernels alone."""
+    chosen = sn.OptiPath.faithful(
+        exponent=exponent, orientation="norm", orientation_weight=0.17, regularisation=10.0, largest_step=0.0
+    )
+    setting = Setting(*map(float, chosen.vector()))
+    robot = arm(5, 6.0)
+    path = make_path(np.zeros((6, 3)), robot=robot)
+    path.tangents[0] = DOWN
+    assert target.position is not None
+    assert target.direction is not None
+    aim = Aim(vec(target.position), vec(target.direction), True, 57.5)
+    path_starts.single(robot.limits.copy(), setting, aim, path)
+    nothing = Potential(np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.0, 1.0, 0.0)
+    seen = []
+    for _ in range(iterations):
+        path_costs.trace(path)
+        seen.append(path.arcs[:, 14].max())
+        weights = Weights(chosen.length_weight, chosen.orientation_weight, 0.0, 0.0)
+        path_costs.gradient_backwards(kernel_scene(Scene()), nothing, setting, weights, aim, path, False)
+        path_steps.move(setting, path, 57.5)
+    return np.array(seen)
+
+
+def test_the_literal_exponent_diverges() -> None:
+    """Arcs close up and grow without end; with the repaired exponent nothing of this happens."""
+    for target in (poses()[0], poses()[2]):
+        assert lengths_after(target, 1000, "literal").max() > 300.0
+        assert lengths_after(target, 1000, "adjacent").max() < 90.0
+
+
+def test_the_faithful_mode_can_be_typed() -> None:
+    assert sn.OptiPath.parse(["preset=faithful", "iterations=9"]) == sn.OptiPath.faithful(iterations=9)
+
+
+def test_random_reachable_poses() -> None:
+    rng = np.random.default_rng(11)
+    for limit in (np.pi, 1.2):  # hardly any limit, and that of the shapes which the poses come from
+        solver = sn.Solver(arm(5, limit), tolerance=EXACT, method="opti_path", starts=1)
+        targets = direction_targets(arm(5, 1.2), random_configurations(arm(5, 1.2), 100, rng))
+        assert sum(s.solved and s.verify().ok for s in map(solver.solve, targets)) >= 97
+
+
+def test_both_gradients_take_the_same_way() -> None:
+    for target in poses():
+        one, other = (solve_from_the_arc(target, gradient=g) for g in ("adjoint", "differences"))
+        assert one.iterations == other.iterations
+        np.testing.assert_allclose(one.q, other.q, atol=1e-3)
+
+
+def test_a_goal_straight_ahead_needs_a_bow() -> None:
+    """An exact saddle: by symmetry no gradient points aside, and a straight robot is too long."""
+    target = sn.Target((0.0, 0.0, -200.0))
+    stuck = solve_from_the_arc(target, bow=0.0)
+    assert not stuck.solved
+    assert largest_bend(stuck) == pytest.approx(0.0, abs=1e-9)
+    assert stuck.worst is not None
+    assert stuck.worst.constraint == "length"
+    bowed = solve_from_the_arc(target)
+    assert bowed.solved
+    assert bowed.verify().ok
+
+
+def test_a_goal_behind_the_base_needs_another_guess() -> None:
+    """The single arc is nearly a whole turn then, and far too long."""
+    target = sn.Target((0.0, 1e-6, 100.0))
+    faithful = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target)
+    assert not faithful.solved
+    assert np.isfinite(faithful.q).all()
+    repaired = solve_from_the_arc(target)
+    assert repaired.solved
+    assert repaired.iterations <= 60
+
+
+def test_the_paper_has_no_limit_of_bends() -> None:
+    """What is solved without one can bend a segment by more than it may; then it is not solved, and says so."""
+    target = poses()[3]
+    free = sn.Solver(arm(5, 6.0), tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target)
+    assert free.solved
+    assert largest_bend(free) > 1.6
+    limited = sn.Solver(arm(5, 1.6), tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target)
+    assert limited.status is sn.Status.LIMIT_BOUND
+    assert limited.worst is not None
+    assert limited.worst.constraint in ("bend", "length")
+    repaired = sn.Solver(arm(5, 1.6), tolerance=EXACT, method="opti_path").solve(target)
+    assert repaired.solved
+    assert largest_bend(repaired) <= 1.6
+
+
+def test_length_and_orientation_pull_against_each_other() -> None:
+    """A weighted sum is smallest where neither is met: to a thousandth of a rad, only gating gets there."""
+    tight = sn.Tolerance(1e-9, 1e-4)
+    count = {}
+    for schedule in ("constant", "gated"):
+        method = sn.OptiPath(schedule=schedule, dead_band=0.0)
+        solver = sn.Solver(arm(5, np.pi), tolerance=tight, method=method, starts=1)
+        count[schedule] = sum(solver.solve(target).solved for target in poses())
+    assert count["constant"] <= 2
+    assert count["gated"] == 4
+
+
+def tracking_scene(seed: int, spheres: int) -> tuple[sn.Robot, list[sn.Target], sn.Scene]:
+    rng = np.random.default_rng(seed)
+    turn = np.linspace(0.0, 2.0 * np.pi, 60, endpoint=False)
+    path = 480.0 * np.stack([0.3 * np.sin(turn), 0.22 * np.sin(2.0 * turn), 0.72 + 0.1 * np.cos(turn)], axis=-1)
+    base = np.linspace(0.0, 60.0, 10)[:, None] * [0.0, 0.0, 1.0]
+    found: list[Any] = []
+    while len(found) < spheres:
+        center, radius = 480.0 * rng.uniform([-0.45, -0.45, 0.1], [0.45, 0.45, 0.7]), 480.0 * rng.uniform(0.03, 0.08)
+        if min(np.linalg.norm(line - center, axis=-1).min() for line in (path, base)) > radius + 15.0:
+            found.append(sn.Sphere(center, radius))
+    return sn.Robot.uniform(8, (54, 66), radius=1.0), [sn.Target(p) for p in path], sn.Scene(found)
+
+
+@pytest.mark.parametrize("potential", ["grid", "exact"])
+def test_a_path_through_spheres_is_tracked(potential: str) -> None:
+    robot, path, scene = tracking_scene(1, 70)
+    solver = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential))
+    solution = solver.solve(path[0])
+    warm = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential), starts=1)
+    moved = 0
+    for target in path:
+        solution = warm.solve(target, solution)
+        assert solution.solved
+        assert solution.start == "given"
+        assert solution.verify().ok
+        moved += solution.iterations
+    assert moved > 20
+
+
+def test_obstacles_are_kept_away_from_by_the_body_between_its_points() -> None:
+    """With one long segment before a sphere only samples on the arcs feel it."""
+    robot = sn.Robot.uniform(3, (80, 120), radius=2.0)
+    scene, target = sn.Scene([sn.Sphere((6.0, 0.0, 150.0), 20.0)]), sn.Target((0.0, 10.0, 298.0))
+    felt = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=3.0), starts=1).solve(target)
+    blind = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=0.0, influence=0.1), starts=1).solve(target)
+    assert felt.solved
+    assert felt.verify().ok
+    assert blind.status is sn.Status.BLOCKED
+    assert blind.worst is not None
+    assert blind.worst.constraint == "clearance"
+
+
+def test_restarts_go_on_where_the_first_start_fails() -> None:
+    rng = np.random.default_rng(5)
+    robot = arm(5, 2.4)
+    targets = direction_targets(robot, random_configurations(robot, 60, rng))
+    alone = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), starts=1)
+    going_on = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), time=5.0, starts=100)
+    once = [alone.solve(target) for target in targets]
+    more = [going_on.solve(target) for target in targets]
+    assert sum(s.solved for s in more) > sum(s.solved for s in once) + 5
+    assert {s.start for s in more} >= {"arc", "random"}
+    stopped = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=0, restarts=False)).solve(targets[0])
+    assert (stopped.starts, stopped.iterations) == (2, 0)
+
+
+def test_a_given_start_is_bowed_aside_before_it_is_given_up() -> None:
+    robot = arm(5, np.pi)
+    straight = np.array([[0.0, 0.0, 57.5]] * 5)
+    target = sn.Target((0.0, 0.0, -200.0))
+    for starts, kind in ((1, "given"), (9, "given"), (10, "arc")):
+        method = sn.OptiPath(iterations=0 if starts == 10 else 300)
+        solution = sn.Solver(robot, tolerance=EXACT, method=method, starts=starts).solve(target, straight)
+        assert solution.solved == (starts == 9)
+        assert solution.starts == (10 if starts == 10 else min(starts, 2))
+        assert solution.start == kind or starts == 10
+    faithful = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target, straight)
+    assert (faithful.solved, faithful.starts) == (False, 2)
+
+
+def test_several_solutions() -> None:
+    def all_of(method: sn.OptiPath) -> list[sn.Solution]:
+        solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=method, time=60.0, starts=30)
+        return solver.solve_all(poses()[0], count=3)
+
+    found = all_of(sn.OptiPath())
+    assert len(found) == 3
+    assert all(solution.verify().ok for solution in found)
+    assert len(all_of(sn.OptiPath.faithful())) == 1
+
+
+def test_a_solved_path_settles_away_from_obstacles() -> None:
+    robot, path, scene = tracking_scene(3, 70)
+    clear = []
+    for settle in (0, 5):
+        solver = sn.Solver(robot, scene, method=sn.OptiPath(settle=settle))
+        found = [solver.solve(target) for target in path[::10]]
+        assert all(solution.solved and solution.verify().ok for solution in found)
+        clear.append([solution.clearance or 0.0 for solution in found])
+    assert np.median(clear[1]) > np.median(clear[0])
+
+
+def test_a_start_is_taken_up() -> None:
+    solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method="opti_path")
+    first = solver.solve(poses()[3])
+    again = solver.solve(poses()[3], first)
+    assert (again.iterations, again.start) == (0, "given")
+    np.testing.assert_allclose(again.q, first.q, atol=1e-9)
+
+
+def test_the_mount_is_not_concerned() -> None:
+    scene = sn.Scene([sn.Sphere((0.0, 0.0, -10.0), 12.0)])
+    for mount, solved in ((0.0, False), (30.0, True)):
+        robot = sn.Robot.uniform(5, (45, 70), base=sn.pose(direction=DOWN), mount=mount)
+        solution = sn.solve(robot, poses()[1], scene, method="opti_path", tolerance=EXACT, time=0.2)
+        assert solution.solved == solved
+
+
+def test_a_grid_that_is_too_fine_is_refused() -> None:
+    scene = sn.Scene([sn.Sphere((0.0, 0.0, 1.0), 0.1)])
+    robot = sn.Robot.uniform(20, 1.0)
+    refused("spacing", lambda: sn.Solver(robot, scene, method=sn.OptiPath(spacing=1e-3)), "nodes")
+    sn.Solver(robot, method=sn.OptiPath(spacing=1e-3))  # nothing to sample
+    sn.Solver(robot, scene, method=sn.OptiPath(spacing=1e-3, potential="exact"))
+
+
+def test_everything_scales_with_the_robot() -> None:
+    """Options are in lengths of a segment: the same problem in metres has the same solution."""
+    scene = [sn.Sphere((20.0, 40.0, -150.0), 25.0)]
+    small_scene = [sn.Sphere((0.02, 0.04, -0.15), 0.025)]
+    for target in poses()[:3]:
+        large = sn.solve(arm(5, np.pi), target, scene, method="opti_path", tolerance=EXACT)
+        assert target.position is not None
+        small = sn.solve(
+            sn.Robot.uniform(5, (0.045, 0.07), base=sn.pose(direction=DOWN)),
+            sn.Target(0.001 * target.position, direction=target.direction),
+            small_scene,
+            method="opti_path",
+            tolerance=sn.Tolerance(1e-12, 0.0175),
+        )
+        assert large.iterations == small.iterations
+        np.testing.assert_allclose(small.q * [1.0, 1.0, 1000.0], large.q, atol=1e-5)

@@ -1,0 +1,91 @@
+"""Targets: what is asked, in the form that the kernels read, and bad input."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous.problem.target import DIRECTION, FREE, ROTATION, Target, target_list, target_table
+from sinuous.robot.robot import Robot
+from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
+
+ROBOT = Robot.uniform(3, 1.0)
+
+
+def test_a_target_is_what_was_said() -> None:
+    target = Target((1, 2, 3), direction=(0, 0, -2))
+    np.testing.assert_array_equal(target.position, [1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(target.direction, [0.0, 0.0, -1.0])
+    assert target.rotation is None
+    assert target.segment is None
+    np.testing.assert_array_equal(target.table, [[-1, 1, 1, 2, 3, DIRECTION, 0, 0, -1, 0, 0, 0, 0, 0, 0]])
+    assert repr(target) == "Target(position=[1.0, 2.0, 3.0], direction=[0.0, 0.0, -1.0])"
+
+
+def test_rows_of_every_kind() -> None:
+    np.testing.assert_array_equal(Target((1, 2, 3), segment=2).table, [[1, 1, 1, 2, 3, FREE, *[0] * 9]])
+    rotation = random_rotation(np.random.default_rng(0))
+    row = Target(rotation=rotation).table
+    np.testing.assert_array_equal(row[0, :6], [-1, 0, 0, 0, 0, ROTATION])
+    np.testing.assert_allclose(row[0, 6:], rotation.ravel(), atol=1e-15)
+    half_turn = Target(rotation=(0, 0, 0, 1))  # a quaternion wxyz: half a turn about z
+    assert half_turn.rotation is not None
+    np.testing.assert_allclose(half_turn.rotation, np.diag([-1.0, -1.0, 1.0]), atol=1e-15)
+    assert repr(Target(direction=(1, 0, 0), segment=2)) == "Target(direction=[1.0, 0.0, 0.0], segment=2)"
+
+
+def test_targets_are_frozen() -> None:
+    target = Target((1, 2, 3), rotation=np.eye(3))
+    with pytest.raises(AttributeError):
+        target.segment = 2  # type: ignore[misc]
+    for value in (target.position, target.rotation, Target(direction=(1, 0, 0)).direction):
+        assert value is not None
+        assert not value.flags.writeable
+
+
+def test_something_is_asked_and_once() -> None:
+    refused("position", Target, "position, direction or rotation")
+    refused("position", lambda: Target(segment=1))
+    refused("direction", lambda: Target(direction=(1, 0, 0), rotation=np.eye(3)), "rotation")
+
+
+@pytest.mark.parametrize("value", [v for v in NOT_VECTORS if v is not None])
+def test_bad_vectors_are_refused(value: Any) -> None:
+    refused("position", lambda: Target(value))
+    refused("direction", lambda: Target(direction=value))
+
+
+def test_bad_orientations_are_refused() -> None:
+    refused("direction", lambda: Target(direction=(0, 0, 0)), "not zero")
+    bad = (np.zeros((3, 3)), np.diag([1, 1, -1]), (0, 0, 0, 0), np.eye(4), np.full((3, 3), math.nan))
+    refused_each("rotation", bad, lambda rotation: Target(rotation=rotation))
+
+
+@pytest.mark.parametrize("value", [0, -1, 1.0, True, "1", 10**9])
+def test_bad_segments_are_refused(value: Any) -> None:
+    refused("segment", lambda: Target((0, 0, 1), segment=value))
+
+
+def test_lists_of_targets() -> None:
+    a, b = Target((0, 0, 1)), Target((0, 0, 2), segment=1)
+    assert target_list("targets", a) == (a,)
+    assert target_list("targets", [a, b]) == (a, b)
+    assert target_list("targets", iter([a, b])) == (a, b)
+    np.testing.assert_array_equal(target_table(ROBOT, (a,)), a.table)
+    np.testing.assert_array_equal(target_table(ROBOT, (a, b)), np.concatenate([a.table, b.table]))
+
+
+def test_what_is_no_list_of_targets_is_refused() -> None:
+    refused_each(
+        "targets", (None, 3, "abc", {"position": (0, 0, 1)}), lambda value: target_list("targets", value), "a Target"
+    )
+    refused("len(targets)", lambda: target_list("targets", []))
+    refused("len(targets)", lambda: target_list("targets", [Target((0, 0, 1))] * 1001))
+    refused("targets[1]", lambda: target_list("targets", [Target((0, 0, 1)), (0, 0, 1)]))
+
+
+def test_a_segment_that_the_robot_lacks_is_refused() -> None:
+    targets = (Target((0, 0, 1)), Target((0, 0, 1), segment=4))
+    refused("targets[1].segment", lambda: target_table(ROBOT, targets), "1 to 3")
+    target_table(ROBOT, (Target((0, 0, 1), segment=3),))

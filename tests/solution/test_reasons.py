@@ -1,0 +1,96 @@
+"""What proves that there is no solution: numbers that agree with the verdicts of the kernels."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sinuous import Box, Problem, Robot, Scene, Segment, Solver, Sphere, Status, Target, Tolerance, pose
+from sinuous.kernels.solve.verdicts import OUT_OF_REACH
+from sinuous.solution.reasons import unreachable
+from tests.helpers import random_pose
+from tests.kernels.solve.test_verdicts import TOLERANCE, extreme, robots, verdict
+
+ROBOT = Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
+
+
+def test_a_reason_is_given_exactly_where_the_verdict_says_so() -> None:
+    agreed = {True: 0, False: 0}
+    for seed in range(60):
+        robot, rng = robots(seed), np.random.default_rng(seed)
+        for _ in range(12):
+            tip = robot.tip(extreme(robot, rng))
+            place, other = tip[:3, 3] * rng.uniform(0.5, 1.5), random_pose(rng)
+            for target in (
+                Target(place),
+                Target(place, direction=tip[:3, 2]),
+                Target(place, direction=other[:3, 2]),
+                Target(place, rotation=other[:3, :3]),
+                Target(direction=other[:3, 2]),
+            ):
+                reason = unreachable(Problem(robot, target, tolerance=Tolerance(*TOLERANCE)))
+                if reason is None or reason.needed - reason.available > 1e-6 * robot.mean_length:
+                    assert (reason is not None) == (verdict(robot, target) == OUT_OF_REACH)
+                    agreed[reason is not None] += 1
+    assert min(agreed.values()) > 500
+
+
+@pytest.mark.parametrize(
+    ("target", "bound", "needed", "available"),
+    [
+        (Target((0, 0, 3.5)), "length", 3.5, 3.0),
+        (Target((0, 0, 1.0)), "near", 2.4 * math.cos(0.75), 1.0),
+        (Target((2.5, 0, 0.5)), "aside", 2.5, 3.0 * (1 - math.cos(1.5)) / 1.5),
+        (Target((0, 0, 2.5), direction=(0, 0, -1)), "behind", None, None),
+        (Target(direction=(0, 0, -1)), "turning", math.pi, 1.5),
+    ],
+)
+def test_the_number_is_the_one_that_proves_it(
+    target: Target, bound: str, needed: float | None, available: float | None
+) -> None:
+    solution = Solver(ROBOT).solve(target)
+    assert solution.status is Status.OUT_OF_REACH
+    reason = solution.reason
+    assert reason is not None
+    assert reason.needed > reason.available
+    if needed is not None:
+        assert reason.bound == bound
+        assert reason.needed == pytest.approx(needed, abs=2e-3)
+        assert reason.available == pytest.approx(available, abs=2e-3)
+    assert f"{reason.needed:.4g} needed" in repr(solution)
+
+
+def test_obstacles_are_called_by_their_names() -> None:
+    robot = Robot.uniform(3, length=(0.8, 1.2), max_bend=2.0, radius=0.1, base=pose((0, 0, 0.5)))
+    tank = Sphere((0, 1.0, 2.5), 0.4, name="tank")
+    blocked = Solver(robot, [tank, Box((5, 5, 5), (1, 1, 1))]).solve(Target((0, 1.0, 2.15)))
+    assert blocked.status is Status.TARGET_BLOCKED
+    assert blocked.reason is not None
+    assert (blocked.reason.bound, blocked.reason.obstacle) == ("target", "tank")
+    assert blocked.reason.needed == pytest.approx(0.1)
+    assert blocked.reason.available == pytest.approx(-0.05, abs=1e-3)
+
+    based = Solver(robot, [tank, Box((0, 0, 0.5), (1, 1, 1), name="floor")]).solve(Target((0, 0, 2.5)))
+    assert based.status is Status.BASE_BLOCKED
+    assert based.reason is not None
+    assert (based.reason.bound, based.reason.obstacle, based.reason.available) == ("base", "floor", -0.5)
+
+
+def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
+    robot = Robot([Segment((0.8, 1.2), 2.0, radius=0.1)] * 3)
+    walls = [Box(np.array([0, 0, 2.6]) + 0.5 * axis, np.where(axis, 0.1, 1.1)) for axis in (*np.eye(3), *-np.eye(3))]
+    solution = Solver(robot, Scene(walls), time=60.0).solve(Target((0, 0, 2.5)))
+    assert solution.status is Status.NO_ROUTE
+    assert solution.reason is not None
+    assert (solution.reason.bound, solution.reason.needed) == ("route", 0.1)
+    assert solution.reason.available == pytest.approx(0.05)
+    assert solution.reason.obstacle is not None
+    assert solution.reason.obstacle.startswith("box[")
+    assert solution.to_dict()["reason"]["bound"] == "route"
+
+
+def test_what_is_solved_has_no_reason() -> None:
+    solution = Solver(ROBOT).solve(Target((0, 0.3, 2.6)))
+    assert solution.solved
+    assert solution.reason is None
+    assert solution.to_dict()["reason"] is None

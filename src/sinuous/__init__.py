@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from sinuous.scene.obstacles import Sphere as Sphere
     from sinuous.scene.scene import Scene as Scene
     from sinuous.solution.solution import Solution as Solution
-    from sinuous.solution.solution import Status as Status
+    from sinuous.solution.status import Status as Status
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
@@ -68,7 +68,8 @@ _HOMES = {
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
     "scene.clouds.point_cloud": ("PointCloud",),
     "scene.scene": ("Scene",),
-    "solution.solution": ("Solution", "Status"),
+    "solution.solution": ("Solution",),
+    "solution.status": ("Status",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
     "motion.track": ("Track", "track"),

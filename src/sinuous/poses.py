@@ -109,8 +109,3 @@ def as_pose(key: str, value: Any) -> Floats:
     """Check a 4x4 matrix that stands for a pose; `None` is the identity."""
     with checks.inside(key):
         return pose() if value is None else pose(matrix=value)
-
-
-def as_row(matrix: Floats) -> Floats:
-    """Return the layout of the kernels: rotation, row by row, and position, as one row (1, 12)."""
-    return np.concatenate([matrix[:3, :3].ravel(), matrix[:3, 3]])[None, :].copy()

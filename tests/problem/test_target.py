@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.problem.target import DIRECTION, FREE, ROTATION, Target, target_list, target_table
+from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
+from sinuous.problem.target import Target, target_list, target_table
 from sinuous.robot.robot import Robot
 from tests.helpers import NOT_VECTORS, random_rotation, refused, refused_each
 

@@ -13,6 +13,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from sinuous.kernels.fields import distances, solids
+from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING, TREE
 from sinuous.measures.obstacles import measure
 from sinuous.poses import pose
 from sinuous.scene.clouds.point_cloud import PointCloud
@@ -213,10 +214,10 @@ def test_bounds_are_bounds(name: str) -> None:
     """Near, far, out of the samples and at them."""
     row, _ = tables(name)
     nodes = around(10, 0)
-    if row[0, 0] >= solids.TREE and row[0, solids.AT] >= 0:
-        shape = row[0, solids.SHAPE : solids.SHAPE + 3]
+    if row[0, 0] >= TREE and row[0, FIRST_SAMPLE] >= 0:
+        shape = row[0, SHAPE : SHAPE + 3]
         index = np.random.default_rng(11).integers(0, shape, (200, 3))
-        nodes = row[0, solids.LOW : solids.LOW + 3] + row[0, solids.SPACING] * index
+        nodes = row[0, ORIGIN : ORIGIN + 3] + row[0, SPACING] * index
     points = np.concatenate([around(12, 500), around(13, 200, far=True), close(name, 14, 300), nodes])
     true = case(name).truth(points)
     rounding = 1e-12 * (1.0 + abs(true))
@@ -244,12 +245,12 @@ def test_what_is_within_reach_is_exact_and_the_rest_is_beyond(name: str) -> None
 def test_steps_see_nearly_the_truth_and_its_own_slope(name: str) -> None:
     scene = tables(name)
     table = scene.table
-    rich = table[0, 0] >= solids.TREE and table[0, solids.AT] >= 0
-    cell = table[0, solids.SPACING] if rich else 0.0
+    rich = table[0, 0] >= TREE and table[0, FIRST_SAMPLE] >= 0
+    cell = table[0, SPACING] if rich else 0.0
     points = close(name, 18, 300)
     if rich:
-        low = table[0, solids.LOW : solids.LOW + 3]
-        high = low + cell * (table[0, solids.SHAPE : solids.SHAPE + 3] - 1)
+        low = table[0, ORIGIN : ORIGIN + 3]
+        high = low + cell * (table[0, SHAPE : SHAPE + 3] - 1)
         points = points[((points > low) & (points < high)).all(axis=1)]
     true = case(name).truth(points)
     assert len(points) > 50

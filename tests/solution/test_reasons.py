@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous import Box, Problem, Robot, Scene, Segment, Solver, Sphere, Status, Target, Tolerance, pose
-from sinuous.kernels.solve.verdicts import OUT_OF_REACH
+from sinuous.kernels.tables import OUT_OF_REACH
 from sinuous.solution.reasons import unreachable
 from tests.helpers import random_pose
 from tests.kernels.solve.test_verdicts import TOLERANCE, extreme, robots, verdict

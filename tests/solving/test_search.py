@@ -4,15 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.methods import registry as methods
-from sinuous.solution.solution import Outcome
+from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, SOLVED, UNPROVED, Outcome
 from sinuous.solving.search import Search
 
 
 def outcome(**changed: Any) -> Outcome:
     values: dict[str, Any] = {
         "q": np.zeros((2, 3)),
-        "code": methods.FAILED,
+        "code": FAILED,
         "iterations": 10,
         "starts": 4,
         "kind": 0,
@@ -39,9 +38,9 @@ def test_the_better_counts_with_the_effort_of_all() -> None:
 
 def test_it_ends_with_what_is_solved() -> None:
     search = Search(outcome(merit=1e-9), 100, 1.0)
-    search.take(outcome(code=methods.SOLVED, merit=1e-8))
+    search.take(outcome(code=SOLVED, merit=1e-8))
     assert not search.open
-    assert search.outcome.code == methods.SOLVED
+    assert search.outcome.code == SOLVED
 
 
 def test_it_ends_with_the_starts_or_the_time() -> None:
@@ -49,24 +48,24 @@ def test_it_ends_with_the_starts_or_the_time() -> None:
     assert search.starts_left == 4
     search.take(outcome())
     assert not search.open
-    assert search.outcome.code == methods.FAILED
+    assert search.outcome.code == FAILED
     late = Search(outcome(), 100, 1.0)
     late.spend(0.9)
     assert not late.open
-    assert late.outcome.code == methods.LATE
+    assert late.outcome.code == LATE
 
 
 def test_an_unproved_answer_stays_one_when_the_time_is_up() -> None:
-    search = Search(outcome(code=methods.UNPROVED), 100, 0.1)
+    search = Search(outcome(code=UNPROVED), 100, 0.1)
     assert not search.open
-    assert search.outcome.code == methods.UNPROVED
+    assert search.outcome.code == UNPROVED
 
 
 def test_a_proof_that_there_is_nothing_ends_it() -> None:
     search = Search(outcome(), 100, 1.0)
     search.close(0.05)
     assert not search.open
-    assert (search.outcome.code, search.outcome.cell) == (methods.NO_ROUTE, 0.05)
+    assert (search.outcome.code, search.outcome.cell) == (NO_ROUTE, 0.05)
 
 
 def test_batches_grow_as_long_as_they_are_quick() -> None:

@@ -7,11 +7,11 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.kernels.tables import ROTATION
 
 if TYPE_CHECKING:
     from sinuous.robot.robot import Robot
 
-ROTATION = 2
 
 LIMITS = ("length", "bend", "curvature", "actuators")
 """Limits that a robot may have."""
@@ -44,6 +44,9 @@ class Capabilities:
         Whether it begins from a given start.
     starts : bool
         Whether it has further starts of its own when the first fails.
+    routes : bool
+        Whether routes through free space may serve it as starts, when its own fail. Published methods are to be seen as
+        they are.
     compiled : str
         Which part is compiled.
     source : str
@@ -60,6 +63,7 @@ class Capabilities:
     preferences: bool
     given: bool
     starts: bool
+    routes: bool
     compiled: str
     source: str
 

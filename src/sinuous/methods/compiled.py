@@ -1,39 +1,39 @@
-"""A method whose whole solve is one compiled call: its tables, a workspace a thread, and its outcomes."""
+"""A method whose whole solve is one compiled call: its groups, a workspace a thread, and its outcomes."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.step.states import SETTINGS
+from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
-from sinuous.problem.problem import Tolerance
-from sinuous.problem.target import WIDTH as TARGET_WIDTH
+from sinuous.methods.method import Budget, Call
+from sinuous.problem.problem import Problem, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Outcome
-
-RECORD = 10
-"""Numbers in the record of a search; see `sinuous.kernels.solve.judge`."""
+from sinuous.scene.snapshot import Snapshot
 
 
 class Compiled:
-    """A prepared method, behind an entry with the arguments of `sinuous.methods.opti_path.search.search`.
+    """A prepared method, behind an entry with the arguments of `sinuous.kernels.solve.search.search_many`.
 
     Parameters
     ----------
     name : str
     capabilities : Capabilities
     search : callable
-        The entry: tables of robot and scene, settings, `extra`, then targets (m, t, 15), given (m, g, n, 3), first,
-        most, seed, seconds, workspace, and what it fills: best (m, n, 3) and records (m, 10).
+        The entry: groups of robot and scene, settings with the options of the method, groups of its own, then targets
+        (m, t, 15), initial configurations (m, g, n, 3), budget, workspace, and the answers (m, 10 + 3 n) that it fills.
     size : int
         Numbers (float64) that it needs as workspace.
-    extra : tuple of ndarray
-        Tables of its own, writable; its options first.
+    options : ndarray
+        Its options, as the kernel reads them.
+    own : tuple of ndarray
+        Groups of its own, writable.
     """
 
     def __init__(
@@ -45,57 +45,39 @@ class Compiled:
         robot: Robot,
         scene: Scene,
         tolerance: Tolerance,
-        *extra: Floats,
+        options: Floats,
+        *own: Floats,
     ) -> None:
-        settings = {
-            "mount": robot.mount,
-            "unit": robot.mean_length,
-            "position_tolerance": tolerance.position,
-            "angle_tolerance": tolerance.angle,
-        }
-        # Copies: the kernels are compiled for one type of array, a writable one.
-        self._robot = (
-            robot.limits.copy(),
-            robot.actuation.copy(),
-            np.concatenate([robot.base_row, robot.tool_row]),
-        )
-        self._scene = scene
-        self._own = (np.array([settings.get(key, 0.0) for key in SETTINGS], np.float64), *extra)
+        self._robot = packing.robot_group(robot)
+        self._settings = packing.settings_group(robot, tolerance, options=options)
+        self._own = own
         self._name, self._capabilities, self._search = name, capabilities, search
         self._segments, self._size = len(robot), size
         self._local = threading.local()
         announce(search)
-        no_target = np.zeros((0, 1, TARGET_WIDTH))
-        self._run(no_target, np.empty((0, 0, len(robot), 3)), 0, 0, 0, 0.0)  # compiles, or loads from the cache
+        nothing = np.zeros((0, 1, TARGET_WIDTH)), np.empty((0, 0, len(robot), 3))
+        search(*self._call(scene.snapshot(), *nothing, (0, 0, 0, 0.0)).arguments)  # compiles, or loads from the cache
 
-    def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
-        """Solve for one table of targets; see `Method.run`."""
-        self._capabilities.refuse_targets(self._name, rows, self._segments)
-        return self._run(rows[None], given[None], first, last, seed, seconds)[0]
+    def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
+        """Return what `run` would call; see `Method.build`."""
+        self._capabilities.refuse_targets(self._name, problem.rows, self._segments)
+        return self._call(problem.scene, problem.rows[None], initial[None], budget)
 
-    def run_many(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> list[Outcome]:
-        """Solve for many tables of targets; see `Method.run_many`."""
-        for each in rows:
-            self._capabilities.refuse_targets(self._name, each, self._segments)
-        return self._run(rows, given, first, last, seed, seconds)
+    def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
+        """Solve one problem; see `Method.run`."""
+        return _answered(self.build(problem, initial, budget))[0]
 
-    def _run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> list[Outcome]:
-        best, records = np.empty((len(rows), self._segments, 3)), np.empty((len(rows), RECORD))
-        self._search(
-            *self._robot,
-            *self._scene.tables,
-            *self._own,
-            rows,
-            given,
-            first,
-            last,
-            seed,
-            seconds,
-            self._workspace(),
-            best,
-            records,
-        )
-        return [as_outcome(q, numbers) for q, numbers in zip(best, records.tolist(), strict=True)]
+    def run_many(self, problems: Sequence[Problem], initial: Floats, budget: Budget) -> list[Outcome]:
+        """Solve many problems; see `Method.run_many`."""
+        for each in problems:
+            self._capabilities.refuse_targets(self._name, each.rows, self._segments)
+        rows = np.stack([each.rows for each in problems])
+        return _answered(self._call(problems[0].scene, rows, initial, budget))
+
+    def _call(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget) -> Call:
+        answers = np.empty((len(rows), answer_size(self._segments)))
+        groups = self._robot, scene.group, self._settings, *self._own
+        return Call(self._search, (*groups, rows, initial, budget, self._workspace(), answers))
 
     def _workspace(self) -> Floats:
         """Scratch of this thread."""
@@ -105,9 +87,15 @@ class Compiled:
         return workspace
 
 
-def as_outcome(q: Floats, numbers: list[float]) -> Outcome:
-    """Outcome of one record, where whole numbers and truth values are floats too."""
-    code, iterations, starts, kind, off, turn, clearance, bound, merit, seconds = numbers
-    return Outcome(
-        q, int(code), int(iterations), int(starts), int(kind), off, turn, clearance, bool(bound), merit, seconds
-    )
+def _answered(call: Call) -> list[Outcome]:
+    """Make a call, and read its answers."""
+    call.entry(*call.arguments)
+    return as_outcomes(call.arguments[-1])
+
+
+def as_outcomes(answers: Floats) -> list[Outcome]:
+    """Outcomes of a batch of answers (m, 10 + 3 n)."""
+    shapes = answers[:, RECORD_WIDTH:].reshape(len(answers), -1, 3).copy()
+    return [
+        Outcome.from_record(q, record) for q, record in zip(shapes, answers[:, :RECORD_WIDTH].tolist(), strict=True)
+    ]

@@ -12,7 +12,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 
 if TYPE_CHECKING:
-    from sinuous.methods.registry import Method
+    from sinuous.methods.method import Method
     from sinuous.problem.problem import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene

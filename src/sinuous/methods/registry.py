@@ -7,13 +7,12 @@ targets and returns the best that it found. A method is chosen by its name, or b
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, cast
 
-from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import LIMITS, Capabilities
+from sinuous.methods.method import Method
 from sinuous.methods.options import Options
-from sinuous.solution.solution import Outcome
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Preferences, Tolerance
@@ -21,26 +20,8 @@ if TYPE_CHECKING:
     from sinuous.scene.scene import Scene
 
 
-SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, NO_ROUTE = range(7)
-
 Choice = str | Options
 """How a method is chosen: its name, or its options."""
-
-
-class Method(Protocol):
-    """A prepared algorithm."""
-
-    def run(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> Outcome:
-        """Solve for targets `rows` (t, 15) from starts number `first` up to, without it, `last`, for at most `seconds`.
-
-        Starts are counted: those of `given` (g, n, 3), then the method's own. The run ends at the first that is
-        solved; `Outcome.starts` is 0 when the method has no start of these numbers.
-        """
-        ...
-
-    def run_many(self, rows: Floats, given: Floats, first: int, last: int, seed: int, seconds: float) -> list[Outcome]:
-        """Solve m problems as `run` does one: `rows` (m, t, 15), `given` (m, g, n, 3), `seconds` for each."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -62,6 +43,7 @@ _OF_THE_TIP = Capabilities(
     preferences=False,
     given=True,
     starts=True,
+    routes=False,
     compiled="everything, in one call",
     source="",
 )
@@ -82,6 +64,7 @@ METHODS: dict[str, Registered] = {
             preferences=True,
             given=True,
             starts=True,
+            routes=True,
             compiled="everything, in one call",
             source="this library; docs/design.md",
         ),
@@ -99,6 +82,7 @@ METHODS: dict[str, Registered] = {
             preferences=False,
             given=True,
             starts=True,
+            routes=False,
             compiled="everything, in one call; the potential is sampled once, compiled too",
             source="Sun & Wang, An Optimization-Based Inverse Kinematics Solver for Continuum Manipulators in "
             "Intricate Environments",
@@ -145,7 +129,8 @@ def options_class(name: str) -> type[Options]:
     registered = METHODS[name]
     if not registered.options:
         return Options
-    return cast(type[Options], getattr(import_module(f"sinuous.methods.registry.{name}"), registered.options))
+    home, _, class_name = registered.options.rpartition(".")
+    return cast(type[Options], getattr(import_module(f"sinuous.methods.{home}"), class_name))
 
 
 def with_options(name: str, pairs: Iterable[str]) -> Choice:

@@ -9,12 +9,11 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
-from sinuous.methods.registry import Choice
-from sinuous.problem.problem import Preferences, Tolerance
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
-from sinuous.solution.solution import Solution, Status
-from sinuous.solving.solver import TIME, Solver
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import Status
+from sinuous.solving.solver import Solver
 
 if TYPE_CHECKING:
     from sinuous.solution.verification import Verification
@@ -152,14 +151,10 @@ def track(
     scene: Any = None,
     *,
     start: "Solution | Any" = None,
-    tolerance: Tolerance | None = None,
-    method: Choice = "newton",
-    prefer: Preferences | None = None,
-    time: float = TIME,
-    seed: int = 0,
     progress: Callable[[Solution], object] | None = None,
+    **options: Any,
 ) -> Track:
-    """Follow a path of targets; most parameters as for `Solver`.
+    """Follow a path of targets.
 
     Parameters
     ----------
@@ -169,10 +164,10 @@ def track(
     scene : Scene or list of obstacles, optional
     start : Solution or array_like (n, 3), optional
         Where the first waypoint begins.
-    time : float
-        Budget of one waypoint, in seconds.
     progress : callable, optional
         Called with the solution of each waypoint as it is found.
+    **options
+        As for `Solver`; `time` is the budget of one waypoint.
 
     Returns
     -------
@@ -185,7 +180,7 @@ def track(
         When an argument is not what it should be; nothing is solved then.
     """
     path = as_path(robot, targets)
-    solver = Solver(robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, seed=seed)
+    solver = Solver(robot, scene, **options)
     solutions = []
     for solution in waypoints(solver, path, start):
         solutions.append(solution)

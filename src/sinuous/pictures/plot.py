@@ -16,7 +16,7 @@ from sinuous.pictures.dots import Dotted, dots
 from sinuous.pictures.surfaces import body, edges, normals, obstacle_surface
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Primitive
-from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 
 SEGMENTS = ("#1f6f8b", "#e0a458")
@@ -99,7 +99,7 @@ def draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
     axes.set_title(_title(solutions), fontsize=11, color="#333333")
 
 
-def _bounds(points: Floats, scene: Scene) -> tuple[Floats, Floats]:
+def _bounds(points: Floats, scene: Snapshot) -> tuple[Floats, Floats]:
     """Corners of what the picture shows: all `points`, and of the obstacles what is not far from them."""
     low, high = points.min(axis=0), points.max(axis=0)
     reach = 0.35 * float((high - low).max())

@@ -10,6 +10,7 @@ from sinuous.problem.target import Target, target_list, target_table
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
 
 RELATIVE_POSITION = 1e-4
 ANGLE = 1e-3
@@ -79,14 +80,14 @@ class Problem:
         if not isinstance(robot, Robot):
             raise InputError("robot", "of the wrong kind", robot, "a Robot")
         self.robot = robot
-        self.scene = as_scene(scene)
+        self.scene = as_snapshot(scene)
         self.tolerance = as_tolerance(tolerance).for_robot(robot)
         self.targets: tuple[Target, ...] = target_list("targets", targets)
         self.rows: Floats = target_table(robot, self.targets)
         check_sizes(robot, self.scene)
 
     @classmethod
-    def prepared(cls, robot: Robot, targets: tuple[Target, ...], scene: Scene, tolerance: Tolerance) -> "Problem":
+    def prepared(cls, robot: Robot, targets: tuple[Target, ...], scene: Snapshot, tolerance: Tolerance) -> "Problem":
         """Put together parts that are checked already: the quick way of a `Solver`."""
         problem = cls.__new__(cls)
         problem.robot = robot
@@ -104,7 +105,12 @@ def as_scene(scene: Any) -> Scene:
     return scene if isinstance(scene, Scene) else Scene(scene)
 
 
-def check_sizes(robot: Robot, scene: Scene) -> None:
+def as_snapshot(scene: Any) -> Snapshot:
+    """Check a scene, and take its obstacles as they are now."""
+    return scene if isinstance(scene, Snapshot) else as_scene(scene).snapshot()
+
+
+def check_sizes(robot: Robot, scene: Scene | Snapshot) -> None:
     """Refuse a scene with a mesh that must be in another length unit than the robot, as `Mesh.check_size` says."""
     for i, obstacle in enumerate(scene.obstacles):
         if isinstance(obstacle, Mesh):

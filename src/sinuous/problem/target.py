@@ -9,11 +9,10 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.packing import target_row
 from sinuous.poses import rotation_matrix
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
-FREE, DIRECTION, ROTATION = 0, 1, 2
-WIDTH = 15
 MOST_TARGETS = 1000
 
 
@@ -51,27 +50,15 @@ class Target:
             raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
         if direction is not None and rotation is not None:
             raise InputError("direction", "stands beside rotation", direction, "one of direction, rotation")
-        values = {
-            "position": None if position is None else checks.vector("position", position),
-            "direction": None if direction is None else checks.direction("direction", direction),
-            "rotation": None if rotation is None else rotation_matrix("rotation", rotation),
-            "segment": None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS),
-        }
+        place = None if position is None else checks.vector("position", position)
+        axis = None if direction is None else checks.direction("direction", direction)
+        matrix = None if rotation is None else rotation_matrix("rotation", rotation)
+        number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)
+        # Writable: the kernels are compiled for one type of array.
+        table = target_row(number, place, axis, matrix)
+        values = {"position": place, "direction": axis, "rotation": matrix, "segment": number, "table": table}
         for key, value in values.items():
             object.__setattr__(self, key, value)
-        object.__setattr__(self, "table", self._make_table())
-
-    def _make_table(self) -> Floats:
-        """The row (1, 15) of this target; layout of `sinuous.kernels.step.targets`, segment -1 stands for the last."""
-        row = np.zeros((1, WIDTH))
-        row[0, 0] = -1 if self.segment is None else self.segment - 1
-        if self.position is not None:
-            row[0, 1], row[0, 2:5] = 1.0, self.position
-        if self.direction is not None:
-            row[0, 5], row[0, 6:9] = DIRECTION, self.direction
-        elif self.rotation is not None:
-            row[0, 5], row[0, 6:15] = ROTATION, self.rotation.ravel()
-        return row  # writable: the kernels are compiled for one type of array
 
     def __repr__(self) -> str:
         parts = [

@@ -11,7 +11,9 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.poses import as_pose, as_row
+from sinuous.kernels.tables import ACTUATOR_WIDTH
+from sinuous.packing import actuator_row, pose_row, segment_row
+from sinuous.poses import as_pose
 from sinuous.robot.actuators import Chambers, Tendons
 
 MOST_SEGMENTS = 10_000
@@ -129,11 +131,14 @@ class Robot:
         if radius is not None:
             radii = [checks.number("radius", radius, low=0.0)] * len(self.segments)
         self.radii: tuple[float, ...] = tuple(radii)
-        self.limits = _limits_table(self.segments, radii)
+        self.limits = np.array(
+            [
+                segment_row(segment.length, segment.max_bend, segment.max_curvature, radius)
+                for segment, radius in zip(self.segments, radii, strict=True)
+            ]
+        )
         self.actuation = _actuation_table(self.segments)
-        self.base_row = as_row(self.base)
-        self.tool_row = as_row(self.tool)
-        for table in (self.limits, self.actuation, self.base_row, self.tool_row):
+        for table in (self.limits, self.actuation):
             table.flags.writeable = False
 
     @classmethod
@@ -209,7 +214,7 @@ class Robot:
         frames, lead = self._frames(q)
         flat = np.ascontiguousarray(np.asarray(q, np.float64).reshape(-1, len(self), 3))
         out = np.zeros((len(flat), 6, 3 * len(self)))
-        batch.jacobians_of(flat, frames, self.tool_row, end - 1, np.empty((len(self), 18)), out)
+        batch.jacobians_of(flat, frames, pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
         return out.reshape(*lead, 6, 3 * len(self))
 
     def _frames(self, q: Any) -> tuple[Floats, tuple[int, ...]]:
@@ -219,7 +224,7 @@ class Robot:
         lead = checked.shape[:-2]
         flat = np.array(checked.reshape(-1, len(self), 3))
         frames = np.empty((len(flat), len(self) + 1, 12))
-        batch.frames_of(flat, self.base_row, frames)
+        batch.frames_of(flat, pose_row(self.base), frames)
         return frames, lead
 
     def excess(self, q: Any) -> float:
@@ -306,27 +311,15 @@ class Robot:
         return _undo_lines(self, "chambers", _per_segment(self, "lengths", lengths, "chambers"))
 
 
-def _limits_table(segments: tuple[Segment, ...], radii: list[float]) -> Floats:
-    """Layout of `sinuous.kernels.step.limits`."""
-    rows = []
-    for segment, radius in zip(segments, radii, strict=True):
-        low, high = segment.length
-        bends = 1.0 if segment.max_bend > 0.0 and segment.max_curvature > 0.0 and high > 0.0 else 0.0
-        max_bend = segment.max_bend if bends else 0.0
-        stretch = 0.5 * (low + high) if high > low else 0.0
-        rows.append([low, high, max_bend, segment.max_curvature, radius, bends, stretch])
-    return np.array(rows)
-
-
 def _actuation_table(segments: tuple[Segment, ...]) -> Floats:
-    """Layout of `sinuous.kernels.step.actuation`: first and last segment, coefficients (3), low, high."""
+    """Rows (p, 7) of all limits of actuators."""
     rows = []
     for k, segment in enumerate(segments):
         if segment.tendons is not None and np.isfinite(segment.tendons.displacement).any():
-            rows += [[0, k, ax, ay, 0.0, *segment.tendons.displacement] for ax, ay in segment.tendons.arms]
+            rows += [actuator_row(0, k, (ax, ay, 0.0), segment.tendons.displacement) for ax, ay in segment.tendons.arms]
         if segment.chambers is not None and np.isfinite(segment.chambers.length).any():
-            rows += [[k, k, -ax, -ay, 1.0, *segment.chambers.length] for ax, ay in segment.chambers.arms]
-    return np.array(rows, np.float64).reshape(-1, 7)
+            rows += [actuator_row(k, k, (-ax, -ay, 1.0), segment.chambers.length) for ax, ay in segment.chambers.arms]
+    return np.array(rows, np.float64).reshape(-1, ACTUATOR_WIDTH)
 
 
 def _broadcast(key: str, value: Any, *arrays: Floats) -> list[Floats]:

@@ -14,11 +14,12 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
+from sinuous.packing import primitive_row
 from sinuous.poses import least_rotation, rotation_matrix
 
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False
-SPHERE, BOX, CYLINDER, HALF_SPACE = 0, 1, 2, 3
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -51,12 +52,7 @@ class Primitive(Obstacle):
     @property
     @abstractmethod
     def row(self) -> Floats:
-        """One row of the table that the kernels read; layout of `sinuous.kernels.fields.distances`."""
-
-
-def _row(kind: int, inside: bool, center: Floats, rotation: Floats, half: Any, rounding: float) -> Floats:
-    sign = -1.0 if inside else 1.0
-    return np.concatenate([[kind, sign], center, np.asarray(rotation).ravel(), half, [rounding]])
+        """One row of the table that the kernels read; layout of `sinuous.kernels.tables`."""
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -87,7 +83,7 @@ class Sphere(Primitive):
     @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        return _row(SPHERE, self.inside, self.center, IDENTITY, np.zeros(3), self.radius)
+        return primitive_row(SPHERE, self.inside, self.center, IDENTITY, np.zeros(3), self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -126,7 +122,7 @@ class Box(Primitive):
     @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        return _row(BOX, self.inside, self.center, self.rotation, 0.5 * self.size, 0.0)
+        return primitive_row(BOX, self.inside, self.center, self.rotation, 0.5 * self.size)
 
 
 def _axis(start: Floats, end: Floats) -> tuple[Floats, Floats, float]:
@@ -164,7 +160,7 @@ class Capsule(Primitive):
     def row(self) -> Floats:
         """See `Primitive.row`."""
         center, rotation, half = _axis(self.start, self.end)
-        return _row(BOX, False, center, rotation, [0.0, 0.0, half], self.radius)
+        return primitive_row(BOX, False, center, rotation, [0.0, 0.0, half], self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -202,7 +198,7 @@ class Cylinder(Primitive):
     def row(self) -> Floats:
         """See `Primitive.row`."""
         center, rotation, half = _axis(self.start, self.end)
-        return _row(CYLINDER, self.inside, center, rotation, [self.radius, self.radius, half], 0.0)
+        return primitive_row(CYLINDER, self.inside, center, rotation, [self.radius, self.radius, half])
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -227,4 +223,4 @@ class HalfSpace(Primitive):
     @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        return _row(HALF_SPACE, False, self.point, least_rotation(self.normal), np.zeros(3), 0.0)
+        return primitive_row(HALF_SPACE, False, self.point, least_rotation(self.normal), np.zeros(3))

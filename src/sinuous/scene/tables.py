@@ -8,8 +8,28 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.kernels.tables import (
+    COUNT,
+    CUBE_HALF,
+    FIRST_SAMPLE,
+    ITEM_KIND,
+    ITEMS,
+    KIND,
+    LEVELS,
+    NODES,
+    NORMALS,
+    OBSTACLE_WIDTH,
+    ORIGIN,
+    ROUNDING,
+    SAMPLES,
+    SHAPE,
+    SIGN,
+    SPACING,
+    TREE,
+)
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field
 from sinuous.scene.grids.grid import Grid
@@ -18,11 +38,6 @@ from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.sampled import sampling, trees
 from sinuous.scene.sampled.sampling import Progress
 from sinuous.scene.sampled.trees import Pieces
-
-WIDTH = 18
-
-Tables = tuple[Floats, Floats]
-"""Rows (m, 18) and store (s,): new arrays, for the kernels alone."""
 
 NOTHING = np.empty(0)
 
@@ -70,20 +85,9 @@ def live(cloud: PointCloud) -> Part:
     return part
 
 
-def join(parts: Sequence[Part]) -> Tables:
-    """Put the obstacles of a scene together."""
-    from sinuous.kernels.fields.solids import AT, ITEMS, NODES, NORMALS, TREE  # noqa: PLC0415
-
-    table = np.array([part.row for part in parts], np.float64).reshape(-1, WIDTH)
-    at = 0
-    for row, part in zip(table, parts, strict=True):
-        if row[0] >= TREE:
-            for column in (NODES, ITEMS, NORMALS, AT):
-                if row[column] >= 0.0:
-                    row[column] += at
-        at += len(part.store)
-    stores = [part.store for part in parts if len(part.store)]
-    return table, np.concatenate(stores) if stores else np.zeros(1)
+def join(parts: Sequence[Part]) -> Floats:
+    """Put the obstacles of a scene together: the group that the kernels read."""
+    return packing.scene_group([part.row for part in parts], [part.store for part in parts])
 
 
 def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
@@ -105,16 +109,14 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
 
 def _of_pieces(pieces: Pieces) -> Part:
     """Row and store of a tree."""
-    from sinuous.kernels.fields import solids  # noqa: PLC0415
-
-    row = np.zeros(WIDTH)
-    row[[solids.KIND, solids.SIGN]] = solids.TREE, pieces.sign
-    row[[solids.LEVELS, solids.COUNT, solids.ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
-    row[[solids.HALF, solids.ROUNDING]] = pieces.half, pieces.rounding
+    row = np.zeros(OBSTACLE_WIDTH)
+    row[[KIND, SIGN]] = TREE, pieces.sign
+    row[[LEVELS, COUNT, ITEM_KIND]] = pieces.levels, len(pieces.items), pieces.kind
+    row[[CUBE_HALF, ROUNDING]] = pieces.half, pieces.rounding
     items = pieces.nodes.size
     normals = items + pieces.items.size
-    row[[solids.NODES, solids.ITEMS]] = 0.0, items
-    row[[solids.NORMALS, solids.AT]] = normals if len(pieces.normals) else -1.0, -1.0
+    row[[NODES, ITEMS]] = 0.0, items
+    row[[NORMALS, FIRST_SAMPLE]] = normals if len(pieces.normals) else -1.0, -1.0
     return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
 
 
@@ -134,29 +136,24 @@ def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
 
 def _of_samples(values: Floats, low: Floats, spacing: float) -> Part:
     """Row and store of samples alone."""
-    from sinuous.kernels.fields import solids  # noqa: PLC0415
-
-    row = np.zeros(WIDTH)
-    row[[solids.KIND, solids.SIGN, solids.NODES, solids.ITEMS, solids.NORMALS]] = solids.SAMPLES, 1.0, -1.0, -1.0, -1.0
+    row = np.zeros(OBSTACLE_WIDTH)
+    row[[KIND, SIGN, NODES, ITEMS, NORMALS]] = SAMPLES, 1.0, -1.0, -1.0, -1.0
     return Part(_with_grid(row, 0, values.shape, low, spacing), values.ravel().copy())
 
 
 def _with_grid(row: Floats, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
-    from sinuous.kernels.fields import solids  # noqa: PLC0415
 
     result = row.copy()
-    result[solids.AT], result[solids.SPACING] = at, spacing
-    result[solids.SHAPE : solids.SHAPE + 3] = shape
-    result[solids.LOW : solids.LOW + 3] = low
+    result[FIRST_SAMPLE], result[SPACING] = at, spacing
+    result[SHAPE : SHAPE + 3] = shape
+    result[ORIGIN : ORIGIN + 3] = low
     return result
 
 
 def _check_sides(part: Part, name: str) -> None:
     """Refuse a solid whose sides cannot be told apart: where its surface cuts through itself, distances jump."""
-    from sinuous.kernels.fields import solids  # noqa: PLC0415
-
-    at, spacing = int(part.row[solids.AT]), float(part.row[solids.SPACING])
-    shape = part.row[solids.SHAPE : solids.SHAPE + 3].astype(int)
+    at, spacing = int(part.row[FIRST_SAMPLE]), float(part.row[SPACING])
+    shape = part.row[SHAPE : SHAPE + 3].astype(int)
     values = part.store[at:].reshape(shape)
     for axis in range(3):
         jump = np.abs(np.diff(values, axis=axis)).max()

@@ -1,86 +1,23 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
-import math
-from enum import StrEnum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
+from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
+from sinuous.solution.status import Status
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
 
 
-class Status(StrEnum):
-    """How a solve ended. Where it says proved, one counterexample is a defect."""
-
-    SOLVED = "solved"
-    OUT_OF_REACH = "out_of_reach"
-    TARGET_BLOCKED = "target_blocked"
-    BASE_BLOCKED = "base_blocked"
-    NO_ROUTE = "no_route"
-    UNPROVED = "unproved"
-    BLOCKED = "blocked"
-    LIMIT_BOUND = "limit_bound"
-    STALLED = "stalled"
-    TIME_LIMIT = "time_limit"
-
-    @property
-    def sentence(self) -> str:
-        """What the status means."""
-        return _SENTENCES[self]
-
-
-_SENTENCES = {
-    Status.SOLVED: "all within tolerance and limits, whole body proved clear",
-    Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
-    Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
-    Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
-    Status.NO_ROUTE: "proved at the stated resolution: no way through free space wide enough for the body",
-    Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
-    Status.BLOCKED: "not solved: the best found overlaps an obstacle",
-    Status.LIMIT_BOUND: "not solved: limits stop the best found",
-    Status.STALLED: "not solved: no progress from any start",
-    Status.TIME_LIMIT: "not solved within the time budget",
-}
-
-
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
-
-
-STARTS = ("given", "arc", "random", "route")
-"""Kinds of starts, as an outcome numbers them."""
-
-ROUTE = STARTS.index("route")
-
-
-class Outcome(NamedTuple):
-    """What a method found for one problem: the best configuration, how far it is from solved, and at what effort.
-
-    `code` and `kind` are the method's own numbers for how it ended and which kind of start won (see `STARTS`).
-    `clearance` is proved when it is solved, else the least that was seen; `merit` is what is left of the residual,
-    squared; `bound` says whether limits stopped the best; `cell` is the edge of the cubes by which it was proved that
-    there is no way.
-    """
-
-    q: Floats
-    code: int
-    iterations: int
-    starts: int
-    kind: int
-    position_error: float
-    angle_error: float
-    clearance: float
-    bound: bool
-    merit: float
-    seconds: float
-    cell: float = math.nan
 
 
 class Solution:
@@ -133,7 +70,7 @@ class Solution:
     @property
     def start(self) -> str:
         """Which kind of start won: given, arc, random or route."""
-        return STARTS[self._outcome.kind]
+        return SOURCES[self._outcome.source]
 
     @property
     def solved(self) -> bool:

@@ -1,21 +1,24 @@
 """Starts for narrow places: ways through free space from the base to the target, and the chain laid into them."""
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
 from sinuous.kernels.fitting.routes import PROVED_CLOSED, find
 from sinuous.kernels.freespace.grid_astar import HALF_DIAGONAL, lattice_size
 from sinuous.kernels.step.states import workspace_size
-from sinuous.methods.newton import KernelTables
+from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.problem.problem import Problem, Tolerance
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
+from sinuous.solving.sources import Batch, Question
 
 COARSE, FINE = 64, 1000
 """Cubes in the length of the longest robot: most of them at first, and most at all."""
@@ -60,37 +63,8 @@ class Plan(NamedTuple):
     prove: bool
 
 
-class Routes(NamedTuple):
-    """What one search found.
-
-    Attributes
-    ----------
-    starts : ndarray (m, n, 3)
-        Configurations that lie in m ways, as well as the robot can.
-    ways : list of ndarray (K, 3)
-        Points of the ways, from base to target.
-    closed : bool
-        Proved: there is no way from the mount to the target that is wide enough for the body.
-    cell : float
-        Edge of the cubes that free space was divided into.
-    cubes : int
-        How many of them were looked at.
-    seconds : float
-    then : int
-        How many starts at random should come before the next search.
-    """
-
-    starts: Floats
-    ways: list[Floats]
-    closed: bool
-    cell: float
-    cubes: int
-    seconds: float
-    then: int
-
-
 class Router:
-    """Finds ways for one robot; safe to share between threads.
+    """The start source of routes, for one robot; safe to share between threads.
 
     Parameters
     ----------
@@ -101,28 +75,31 @@ class Router:
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self._robot = robot
-        self._tables = KernelTables(robot, scene, tolerance)
+        self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
         self._plans = _plans(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
         self._local = threading.local()
         announce(find)
-        nowhere = Problem(robot, Target((0.0, 0.0, 0.0)), scene, tolerance)
+        nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
         self._find(nowhere, 0, self._plans[0]._replace(slots=256), 0.0)  # compiles, or loads from the cache
 
-    def search(self, problem: Problem, seconds_left: Callable[[], float]) -> Iterator[Routes]:
-        """Yield ways to the target of a problem, from coarse to fine, while time is left."""
+    name = SOURCES[ROUTE]
+
+    def batches(self, question: Question) -> Iterator[Batch]:
+        """Yield routes to the target of a problem, from coarse to fine, while time is left."""
+        problem = question.problem
         which = _goal(problem)
         told: dict[tuple[float, bool], int] = {}
         for plan in self._plans if which >= 0 else ():
-            if seconds_left() <= 0.0:
+            if question.seconds_left() <= 0.0:
                 return
-            routes = self._find(problem, which, plan, seconds_left())
+            batch = self._find(problem, which, plan, question.seconds_left())
             known = told.get((plan.cell, plan.exact), 0)
-            told[plan.cell, plan.exact] = max(known, len(routes.starts))
-            yield routes._replace(starts=routes.starts[known:], ways=routes.ways[known:])
-            if routes.closed:
+            told[plan.cell, plan.exact] = max(known, batch.size)
+            yield replace(batch, initial=batch.initial[known:])
+            if batch.closed is not None:
                 return
 
-    def _find(self, problem: Problem, which: int, plan: Plan, seconds: float) -> Routes:
+    def _find(self, problem: Problem, which: int, plan: Plan, seconds: float) -> Batch:
         workspace = np.empty(
             workspace_size(len(self._robot), len(self._robot.actuation), len(problem.scene), len(problem.targets))
         )
@@ -130,8 +107,10 @@ class Router:
         starts = np.empty((plan.ways, len(self._robot), 3))
         ways, counts = np.empty((plan.ways, POINTS, 3)), np.zeros(plan.ways, np.int64)
         room = max(min(self._robot.radii), 0.5 * plan.cell)
-        found, ended, cubes, spent = find(
-            *self._tables.now(),
+        found, ended, _, spent = find(
+            self._group,
+            problem.scene.group,
+            self._settings,
             problem.rows,
             which,
             plan.cell,
@@ -148,8 +127,8 @@ class Router:
             counts,
             starts,
         )
-        shown = [ways[i, : counts[i]].copy() for i in range(found)]
-        return Routes(starts[:found].copy(), shown, ended == PROVED_CLOSED, plan.cell, cubes, spent, plan.then)
+        closed = plan.cell if ended == PROVED_CLOSED else None
+        return Batch(self.name, starts[:found].copy(), seconds=spent, then=plan.then, closed=closed)
 
     def _scratch(self, slots: int) -> tuple[Floats, Floats]:
         """Points of a way, and the largest lattice that this thread has needed."""

@@ -1,53 +1,43 @@
-"""Solve one target: starts in order, one time budget over all of them, an honest status at the end."""
+"""A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
 import time as clock
-from collections.abc import Callable, Iterable, Iterator
-from itertools import islice
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.methods import registry as methods
-from sinuous.problem.problem import Preferences, Problem, Tolerance, as_scene, as_tolerance, check_sizes
+from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Outcome
+from sinuous.methods import registry
+from sinuous.methods.method import Budget, Call
+from sinuous.problem.problem import Problem, as_scene, check_sizes
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import ROUTE, Outcome, Solution, Status
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import status_of
+from sinuous.solving.base import base_blocked
+from sinuous.solving.options import SolveOptions
+from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
-from sinuous.solving.search import Search
-
-TIME = 1.0
-"""Default budget of a solve, in seconds."""
-
-STARTS = 1000
-"""Default for the most starts of a solve."""
+from sinuous.solving.search import Distinct, FirstSolved
+from sinuous.solving.sources import Batch, Question
 
 CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
-LOCAL = 6
-"""Starts before ways through free space are looked for: they cost little, and mostly suffice."""
-
-FIRST_CHUNK = 16
-"""Starts in the first call of a method without obstacles; later calls take more, never much longer than `SLICE`."""
-
 TOGETHER = 256
 """Most problems that `solve_many` hands over in one call, so that an interrupt is seen."""
 
-SLICE = 0.1
-"""Seconds after which a method returns to Python, so that an interrupt is seen."""
 
-_STATUS = {
-    methods.SOLVED: Status.SOLVED,
-    methods.UNPROVED: Status.UNPROVED,
-    methods.LATE: Status.TIME_LIMIT,
-    methods.OUT_OF_REACH: Status.OUT_OF_REACH,
-    methods.TARGET_BLOCKED: Status.TARGET_BLOCKED,
-    methods.NO_ROUTE: Status.NO_ROUTE,
-}
+class _Place(NamedTuple):
+    """A snapshot of the scene, and whether the base is blocked in it."""
+
+    scene: Snapshot
+    base_blocked: bool
 
 
 class Solver:
@@ -57,21 +47,15 @@ class Solver:
     ----------
     robot : Robot
     scene : Scene or list of obstacles, optional
-    tolerance : Tolerance, optional
-        Default: 1e-4 of the robot's mean length, and 1e-3 rad.
-    method : str or Options
-        Name of the algorithm, or its options, like `OptiPath(iterations=100)`.
-    prefer : Preferences, optional
-        What to like better among solutions.
-    time : float
-        Budget of one solve over all its starts, in seconds.
-    starts : int
-        Most starts of one solve.
-    seed : int
-        Of the scattered starts; the same seed gives the same answer, unless the time runs out.
-    routes : bool
-        Whether to look for ways through free space when the first starts fail; for `newton` alone, because other
-        methods are to be seen as they are.
+        Live: after an update the next solve sees the new obstacles.
+    **options
+        The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes.
+
+    Attributes
+    ----------
+    robot : Robot
+    scene : Scene
+    options : SolveOptions
 
     Raises
     ------
@@ -79,47 +63,34 @@ class Solver:
         When an argument is not what it should be.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        scene: Any = None,
-        *,
-        tolerance: Tolerance | None = None,
-        method: methods.Choice = "newton",
-        prefer: Preferences | None = None,
-        time: float = TIME,
-        starts: int = STARTS,
-        seed: int = 0,
-        routes: bool = True,
-    ) -> None:
+    def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "of the wrong kind", robot, "a Robot")
-        if prefer is not None and not isinstance(prefer, Preferences):
-            raise InputError("prefer", "of the wrong kind", prefer, "Preferences")
         self.robot = robot
         self.scene: Scene = as_scene(scene)
         check_sizes(robot, self.scene)
-        self.tolerance = as_tolerance(tolerance).for_robot(robot)
-        self.prefer = prefer or Preferences()
-        self.method = methods.name_of(method)
-        self.time = checks.number("time", time, low=0.0)
-        self.starts = checks.integer("starts", starts, 1, 10**9)
-        self.seed = checks.integer("seed", seed, 0, 2**31 - 1)
-        self._prepared = methods.prepare(method, robot, self.scene, self.tolerance, self.prefer)
-        by_ways = checks.truth("routes", routes) and len(self.scene) > 0 and self.method == "newton"
-        self._router = Router(robot, self.scene, self.tolerance) if by_ways else None
-        self._first = LOCAL if self._router else FIRST_CHUNK
-        self._no_start: Floats = np.empty((0, len(robot), 3))
-        self._looked_at_base = self.scene.tables, _base_blocked(robot, self.scene)
+        chosen = SolveOptions.of(options)
+        self.options = chosen
+        self.tolerance = chosen.tolerance.for_robot(robot)
+        self.method = registry.name_of(chosen.method)
+        self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
+        takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
+        router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
+        self._portfolio = Portfolio(chosen.max_starts, router)
+        self._no_initial: Floats = np.empty((0, len(robot), 3))
+        self._place = _Place(Snapshot(()), False)
+        self._look_at_base()
 
-    def solve(self, target: Targets, start: "Solution | Any" = None) -> Solution:
+    def solve(self, target: Targets, initial: "Solution | Any" = None, *, time: Any = None) -> Solution:
         """Find a configuration that meets the target, or several targets at once.
 
         Parameters
         ----------
         target : Target or list of Target
-        start : Solution or array_like (n, 3), optional
-            Where to begin, before anything else is tried.
+        initial : Solution or array_like (n, 3), optional
+            The configuration to begin from, before anything else is tried.
+        time : float, optional
+            Budget of this solve in seconds, instead of that of the solver.
 
         Returns
         -------
@@ -129,20 +100,25 @@ class Solver:
         Raises
         ------
         InputError
-            When target or start is not what it should be.
+            When an argument is not what it should be.
         """
         began = clock.perf_counter()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
-        problem = Problem.prepared(self.robot, targets, self.scene, self.tolerance)
-        rows = problem.rows
-        given = self._no_start if start is None else self._given(start)
-        outcome = self._prepared.run(rows, given, 0, min(self.starts, self._first), self.seed, self.time)
-        if outcome.code != methods.SOLVED:
-            outcome = self._go_on(outcome, problem, given)
+        seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
+        problem, blocked = self._problem(target)
+        given = self._no_initial if initial is None else self._given("initial", initial)
+        outcome = self._first(problem, given, seconds, blocked)
+        if outcome.code != SOLVED:
+            outcome = self._go_on(outcome, problem, given, seconds)
         return self._solution(problem, outcome, clock.perf_counter() - began)
 
+    def build(self, target: Targets, initial: "Solution | Any" = None) -> Call:
+        """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
+        problem, _ = self._problem(target)
+        given = self._no_initial if initial is None else self._given("initial", initial)
+        return self._prepared.build(problem, given, self._budget(len(given), self.options.time))
+
     def solve_many(
-        self, targets: Iterable[Targets], starts: Iterable["Solution | Any"] | None = None
+        self, targets: Iterable[Targets], initial: Iterable["Solution | Any"] | None = None, *, time: Any = None
     ) -> list[Solution]:
         """Solve independent targets, as `solve` does one by one, in few calls of the compiled code.
 
@@ -152,8 +128,10 @@ class Solver:
         Parameters
         ----------
         targets : iterable of (Target or list of Target)
-        starts : iterable of (Solution or array_like (n, 3)), optional
+        initial : iterable of (Solution or array_like (n, 3)), optional
             One for each.
+        time : float, optional
+            Budget of each solve in seconds, instead of that of the solver.
 
         Returns
         -------
@@ -163,104 +141,130 @@ class Solver:
         Raises
         ------
         InputError
-            When a target or start is not what it should be, or their numbers differ.
+            When an argument is not what it should be, or there is not one initial configuration for each target.
         """
+        seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
         asked = [(t,) if isinstance(t, Target) else target_list(f"targets[{i}]", t) for i, t in enumerate(targets)]
-        problems = [Problem.prepared(self.robot, each, self.scene, self.tolerance) for each in asked]
+        scene, blocked = self._look_at_base()
+        problems = [Problem.prepared(self.robot, each, scene, self.tolerance) for each in asked]
         given = np.empty((len(problems), 0, len(self.robot), 3))
-        if starts is not None:
-            listed = [self._given(start) for start in starts]
+        if initial is not None:
+            listed = [self._given(f"initial[{i}]", each) for i, each in enumerate(initial)]
             if len(listed) != len(problems):
-                raise InputError("starts", "not one for each target", len(listed), f"{len(problems)} starts")
+                raise InputError("initial", "not one for each target", len(listed), f"{len(problems)} configurations")
             given = np.stack(listed) if listed else given
         solutions: list[Solution] = []
         for first, last in _runs_of_equal([len(problem.targets) for problem in problems]):
-            rows = np.stack([problem.rows for problem in problems[first:last]])
-            found = self._prepared.run_many(
-                rows, given[first:last], 0, min(self.starts, self._first), self.seed, self.time
-            )
-            for i, outcome in enumerate(found):
-                best = outcome
-                if outcome.code != methods.SOLVED:
-                    best = self._go_on(outcome, problems[first + i], given[first + i])
-                solutions.append(self._solution(problems[first + i], best, best.seconds))
+            found = self._first_of_many(problems[first:last], given[first:last], seconds, blocked)
+            for problem, own, outcome in zip(problems[first:last], given[first:last], found, strict=True):
+                best = outcome if outcome.code == SOLVED else self._go_on(outcome, problem, own, seconds)
+                solutions.append(self._solution(problem, best, best.seconds))
         return solutions
 
     def solve_all(
-        self, target: Targets, start: "Solution | Any" = None, *, count: int = 8, apart: float = 0.02
+        self,
+        target: Targets,
+        initial: "Solution | Any" = None,
+        *,
+        count: int = 8,
+        apart: float = 0.02,
+        time: Any = None,
     ) -> list[Solution]:
         """Find several distinct solutions, best first.
 
-        Every start in its order is followed to its own solution. Two solutions are the same when no point of the
-        backbone is farther from its counterpart than `apart`. The search ends with the starts, the time, or
-        `CANDIDATES * count` distinct ones. Their order: less bending first (sum of squared bends), with a start, less
-        distance to it (bends in rad, lengths relative to the mean length of a segment).
+        Every start of `solve`, in the same order, is followed to its own solution. Two solutions are the same when no
+        point of the backbone is farther from its counterpart than `apart`. The search ends with the starts, the time, a
+        proof that there is no solution, or `CANDIDATES * count` distinct ones. Their order: less bending first (sum of
+        squared bends); with an initial configuration, less distance to it (bends in rad, lengths relative to the mean
+        length of a segment).
 
         Parameters
         ----------
         target : Target or list of Target
-        start : Solution or array_like (n, 3), optional
+        initial : Solution or array_like (n, 3), optional
         count : int
             Most solutions to return.
         apart : float
             Relative to the robot's mean length.
+        time : float, optional
+            Budget in seconds, instead of that of the solver.
 
         Returns
         -------
         list of Solution
             All solved; empty when none was found.
+
+        Raises
+        ------
+        InputError
+            When an argument is not what it should be.
         """
         wanted = checks.integer("count", count, 1, 10_000)
         separation = checks.number("apart", apart, low=0.0) * self.robot.mean_length
-        began = clock.perf_counter()
+        seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
+        problem, blocked = self._problem(target)
+        given = self._no_initial if initial is None else self._given("initial", initial)
+        if blocked:
+            return []
+        search = Distinct(
+            CANDIDATES * wanted, separation, lambda q: self.robot.backbone(q, 8), self.options.max_starts, seconds
+        )
+        question = Question(problem, given, lambda: search.seconds_left)
+        search.pursue(self._portfolio.batches(question), self._follow(problem, given))
+        reference = None if initial is None else given[0]
+        best = sorted(search.found, key=lambda outcome: self._dislike(outcome.q, reference))
+        return [self._solution(problem, outcome, outcome.seconds) for outcome in best[:wanted]]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (self.robot, self.scene, self.options)
+
+    def _problem(self, target: Targets) -> tuple[Problem, bool]:
+        """The problem in the scene as it is now, and whether the base is blocked in it."""
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
-        problem = Problem.prepared(self.robot, targets, self.scene, self.tolerance)
-        given = self._no_start if start is None else self._given(start)
-        found: list[Solution] = []
-        shapes: list[Floats] = []
-        ends = began + self.time
-        followed = self._each_start(problem, given, lambda: ends - clock.perf_counter())
-        for number, outcome in enumerate(islice(followed, self.starts)):
-            if outcome.starts == 0 or outcome.code in (methods.OUT_OF_REACH, methods.TARGET_BLOCKED):
-                break
-            if outcome.code != methods.SOLVED:
-                continue
-            shape = self.robot.backbone(outcome.q, 8)
-            if all(np.linalg.norm(shape - other, axis=-1).max() > separation for other in shapes):
-                shapes.append(shape)
-                found.append(self._solution(problem, outcome._replace(starts=number + 1), clock.perf_counter() - began))
-            if len(found) >= CANDIDATES * wanted:
-                break
-        reference = None if start is None else given[0]
-        return sorted(found, key=lambda solution: self._dislike(solution.q, reference))[:wanted]
+        scene, blocked = self._look_at_base()
+        return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
 
-    def _each_start(self, problem: Problem, given: Floats, seconds_left: Callable[[], float]) -> Iterator[Outcome]:
-        """Follow every start on its own: the first few, ways through free space, then all others."""
-        if self._base_blocked:
-            return
-        numbers = iter(range(self.starts))
-        for number in islice(numbers, self._first):
-            if seconds_left() > 0.0:
-                yield self._prepared.run(problem.rows, given, number, number + 1, self.seed, seconds_left())
-        for routes in self._router.search(problem, seconds_left) if self._router is not None else ():
-            for start in routes.starts:
-                if seconds_left() > 0.0:
-                    outcome = self._prepared.run(problem.rows, start[None].copy(), 0, 1, self.seed, seconds_left())
-                    yield outcome._replace(kind=ROUTE)
-        for number in numbers:
-            if seconds_left() <= 0.0:
-                return
-            yield self._prepared.run(problem.rows, given, number, number + 1, self.seed, seconds_left())
+    def _look_at_base(self) -> _Place:
+        """The scene as it is now; the base is looked at again when there was an update."""
+        place, scene = self._place, self.scene.snapshot()
+        if place.scene is not scene:
+            place = self._place = _Place(scene, base_blocked(self.robot, scene))
+        return place
 
-    @property
-    def _base_blocked(self) -> bool:
-        """Looked at again when the scene was updated."""
-        tables, blocked = self._looked_at_base
-        if self.scene.tables is not tables:
-            tables = self.scene.tables
-            blocked = _base_blocked(self.robot, self.scene)
-            self._looked_at_base = tables, blocked
-        return blocked
+    def _budget(self, given: int, seconds: float) -> Budget:
+        """What the first call may spend."""
+        return 0, self._portfolio.opening.own(given), self.options.seed, seconds
+
+    def _first(self, problem: Problem, given: Floats, seconds: float, blocked: bool) -> Outcome:
+        """Follow the opening; where the base is blocked, no more than a look at one start, so that errors are known."""
+        reference = given[0] if len(given) else None
+        if blocked:
+            look = 0, int(len(given) == 0), self.options.seed, 0.0
+            return self._prepared.run(problem, given, look, reference)._replace(code=BASE_BLOCKED)
+        return self._prepared.run(problem, given, self._budget(len(given), seconds), reference)
+
+    def _first_of_many(self, problems: list[Problem], given: Floats, seconds: float, blocked: bool) -> list[Outcome]:
+        """Follow the openings of problems with equally many targets; `given` (m, g, n, 3)."""
+        if blocked:
+            return [self._first(problem, own, seconds, blocked) for problem, own in zip(problems, given, strict=True)]
+        return self._prepared.run_many(problems, given, self._budget(given.shape[1], seconds))
+
+    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
+        """Ask the other start sources until something is decided."""
+        search = FirstSolved(first, self.options.max_starts, seconds)
+        question = Question(problem, given, lambda: search.seconds_left)
+        search.pursue(self._portfolio.further(question), self._follow(problem, given))
+        return search.outcome
+
+    def _follow(self, problem: Problem, given: Floats) -> Any:
+        """How the starts of a batch are followed for this problem."""
+        reference = given[0] if len(given) else None
+
+        def follow(batch: Batch, seconds: float) -> Outcome:
+            budget = (*batch.own, self.options.seed, seconds)
+            return self._prepared.run(problem, batch.initial, budget, reference)
+
+        return follow
 
     def _dislike(self, q: Floats, reference: Floats | None) -> float:
         """By what `solve_all` orders."""
@@ -270,58 +274,18 @@ class Solver:
         return float((((q - reference) / [1.0, 1.0, unit]) ** 2).sum())
 
     def _solution(self, problem: Problem, outcome: Outcome, seconds: float) -> Solution:
-        return Solution(problem, self._status(outcome), outcome, seconds, self.method, self.seed)
+        return Solution(problem, status_of(outcome), outcome, seconds, self.method, self.options.seed)
 
-    def _given(self, start: Any) -> Floats:
-        if isinstance(start, Solution):
-            start = start.q
-        given = checks.array("start", start, (len(self.robot), 3))
+    def _given(self, key: str, initial: Any) -> Floats:
+        if isinstance(initial, Solution):
+            initial = initial.q
+        given = checks.array(key, initial, (len(self.robot), 3))
         return given.reshape(1, len(self.robot), 3).copy()
 
-    def _go_on(self, best: Outcome, problem: Problem, given: Floats) -> Outcome:
-        """Try ways through free space and starts at random in turn, until something is decided."""
-        search = Search(best, self.starts, self.time)
-        number = best.starts
-        ways = iter(()) if self._router is None else self._router.search(problem, lambda: search.seconds_left)
-        while search.open:
-            routes = next(ways, None)
-            if routes is None:
-                self._scatter(search, problem, given, number, self.starts)
-                break
-            search.spend(routes.seconds)
-            if routes.closed:
-                search.close(routes.cell)
-            self._follow(search, problem, routes.starts)
-            self._scatter(search, problem, given, number, routes.then)
-            number += routes.then
-        return search.outcome
 
-    def _follow(self, search: Search, problem: Problem, starts: Floats) -> None:
-        """Start from the chain laid into ways."""
-        starts = starts[: search.starts_left]
-        if search.open and len(starts):
-            found = self._prepared.run(problem.rows, starts, 0, len(starts), self.seed, search.seconds_left)
-            search.take(found._replace(kind=ROUTE))
-
-    def _scatter(self, search: Search, problem: Problem, given: Floats, number: int, count: int) -> None:
-        """Go on with starts from `number` on, so many, in chunks."""
-        last = number + count
-        while search.open and number < last:
-            end = min(last, number + search.affordable(SLICE))
-            found = self._prepared.run(problem.rows, given, number, end, self.seed, search.seconds_left)
-            search.take(found)
-            if found.starts == 0:  # the method has no more
-                return
-            number = end
-
-    def _status(self, outcome: Outcome) -> Status:
-        if self._base_blocked:
-            return Status.BASE_BLOCKED
-        if outcome.code in _STATUS:
-            return _STATUS[outcome.code]
-        if outcome.clearance < 0.0:
-            return Status.BLOCKED
-        return Status.LIMIT_BOUND if outcome.bound else Status.STALLED
+def _rebuilt(robot: Robot, scene: Scene, options: SolveOptions) -> Solver:
+    """Prepare a solver again, in the process that it was sent to."""
+    return Solver(robot, scene, **vars(options))
 
 
 def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
@@ -333,48 +297,11 @@ def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
     return list(zip(cuts, [*cuts[1:], len(counts)], strict=True)) if counts else []
 
 
-def _base_blocked(robot: Robot, scene: Scene) -> bool:
-    """Prove that the body overlaps an obstacle where it leaves its mount, whatever the configuration.
-
-    Where the whole robot may be shorter than its mount, nothing is proved. The backbone at arc length `mount` is
-    within `mount * bend / 2` of the straight line, where `bend` is the most that it can have turned till there.
-    """
-    if len(scene) == 0:
-        return False
-    turned, reached, radius = 0.0, 0.0, robot.radii[0]
-    if robot.mount > 0.0:
-        for segment, own in zip(robot.segments, robot.radii, strict=True):
-            # Lengths vary: this may be the segment that leaves the mount, and so may any before it.
-            radius = min(radius, own)
-            turned += min(segment.max_bend, segment.max_curvature * segment.length[1])
-            reached += segment.length[0]
-            if reached > robot.mount:
-                break
-        else:
-            return False
-    sway = robot.mount * min(2.0, 0.5 * turned)
-    leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
-    return bool(scene.at_most(leaves) + sway < radius)
-
-
 def solve(
-    robot: Robot,
-    target: Targets,
-    scene: Any = None,
-    *,
-    start: "Solution | Any" = None,
-    tolerance: Tolerance | None = None,
-    method: methods.Choice = "newton",
-    prefer: Preferences | None = None,
-    time: float = TIME,
-    starts: int = STARTS,
-    seed: int = 0,
+    robot: Robot, target: Targets, scene: Any = None, *, initial: "Solution | Any" = None, **options: Any
 ) -> Solution:
     """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
-    solver = Solver(
-        robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, starts=starts, seed=seed
-    )
-    return solver.solve(target, start)
+    return Solver(robot, scene, **options).solve(target, initial)
 
 
 def solve_all(
@@ -382,18 +309,10 @@ def solve_all(
     target: Targets,
     scene: Any = None,
     *,
-    start: "Solution | Any" = None,
+    initial: "Solution | Any" = None,
     count: int = 8,
     apart: float = 0.02,
-    tolerance: Tolerance | None = None,
-    method: methods.Choice = "newton",
-    prefer: Preferences | None = None,
-    time: float = TIME,
-    starts: int = STARTS,
-    seed: int = 0,
+    **options: Any,
 ) -> list[Solution]:
     """Find several distinct solutions, ranked; parameters as for `Solver` and `Solver.solve_all`."""
-    solver = Solver(
-        robot, scene, tolerance=tolerance, method=method, prefer=prefer, time=time, starts=starts, seed=seed
-    )
-    return solver.solve_all(target, start, count=count, apart=apart)
+    return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart)

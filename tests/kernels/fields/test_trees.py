@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.fields import trees
-from sinuous.kernels.fields.trees import BALLS, CUBES, SIZES, TRIANGLES, Tree
+from sinuous.kernels.fields.trees import Tree
+from sinuous.kernels.tables import BALLS, CUBES, ITEM_SIZES, LEAF_ITEMS, TRIANGLES
 from sinuous.scene.sampled.trees import with_planes
 from tests.helpers import Floats, vec
 
@@ -19,7 +20,7 @@ def draw(kind: int, count: int, rng: np.random.Generator) -> Floats:
     if kind == TRIANGLES:
         a = rng.normal(size=(count, 1, 3))
         return with_planes(np.concatenate([a, a + 0.3 * rng.normal(size=(count, 2, 3))], axis=1))
-    items = rng.normal(size=(count, SIZES[kind]))
+    items = rng.normal(size=(count, ITEM_SIZES[kind]))
     if kind == BALLS:
         items[:, 3] = rng.uniform(0.0, 0.4, count)
     return items
@@ -37,7 +38,7 @@ def planted(kind: int, items: Floats) -> tuple[Floats, Tree, Floats]:
     """Store and tree, and the primitives in its order."""
     count = len(items)
     lows, highs = corners(kind, items)
-    levels = max(0, (max(1, -(-count // trees.LEAF)) - 1).bit_length())
+    levels = max(0, (max(1, -(-count // LEAF_ITEMS)) - 1).bit_length())
     order, nodes = np.arange(count), np.empty((2 << levels, 6))
     trees.arrange(0.5 * (lows + highs), levels, order)
     assert sorted(order) == list(range(count))

@@ -7,6 +7,23 @@ import pytest
 from benchmarks.problems import clutter, random_configurations
 from sinuous.kernels.solve import judge as common
 from sinuous.kernels.step.states import Problem as KernelProblem
+from sinuous.kernels.tables import (
+    ANGLE_ERROR,
+    ARC,
+    CODE,
+    FAILED,
+    GIVEN,
+    ITERATIONS,
+    LATE,
+    MERIT,
+    OUT_OF_REACH,
+    POSITION_ERROR,
+    RANDOM,
+    SECONDS,
+    SOLVED,
+    STARTS,
+    TARGET_BLOCKED,
+)
 from sinuous.problem.problem import Problem, Tolerance
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
@@ -65,11 +82,11 @@ def test_the_check_agrees_with_the_independent_one() -> None:
             assert off == pytest.approx(check.position_error, abs=1e-9 * robot.mean_length)
             assert turn == pytest.approx(check.angle_error, abs=1e-6)
             assert over == (check.excess > 1e-9)
-            if code == common.SOLVED:
+            if code == SOLVED:
                 assert check.ok
                 assert clearance <= check.clearance + 1e-9
                 solved += 1
-            elif code == common.FAILED:
+            elif code == FAILED:
                 assert not check.ok or not check.clearance > 0.0
                 assert merit > 0.0
             blocked += clearance < 0.0
@@ -105,12 +122,12 @@ def test_curvature_and_actuators_are_limits_too() -> None:
     ):
         problem = Problem(robot, Target(robot.tip(q)[:3, 3]))
         code, *_, over, merit = judged(problem, q)
-        assert (code, over) == (common.FAILED, True)
+        assert (code, over) == (FAILED, True)
         assert merit > 1e-6
         assert {limit for limit, _, _ in robot.violations(q)} == {name}
         straight = np.array([[0.0, 0.0, 0.85 if name == "length" else 1.0]] * 2)
         assert robot.violations(straight) == []
-        assert judged(Problem(robot, Target(robot.tip(straight)[:3, 3])), straight)[0] == common.SOLVED
+        assert judged(Problem(robot, Target(robot.tip(straight)[:3, 3])), straight)[0] == SOLVED
 
 
 def test_the_best_offer_is_kept() -> None:
@@ -121,44 +138,44 @@ def test_the_best_offer_is_kept() -> None:
     best, record = np.zeros((2, 3)), np.zeros(10)
     deadline, most = common.begin(inner, check, np.empty((0, 2, 3)), 3, 9, 1.0, best, record)
     assert most == 9
-    assert deadline > record[common.SECONDS]
+    assert deadline > record[SECONDS]
     np.testing.assert_array_equal(best[:, 2], 1.0)
     broken, far, near = right.copy(), right.copy(), right.copy()
     broken[0, 0], far[0, 0], near[0, 0] = np.nan, 1.0, 0.6
     offers = ((broken, False), (far, False), (near, False), (far, False), (right, True))
     for (q, accepted), kept in zip(offers, (None, far, near, near, right), strict=True):
-        assert common.offer(inner, check, q, common.ARC, best, record) == accepted
+        assert common.offer(inner, check, q, ARC, best, record) == accepted
         if kept is not None:
             np.testing.assert_array_equal(best, kept)
     common.end(inner, check, 7, 2, True, best, record)
-    assert (record[common.CODE], record[common.ITERATIONS], record[common.STARTS]) == (common.SOLVED, 7, 2)
-    assert 0.0 <= record[common.SECONDS] < 60.0
+    assert (record[CODE], record[ITERATIONS], record[STARTS]) == (SOLVED, 7, 2)
+    assert 0.0 <= record[SECONDS] < 60.0
 
 
 def test_nothing_offered_is_the_straight_robot_and_a_failure() -> None:
     robot = Robot.uniform(2, (0.8, 1.2), 2.0)
     inner, check = checker(Problem(robot, Target((0.0, 0.0, 2.0))))
-    for late, code in ((False, common.FAILED), (True, common.LATE)):
+    for late, code in ((False, FAILED), (True, LATE)):
         best, record = np.zeros((2, 3)), np.zeros(10)
         common.begin(inner, check, np.empty((0, 2, 3)), 0, 0, 1.0, best, record)
         common.end(inner, check, 0, 0, late, best, record)
-        assert record[common.CODE] == code
-        assert np.isfinite(record[[common.OFF, common.TURN, common.MERIT]]).all()
+        assert record[CODE] == code
+        assert np.isfinite(record[[POSITION_ERROR, ANGLE_ERROR, MERIT]]).all()
 
 
 def test_the_impossible_is_said_and_hardly_tried() -> None:
     robot = Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.1)
     for target, scene, code in (
-        (Target((0.0, 0.0, 3.0)), Scene(), common.OUT_OF_REACH),
-        (Target((0.0, 1.0, 1.0)), Scene([Sphere((0.0, 1.0, 1.0), 0.3)]), common.TARGET_BLOCKED),
+        (Target((0.0, 0.0, 3.0)), Scene(), OUT_OF_REACH),
+        (Target((0.0, 1.0, 1.0)), Scene([Sphere((0.0, 1.0, 1.0), 0.3)]), TARGET_BLOCKED),
     ):
         inner, check = checker(Problem(robot, target, scene, Tolerance(1e-3, 1e-3)))
         best, record = np.zeros((2, 3)), np.zeros(10)
         _, most = common.begin(inner, check, np.empty((1, 2, 3)), 0, 50, 1.0, best, record)
         assert most == 2
-        common.offer(inner, check, np.array([[0.1, 0.0, 1.0]] * 2), common.ARC, best, record)
+        common.offer(inner, check, np.array([[0.1, 0.0, 1.0]] * 2), ARC, best, record)
         common.end(inner, check, 0, 0, False, best, record)
-        assert record[common.CODE] == code
+        assert record[CODE] == code
 
 
 def test_starts_are_given_then_the_arc_then_scattered_within_limits() -> None:
@@ -175,4 +192,4 @@ def test_starts_are_given_then_the_arc_then_scattered_within_limits() -> None:
         if index > 1:  # turned about the base to the target's side
             tip = robot.tip(q)[:3, 3]
             assert math.atan2(tip[1], tip[0]) == pytest.approx(math.atan2(1.0, 0.5), abs=1e-9)
-    assert kinds == [common.GIVEN, common.ARC, *[common.RANDOM] * 4]
+    assert kinds == [GIVEN, ARC, *[RANDOM] * 4]

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.solve import verdicts
-from sinuous.kernels.solve.verdicts import OUT_OF_REACH, POSSIBLE, TARGET_BLOCKED
+from sinuous.kernels.solve.verdicts import POSSIBLE
 from sinuous.kernels.step.states import Problem
+from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.poses import pose
 from sinuous.problem.target import Target, target_list, target_table
 from sinuous.robot.robot import Robot, Segment

@@ -14,8 +14,8 @@ from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene, look, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, cross, dot, norm, put_vec, scale, sub
-from sinuous.kernels.step.limits import RADIUS
 from sinuous.kernels.step.sweeps import INNER, SOFT, Rows
+from sinuous.kernels.tables import RADIUS
 
 PER_SEGMENT = 32
 """Most contacts of one segment that enter a step."""

@@ -6,8 +6,8 @@ from sinuous.kernels.chain.arc import point
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import nearest
 from sinuous.kernels.maths.vectors import ZERO, Mat, Vec, add, mat_vec
-from sinuous.kernels.step.limits import RADIUS
-from sinuous.kernels.step.states import Problem
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.tables import RADIUS
 
 
 @kernel

@@ -12,14 +12,29 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
-from sinuous.kernels.fields.solids import ABOVE, EXACT, SAMPLES, STEP, TREE
+from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.vectors import Array, Mat, Vec, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
-
-SPHERE, BOX, CYLINDER, HALF_SPACE = 0, 1, 2, 3
-WIDTH = 18
+from sinuous.kernels.tables import (
+    BOX,
+    CYLINDER,
+    FIRST_SAMPLE,
+    OBSTACLE_WIDTH,
+    SAMPLES,
+    SCENE_HEADER,
+    SPACING,
+    SPHERE,
+    TREE,
+)
 
 Scene = namedtuple("Scene", ["table", "store"])
-"""Rows (m, 18), and the numbers (s,) that they point to."""
+"""Rows (m, 18), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`."""
+
+
+@kernel
+def read_scene(scene: Array) -> Scene:
+    """Take the group of a scene apart."""
+    end = SCENE_HEADER + OBSTACLE_WIDTH * int(scene[0])
+    return Scene(scene[SCENE_HEADER:end].reshape((int(scene[0]), OBSTACLE_WIDTH)), scene[end:])
 
 
 @kernel
@@ -132,8 +147,8 @@ def coarseness(scene: Scene) -> float:
     """Largest spacing of samples that stand in for something exact; 0 without any."""
     spacing = 0.0
     for i in range(scene.table.shape[0]):
-        if scene.table[i, 0] >= TREE and scene.table[i, solids.AT] >= 0.0:
-            spacing = max(spacing, scene.table[i, solids.SPACING])
+        if scene.table[i, 0] >= TREE and scene.table[i, FIRST_SAMPLE] >= 0.0:
+            spacing = max(spacing, scene.table[i, SPACING])
     return spacing
 
 

@@ -13,23 +13,32 @@ import numpy as np
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import grids, triangles
 from sinuous.kernels.fields.grids import Grid
-from sinuous.kernels.fields.trees import BALLS, BOX, TRIANGLES, Tree, box_distance, closest, item_distance, lift, unlift
+from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, lift, unlift
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
-
-TREE, SAMPLES = 4, 5
-"""Kinds of obstacles: with a tree, perhaps samples too; with samples alone."""
-
-KIND, SIGN, NODES, LEVELS, ITEMS, COUNT, ITEM_KIND, NORMALS, AT, SHAPE, LOW, SPACING, HALF, ROUNDING = (
-    *range(10),
-    12,
-    15,
-    16,
-    17,
+from sinuous.kernels.tables import (
+    BALLS,
+    COUNT,
+    CUBE_HALF,
+    FIRST_SAMPLE,
+    ITEM_KIND,
+    ITEMS,
+    KIND,
+    LEVELS,
+    NODE_SIZE,
+    NODES,
+    NORMALS,
+    NORMALS_SIZE,
+    ORIGIN,
+    ROUNDING,
+    SAMPLES,
+    SHAPE,
+    SIGN,
+    SPACING,
+    TREE,
+    TRIANGLE_NORMAL,
+    TRIANGLE_SIZE,
+    TRIANGLES,
 )
-"""Columns of a row: kind; -1 where the body must stay inside; where nodes begin in the store, levels of the tree; where
-primitives begin, their number and kind; where normals begin (-1: triangles without an inside); where samples begin
-(-1: there are none), their number along every axis (3), the first point (3), spacing; half side of cubes; what is taken
-off the distance."""
 
 WAYS: Any = np.arange(4)
 STEP, BOUND, EXACT, ABOVE = WAYS
@@ -44,16 +53,16 @@ def tree_of(table: Array, i: int) -> Tree:
         int(table[i, ITEMS]),
         int(table[i, COUNT]),
         int(table[i, ITEM_KIND]),
-        table[i, HALF],
+        table[i, CUBE_HALF],
     )
 
 
 @kernel
 def grid_of(table: Array, i: int) -> Grid:
     return Grid(
-        int(table[i, AT]),
+        int(table[i, FIRST_SAMPLE]),
         (int(table[i, SHAPE]), int(table[i, SHAPE + 1]), int(table[i, SHAPE + 2])),
-        (table[i, LOW], table[i, LOW + 1], table[i, LOW + 2]),
+        (table[i, ORIGIN], table[i, ORIGIN + 1], table[i, ORIGIN + 2]),
         table[i, SPACING],
     )
 
@@ -63,7 +72,7 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
     """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
     tree = tree_of(table, i)
     if tree.kind == TRIANGLES:
-        d, g = _at_triangle(store, tree.items + triangles.SIZE * item, int(table[i, NORMALS]), item, p)
+        d, g = _at_triangle(store, tree.items + TRIANGLE_SIZE * item, int(table[i, NORMALS]), item, p)
     elif tree.kind == BALLS:
         at = tree.items + 4 * item
         way = sub(p, triangles.read(store, at))
@@ -81,9 +90,9 @@ def _at_triangle(store: Array, at: int, normals: int, item: int, p: Vec) -> tupl
     way, part = triangles.offset(store, at, p)
     d = norm(way)
     if normals >= 0:
-        normal = triangles.read(store, normals + triangles.NORMALS * item + 3 * part)
+        normal = triangles.read(store, normals + NORMALS_SIZE * item + 3 * part)
     else:
-        normal = triangles.read(store, at + triangles.NORMAL)
+        normal = triangles.read(store, at + TRIANGLE_NORMAL)
     inside = normals >= 0 and dot(way, normal) < 0.0
     # So close to the surface the direction of `way` is made of rounding errors.
     if d <= 1e-12 * (norm(p) + norm(triangles.read(store, at))):
@@ -116,9 +125,11 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
     """
     tree = tree_of(table, i)
     away = reach + table[i, ROUNDING]
-    if table[i, AT] < 0.0:
+    if table[i, FIRST_SAMPLE] < 0.0:
         # Out of the box of everything a point is free, whatever it is to.
-        free = table[i, NORMALS] < 0.0 or (table[i, SIGN] > 0.0 and box_distance(store, tree.nodes + BOX, p) > 0.0)
+        free = table[i, NORMALS] < 0.0 or (
+            table[i, SIGN] > 0.0 and box_distance(store, tree.nodes + NODE_SIZE, p) > 0.0
+        )
         item, d = closest(store, tree, p, lift(away) if free else math.inf)
         return item, d, free
     grid = grid_of(table, i)
@@ -184,7 +195,7 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> 
     What is not less than `reach` need not be exact: any lower bound that is not less than `reach` either will do.
     """
     exact = how in (EXACT, ABOVE)
-    if table[i, AT] < 0.0 or (exact and table[i, KIND] == TREE):
+    if table[i, FIRST_SAMPLE] < 0.0 or (exact and table[i, KIND] == TREE):
         item, d, free = _find(table, store, i, p, reach)
         if item < 0:
             return reach, math.inf
@@ -215,7 +226,7 @@ def _look_at_samples(corners: grids.Corners, t: Vec, gap: float, spacing: float,
 def slope(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> tuple[float, Vec]:
     """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
     kind = table[i, KIND]
-    if table[i, AT] < 0.0 or (how == EXACT and kind == TREE):
+    if table[i, FIRST_SAMPLE] < 0.0 or (how == EXACT and kind == TREE):
         item, _, _ = _find(table, store, i, p, reach)
         return at_item(table, store, i, item, p) if item >= 0 else (reach, (0.0, 0.0, 1.0))
     grid = grid_of(table, i)

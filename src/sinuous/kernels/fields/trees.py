@@ -15,17 +15,7 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import triangles
 from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, dot, sub
-
-TRIANGLES, BALLS, CUBES = 0, 1, 2
-
-SIZES = (triangles.SIZE, 4, 3)
-"""Numbers of a triangle (see `triangles`), a ball (center, radius), a cube (center)."""
-
-LEAF = 4
-"""Most primitives of a leaf."""
-
-BOX = 6
-"""Numbers of a node: the low and the high corner of its box."""
+from sinuous.kernels.tables import CUBES, NODE_SIZE, TRIANGLE_SIZE, TRIANGLES
 
 Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
 """Where nodes and primitives begin in the store; number of levels and primitives; kind of these; half side of cubes."""
@@ -69,7 +59,7 @@ def cube_distance(local: Vec, half: float) -> float:
 def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> float:
     """Lifted distance to primitive `i`; at least `best` where it is not less than that."""
     if tree.kind == TRIANGLES:
-        return triangles.square_distance(store, tree.items + triangles.SIZE * i, p, best)
+        return triangles.square_distance(store, tree.items + TRIANGLE_SIZE * i, p, best)
     if tree.kind == CUBES:
         return cube_distance(sub(p, read(store, tree.items + 3 * i)), tree.half)
     at = tree.items + 4 * i
@@ -85,7 +75,7 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
 def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
     """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
     found = -1
-    if box_distance(store, tree.nodes + BOX, p) >= best:
+    if box_distance(store, tree.nodes + NODE_SIZE, p) >= best:
         return found, best
     node, due = 1, 1  # a bit in `due` for every level: whether the sibling is still to be visited; the root's is 1
     first_leaf = 1 << tree.levels
@@ -98,8 +88,8 @@ def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
                 if d < best:
                     found, best = i, d
         else:
-            left = box_distance(store, tree.nodes + 2 * BOX * node, p)
-            right = box_distance(store, tree.nodes + 2 * BOX * node + BOX, p)
+            left = box_distance(store, tree.nodes + 2 * NODE_SIZE * node, p)
+            right = box_distance(store, tree.nodes + 2 * NODE_SIZE * node + NODE_SIZE, p)
             if min(left, right) < best:
                 node = 2 * node + (1 if right < left else 0)
                 due = 2 * due + (1 if max(left, right) < best else 0)
@@ -112,7 +102,7 @@ def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
                 return found, best
             due ^= 1
             node ^= 1
-            descend = box_distance(store, tree.nodes + BOX * node, p) < best
+            descend = box_distance(store, tree.nodes + NODE_SIZE * node, p) < best
 
 
 @kernel
@@ -185,5 +175,5 @@ def enclose(lows: Array, highs: Array, order: Array, levels: int, nodes: Array) 
                 for axis in range(3):
                     nodes[node, axis] = min(nodes[node, axis], nodes[child, axis])
                     nodes[node, axis + 3] = max(nodes[node, axis + 3], nodes[child, axis + 3])
-    for axis in range(BOX):
+    for axis in range(NODE_SIZE):
         nodes[0, axis] = 0.0

@@ -2,14 +2,7 @@
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, scale, sub
-
-SIZE = 13
-"""Numbers of a triangle: its corners a, b, c; the unit normal of its plane, and how far that is from the origin."""
-
-NORMAL, OFFSET = 9, 12
-
-NORMALS = 21
-"""Numbers of its normals, in the order of the parts: inside, edges ab, bc, ca, corners a, b, c."""
+from sinuous.kernels.tables import TRIANGLE_NORMAL, TRIANGLE_OFFSET
 
 INSIDE, AB, BC, CA, A, B, C = range(7)
 
@@ -49,14 +42,14 @@ def offset(store: Array, at: int, p: Vec) -> tuple[Vec, int]:  # noqa: PLR0911
     if area_a <= 0.0 and d4 >= d3 and d5 >= d6:
         return add_scaled(bp, -(d4 - d3) / ((d4 - d3) + (d5 - d6)), sub(c, b)), BC
     # Along the normal: of a thin triangle the weights of the corners would be mostly rounding.
-    n = read(store, at + NORMAL)
+    n = read(store, at + TRIANGLE_NORMAL)
     return scale(dot(n, ap), n), INSIDE
 
 
 @kernel
 def square_distance(store: Array, at: int, p: Vec, best: float) -> float:
     """Square of the distance of `p` to the triangle at `at`; at least `best` where it is not less than that."""
-    height = dot(read(store, at + NORMAL), p) - store[at + OFFSET]
+    height = dot(read(store, at + TRIANGLE_NORMAL), p) - store[at + TRIANGLE_OFFSET]
     if height * height >= best:  # so far from the plane already
         return best
     way, _ = offset(store, at, p)

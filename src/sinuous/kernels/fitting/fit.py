@@ -7,11 +7,13 @@ from sinuous.kernels.chain.kinematics import body_columns, body_point, forward_w
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, across, add_scaled, cross, dot, get_vec, put_vec, scale, sub
-from sinuous.kernels.step import actuation, limits
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.step import actuation
 from sinuous.kernels.step.newton import enter, move, rest, step
-from sinuous.kernels.step.states import MERIT, Problem, State, Work, pick
+from sinuous.kernels.step.states import MERIT, State, Work, pick
 from sinuous.kernels.step.sweeps import INNER, Rows
 from sinuous.kernels.step.targets import X, Y, Z, add_rows, end_segment
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 SAMPLES = 4
 """Places on every segment that are drawn to the way."""
@@ -103,12 +105,12 @@ def attract(
     length = gap * (count - 1)
     total = before = 0.0
     for k in range(q.shape[0]):
-        total += q[k, 2] if sliding else problem.limits[k, limits.LOW] + problem.limits[k, limits.HIGH]
+        total += q[k, 2] if sliding else problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH]
     mount = problem.mount
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
-        own = q[k, 2] if sliding else problem.limits[k, limits.LOW] + problem.limits[k, limits.HIGH]
+        own = q[k, 2] if sliding else problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH]
         for j in range(SAMPLES if k < grown else 0):
             s = (j + 1.0) / SAMPLES
             p = body_point(q, frames, k, s)
@@ -160,13 +162,13 @@ def lay(problem: Problem, states: State, work: Work, way: Array, count: int, gap
     low = high = 0.0
     n = problem.limits.shape[0]
     for k in range(n):
-        low += problem.limits[k, limits.LOW]
-        high += problem.limits[k, limits.HIGH]
+        low += problem.limits[k, MIN_LENGTH]
+        high += problem.limits[k, MAX_LENGTH]
     share = min(1.0, max(0.0, (length - low) / (high - low))) if high > low else 0.0
     at = 0
     q = pick(states, at).q
     for k in range(n):
-        own = problem.limits[k, limits.LOW] + share * (problem.limits[k, limits.HIGH] - problem.limits[k, limits.LOW])
+        own = problem.limits[k, MIN_LENGTH] + share * (problem.limits[k, MAX_LENGTH] - problem.limits[k, MIN_LENGTH])
         put_vec(q, k, 0, (0.0, 0.0, own))
     enter(problem, pick(states, at), work)
     for grown in range(1, n + 1):

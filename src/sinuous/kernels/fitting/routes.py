@@ -22,10 +22,11 @@ from sinuous.kernels.freespace.grid_astar import (
     surcharge,
 )
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, copy, norm, sub
+from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.solve.verdicts import backbone_end
-from sinuous.kernels.step.limits import HIGH, LOW, MAX_BEND, RADIUS
-from sinuous.kernels.step.states import Problem, carve, make_problem, pick
+from sinuous.kernels.step.states import carve, pick
 from sinuous.kernels.step.targets import end_segment, tangent_back
+from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, RADIUS
 
 PROVED_CLOSED = -1
 """In place of how a search ended: it was closed, and so it is for any robot of this radius, whatever its tangents."""
@@ -59,7 +60,7 @@ def _measures(problem: Problem, last: int) -> tuple[float, float, float]:
     radius, reach, turn = math.inf, 0.0, math.inf
     for k in range(last + 1):
         radius = min(radius, problem.limits[k, RADIUS])
-        low, high, bend = problem.limits[k, LOW], problem.limits[k, HIGH], problem.limits[k, MAX_BEND]
+        low, high, bend = problem.limits[k, MIN_LENGTH], problem.limits[k, MAX_LENGTH], problem.limits[k, MAX_BEND]
         reach += high
         if bend > 0.0 and high > 0.0:
             turn = min(turn, (low if low > 0.0 else high) / bend)
@@ -74,10 +75,10 @@ def _lead(problem: Problem, last: int, length: float) -> float:
     for k in range(last + 1):
         leading = leading and problem.limits[k, MAX_BEND] == 0.0
         if leading:
-            low += problem.limits[k, LOW]
-            high += problem.limits[k, HIGH]
+            low += problem.limits[k, MIN_LENGTH]
+            high += problem.limits[k, MAX_LENGTH]
         else:
-            others += 0.5 * (problem.limits[k, LOW] + problem.limits[k, HIGH])
+            others += 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])
     return min(high, max(low, length - others))
 
 
@@ -137,11 +138,8 @@ def _closed(
 
 @entry
 def find(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
     targets: Array,
     which: int,
@@ -166,13 +164,13 @@ def find(
     Where no way is found, and with `prove`, it is tried to prove that there is none. Returns how many, how the last
     search ended (see `lattice.explore`, PROVED_CLOSED), how many cubes it looked at, and the seconds that it took.
     """
-    problem = make_problem(limits, actuation, poses, table, store, settings, targets)
+    problem = read_problem(robot, scene, settings, targets)
     states, work = carve(buffer, problem)
     lattice = carve_lattice(lattice_buffer, slots)
     clear(lattice)
     began = now(work.clock)
     deadline = began + seconds
-    last = end_segment(targets, which, limits.shape[0])
+    last = end_segment(targets, which, problem.limits.shape[0])
     goal, _ = backbone_end(problem, which, last)
     how = EXACT if exact else STEP
     lead, barred = 0.0, True

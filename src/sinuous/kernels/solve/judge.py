@@ -16,7 +16,6 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
-    Vec,
     add,
     copy,
     dot,
@@ -28,32 +27,44 @@ from sinuous.kernels.maths.vectors import (
     sub,
     transpose,
 )
-from sinuous.kernels.solve.starts import face, scattered, single_arc
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
-from sinuous.kernels.step.actuation import HIGH as ACTUATOR_HIGH
-from sinuous.kernels.step.actuation import LAST, WEIGHTS, runs_through
-from sinuous.kernels.step.actuation import LOW as ACTUATOR_LOW
-from sinuous.kernels.step.limits import HIGH, LOW, bend_cap
-from sinuous.kernels.step.states import Problem
-from sinuous.kernels.step.targets import (
+from sinuous.kernels.step.actuation import runs_through
+from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.step.targets import NONE, direction_vector, end_pose, end_segment, rotation_vector
+from sinuous.kernels.tables import (
+    ANGLE_ERROR,
+    ARC,
+    BOUND,
+    CLEARANCE,
+    CODE,
     DIRECTION,
+    FAILED,
+    GIVEN,
     GOAL,
     HAS_POSITION,
-    NONE,
+    ITERATIONS,
+    LAST_SEGMENT,
+    LATE,
+    MAX_LENGTH,
+    MAX_VALUE,
+    MERIT,
+    MIN_LENGTH,
+    MIN_VALUE,
     ORIENTATION,
-    POSITION,
+    OUT_OF_REACH,
+    POSITION_ERROR,
+    RANDOM,
     ROTATION,
-    direction_vector,
-    end_pose,
-    end_segment,
-    rotation_vector,
+    SECONDS,
+    SOLVED,
+    SOURCE,
+    STARTS,
+    TARGET_POSITION,
+    UNPROVED,
+    WEIGHTS,
 )
-
-SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED = range(6)
-GIVEN, ARC, RANDOM = 0, 1, 2
-
-CODE, ITERATIONS, STARTS, KIND, OFF, TURN, CLEARANCE, BOUND, MERIT, SECONDS = range(10)
-"""Columns of the record of a search: see `search.OUTCOME`."""
 
 SLACK = 0.1
 """How far below the true clearance its proved bound may be, as a share of it."""
@@ -90,27 +101,21 @@ def has_obstacles(problem: Problem) -> bool:
 
 
 @kernel
-def aim(problem: Problem) -> tuple[int, Vec]:
-    """Segment and position of the most distal target that has one (-1: none has)."""
-    tip, goal = -1, ZERO
-    for i in range(problem.targets.shape[0]):
-        k = end_segment(problem.targets, i, problem.limits.shape[0])
-        if problem.targets[i, HAS_POSITION] != 0.0 and k >= tip:
-            tip, goal = k, get_vec(problem.targets, i, POSITION)
-    return tip, goal
+def begin_from(problem: Problem, check: Check, initial: Array, index: int, first: int, seed: int, q: Array) -> int:
+    """Put start number `index` of a search into `q`; returns its source.
 
-
-@kernel
-def begin_from(problem: Problem, check: Check, given: Array, index: int, seed: int, q: Array) -> int:
-    """Put start number `index` into `q`: those of `given`, the single arc, scattered shapes; returns its kind."""
-    if index < given.shape[0]:
-        copy(given[index], q)
+    First come all configurations of `initial` (g, n, 3), then the method's own starts from number `first` on: number 0
+    is the single arc, all others are scattered shapes.
+    """
+    if index < initial.shape[0]:
+        copy(initial[index], q)
         return GIVEN
-    tip, goal = aim(problem)
-    if index == given.shape[0] and tip >= 0:
+    number = first + index - initial.shape[0]
+    tip, goal = most_distal(problem)
+    if number == 0 and tip >= 0:
         single_arc(problem.limits, check.frames, tip, goal, q)
         return ARC
-    scattered(problem.limits, index - given.shape[0], seed, q)
+    scattered(problem.limits, number, seed, q)
     if tip >= 0:
         face(check.frames, problem.tool, tip, goal, q)
     return RANDOM
@@ -132,7 +137,7 @@ def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
     for i in range(problem.targets.shape[0]):
         rotation, position = end_pose(frames, problem.tool, end_segment(problem.targets, i, frames.shape[0] - 1))
         if problem.targets[i, HAS_POSITION] != 0.0:
-            off = max(off, norm(sub(get_vec(problem.targets, i, POSITION), position)))
+            off = max(off, norm(sub(get_vec(problem.targets, i, TARGET_POSITION), position)))
         miss = NONE
         if problem.targets[i, ORIENTATION] == ROTATION:
             miss = rotation_vector(mat_mat(get_mat(problem.targets, i, GOAL), transpose(rotation)))
@@ -152,11 +157,11 @@ def excess(problem: Problem, q: Array) -> tuple[float, float]:
     for k in range(q.shape[0]):
         own = get_vec(q, k, 0)
         total = add(total, own)
-        length = max(length, problem.limits[k, LOW] - own[2], own[2] - problem.limits[k, HIGH])
+        length = max(length, problem.limits[k, MIN_LENGTH] - own[2], own[2] - problem.limits[k, MAX_LENGTH])
         bend = max(bend, math.hypot(own[0], own[1]) - bend_cap(problem.limits, k, max(0.0, own[2])))
-        while j < problem.actuation.shape[0] and problem.actuation[j, LAST] == k:
+        while j < problem.actuation.shape[0] and problem.actuation[j, LAST_SEGMENT] == k:
             seen = dot(get_vec(problem.actuation, j, WEIGHTS), total if runs_through(problem.actuation, j) else own)
-            length = max(length, problem.actuation[j, ACTUATOR_LOW] - seen, seen - problem.actuation[j, ACTUATOR_HIGH])
+            length = max(length, problem.actuation[j, MIN_VALUE] - seen, seen - problem.actuation[j, MAX_VALUE])
             j += 1
     return length, bend
 
@@ -214,29 +219,31 @@ def offer(problem: Problem, check: Check, q: Array, kind: int, best: Array, reco
     copy(q, best)
     if record[CODE] < OUT_OF_REACH or code == SOLVED:
         record[CODE] = code
-    record[KIND], record[OFF], record[TURN], record[CLEARANCE] = kind, off, turn, clearance
+    record[SOURCE], record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE] = kind, off, turn, clearance
     record[BOUND], record[MERIT] = 1.0 if bound else 0.0, merit
     return code == SOLVED
 
 
 @kernel
 def begin(
-    problem: Problem, check: Check, given: Array, first: int, most: int, seconds: float, best: Array, record: Array
+    problem: Problem, check: Check, initial: Array, first: int, last: int, seconds: float, best: Array, record: Array
 ) -> tuple[float, int]:
-    """Open the record of a search; returns when it has to end, and the number of the start that is not tried any more.
+    """Open the record of a search; returns when it has to end, and the number of its starts.
 
-    What is proved impossible is tried once for each start that was given, and once more.
+    They are those of `initial` (g, n, 3), then the method's own from number `first` up to, without it, `last`. What is
+    proved impossible is tried from the initial configurations and once more.
     """
     began = now(check.clock)
     impossible = verdict_of(problem)
     for j in range(record.shape[0]):
         record[j] = 0.0
     record[CODE] = FAILED if impossible == POSSIBLE else impossible
-    record[OFF] = record[TURN] = record[CLEARANCE] = record[MERIT] = math.inf
+    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[CLEARANCE] = record[MERIT] = math.inf
     record[SECONDS] = began
     for k in range(best.shape[0]):
-        put_vec(best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, LOW] + problem.limits[k, HIGH])))
-    return began + seconds, most if impossible == POSSIBLE else min(most, first + given.shape[0] + 1)
+        put_vec(best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
+    g, own = initial.shape[0], last - first
+    return began + seconds, g + (own if impossible == POSSIBLE else min(own, 1))
 
 
 @kernel
@@ -244,7 +251,7 @@ def end(problem: Problem, check: Check, iterations: int, starts: int, late: bool
     """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
     if record[MERIT] == math.inf:
         _, off, turn, clearance, _, merit = finish(problem, check, best)
-        record[OFF], record[TURN], record[CLEARANCE], record[MERIT] = off, turn, clearance, merit
+        record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE], record[MERIT] = off, turn, clearance, merit
     if late and record[CODE] == FAILED:
         record[CODE] = LATE
     record[ITERATIONS], record[STARTS] = iterations, starts

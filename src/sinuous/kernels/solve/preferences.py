@@ -1,6 +1,6 @@
 """Among all solutions, a better one: preferences are minimised within what feasibility leaves.
 
-The cost is `start |q - reference|^2 + bends |u|^2 + 100 |clearance missing up to the wish|^2`, bends in rad, lengths
+The cost is `initial |q - reference|^2 + bends |u|^2 + 100 |clearance missing up to the wish|^2`, bends in rad, lengths
 relative to the mean of their segment, clearance relative to the robot's length. Its Newton step is the mean motion of
 the sweeps; rows of the targets and contacts, met exactly, take out of it what feasibility forbids.
 """
@@ -12,11 +12,12 @@ from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
-from sinuous.kernels.step import limits
+from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, step
-from sinuous.kernels.step.states import ANGLE, POSITION, WISH, Problem, State, Work, carve, make_problem, pick
+from sinuous.kernels.step.states import ANGLE, POSITION, WISH, State, Work, carve, pick
+from sinuous.kernels.tables import BENDS_WEIGHT, INITIAL_WEIGHT, LENGTH_SCALE, MAX_ITERATIONS, WISHED_CLEARANCE
 
-Wishes = namedtuple("Wishes", ["start", "bends", "clearance", "reference"])
+Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
 """Weights of staying at `reference` (n, 3) and of small bends; clearance wished for."""
 
 CORRECTIONS = 3
@@ -29,25 +30,25 @@ def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     total = 100.0 * state.norms[WISH]
     for k in range(state.q.shape[0]):
         ux, uy, length = state.q[k, 0], state.q[k, 1], state.q[k, 2]
-        stretch = problem.limits[k, limits.LENGTH_SCALE]
+        stretch = problem.limits[k, LENGTH_SCALE]
         total += wishes.bends * (ux * ux + uy * uy)
         away = (ux - wishes.reference[k, 0]) ** 2 + (uy - wishes.reference[k, 1]) ** 2
         if stretch > 0.0:
             away += ((length - wishes.reference[k, 2]) / stretch) ** 2
-        total += wishes.start * away
+        total += wishes.initial * away
     return total
 
 
 @kernel
 def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
     """Wish for `share` of the way to where the cost of start and bends is least."""
-    weight = wishes.start + wishes.bends
+    weight = wishes.initial + wishes.bends
     for k in range(state.q.shape[0]):
         x = y = z = 0.0
         if weight > 0.0:
-            x = wishes.start / weight * wishes.reference[k, 0] - state.q[k, 0]
-            y = wishes.start / weight * wishes.reference[k, 1] - state.q[k, 1]
-        if wishes.start > 0.0:
+            x = wishes.initial / weight * wishes.reference[k, 0] - state.q[k, 0]
+            y = wishes.initial / weight * wishes.reference[k, 1] - state.q[k, 1]
+        if wishes.initial > 0.0:
             z = wishes.reference[k, 2] - state.q[k, 2]
         put_vec(work.mean, k, 0, (share * x, share * y, share * z))
 
@@ -73,7 +74,7 @@ def improve(
     problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int, deadline: float
 ) -> int:
     """Lower the cost of the solved `best`, keeping it solved. Returns the iterations."""
-    depth = problem.depth + 2
+    depth = problem.step_depth + 2
     at, free, spare = 0, 1, 2
     start = pick(states, at)
     copy(best, start.q)
@@ -86,7 +87,7 @@ def improve(
         state, trial = pick(states, at), pick(states, free)
         _pull(state, work, wishes, share)
         step(problem, state, work, EXACT)
-        if wishes.start + wishes.bends == 0.0:
+        if wishes.initial + wishes.bends == 0.0:
             for k in range(state.q.shape[0]):
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
@@ -110,32 +111,30 @@ def improve(
 
 @entry
 def prefer(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
     targets: Array,
     reference: Array,
-    proved: tuple[float, float, float],
-    seconds: float,
-    buffer: Array,
+    proved: tuple[float, float, float, float],
+    workspace: Array,
     best: Array,
 ) -> tuple[int, float, float, float]:
-    """Improve the solved `best` (n, 3) and prove it again; the unproved is not taken. Arguments: see `search`.
+    """Improve the solved `best` (n, 3) and prove it again; what is not proved is not taken.
 
-    `proved` are position error, angle error and proved clearance of `best`; returns iterations, and the same of what
-    is in `best` then.
+    `reference` (n, 3) is the configuration to stay close to; `proved` holds position error, angle error and proved
+    clearance of `best`, and the seconds that may be spent; for the rest see `search.search`. Returns the iterations,
+    and the first three of `proved` for what `best` holds then.
     """
-    problem = make_problem(limits, actuation, poses, table, store, settings, targets)
-    states, work = carve(buffer, problem)
-    wishes = Wishes(settings[8], settings[9], settings[10], reference)
+    problem = read_problem(robot, scene, settings, targets)
+    states, work = carve(workspace, problem)
+    wishes = Wishes(settings[INITIAL_WEIGHT], settings[BENDS_WEIGHT], settings[WISHED_CLEARANCE], reference)
     copy(best, work.solved)
-    used = improve(problem, states, work, wishes, best, int(settings[7]), now(work.clock) + seconds)
+    deadline = now(work.clock) + proved[3]
+    used = improve(problem, states, work, wishes, best, int(settings[MAX_ITERATIONS]), deadline)
     state = pick(states, 0)
     copy(best, state.q)
-    linearise(problem, state, work, problem.depth, solids.EXACT, 0.0)
+    linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0)
     verdict, clearance = proof(problem, state, work)
     if verdict == CLEAR and met(problem, state, 0.0):
         return used, state.norms[POSITION], state.norms[ANGLE], clearance

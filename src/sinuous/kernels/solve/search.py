@@ -8,70 +8,58 @@ from sinuous.kernels.body.body import CLEAR, UNDECIDED
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
-from sinuous.kernels.maths.vectors import Array, Vec, copy, get_vec
-from sinuous.kernels.solve.starts import face, scattered, single_arc
+from sinuous.kernels.maths.vectors import Array, Vec, copy
+from sinuous.kernels.problem import Problem, answer_of, read_problem
+from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.newton import MISSED, descend, linearise
-from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, Problem, State, Work, carve, make_problem, pick
-from sinuous.kernels.step.targets import HAS_POSITION, end_segment
-from sinuous.kernels.step.targets import POSITION as PLACE
-
-SOLVED, UNPROVED, FAILED, LATE = 0, 1, 2, 3
-GIVEN, ARC, RANDOM = 0, 1, 2
-OUTCOME = (
-    "code",
-    "iterations",
-    "starts",
-    "kind",
-    "position_error",
-    "angle_error",
-    "clearance",
-    "bound",
-    "merit",
-    "seconds",
+from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, State, Work, carve, pick
+from sinuous.kernels.tables import (
+    ANGLE_ERROR,
+    ARC,
+    BOUND,
+    CLEARANCE,
+    CODE,
+    FAILED,
+    GIVEN,
+    ITERATIONS,
+    LATE,
+    MAX_ITERATIONS,
+    POSITION_ERROR,
+    RANDOM,
+    SECONDS,
+    SOLVED,
+    SOURCE,
+    STARTS,
+    UNPROVED,
 )
-"""What `search` says of a problem: status and kind of the best start, as the constants here; clearance is proved when
-solved, else the least that was seen; `bound` says whether limits bound the best; `merit` is its squared residual."""
+from sinuous.kernels.tables import MERIT as RECORD_MERIT
 
 Numbers = tuple[int, int, int, int, float, float, float, bool, float, float]
+"""The record of one search, see `sinuous.kernels.tables`."""
 
 DRAWS = 4
 """Random shapes that are looked at for one start."""
 
 
 @kernel
-def _goal(problem: Problem) -> tuple[int, Vec]:
-    """Segment and position of the most distal target that has one (-1: none has)."""
-    tip = -1
-    goal = (0.0, 0.0, 0.0)
-    for i in range(problem.targets.shape[0]):
-        k = end_segment(problem.targets, i, problem.limits.shape[0])
-        if problem.targets[i, HAS_POSITION] != 0.0 and k >= tip:
-            tip, goal = k, get_vec(problem.targets, i, PLACE)
-    return tip, goal
-
-
-@kernel
-def _start(
-    problem: Problem, state: State, trial: State, work: Work, given: Array, index: int, seed: int, tip: int, goal: Vec
+def _begin(
+    problem: Problem, state: State, trial: State, work: Work, number: int, seed: int, tip: int, goal: Vec
 ) -> int:
-    """Put start number `index` into `state`; returns its kind.
+    """Put the method's own start `number` into `state`; returns its source.
 
-    Of scattered shapes several are drawn, and the one that is closest to the targets is taken: a look costs less than
-    a descent.
+    Number 0 is the single arc. All others are scattered shapes: several are drawn, and the one that is closest to the
+    targets is taken, because a look costs less than a descent.
     """
-    if index < given.shape[0]:
-        copy(given[index], state.q)
-        return GIVEN
-    if index == given.shape[0] and tip >= 0:
+    if number == 0 and tip >= 0:
         single_arc(problem.limits, state.frames, tip, goal, state.q)
         return ARC
     least = math.inf
     for draw in range(DRAWS):
-        scattered(problem.limits, DRAWS * (index - given.shape[0]) + draw, seed, trial.q)
+        scattered(problem.limits, DRAWS * number + draw, seed, trial.q)
         if tip >= 0:
             face(trial.frames, problem.tool, tip, goal, trial.q)
-        linearise(problem, trial, work, problem.coarse, solids.STEP, 0.0)
+        linearise(problem, trial, work, problem.look_depth, solids.STEP, 0.0)
         if draw == 0 or trial.norms[MERIT] < least:
             least = trial.norms[MERIT]
             copy(trial.q, state.q)
@@ -83,27 +71,29 @@ def _solve(
     problem: Problem,
     states: State,
     work: Work,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
+    initial: Array,
+    budget: tuple[int, int, int, float],
     iterations: int,
-    seconds: float,
     best: Array,
 ) -> Numbers:
-    """Solve one problem; fills `best` and returns what `OUTCOME` lists."""
+    """Solve one problem; fills `best` (n, 3) and returns the record."""
+    first, last, seed, seconds = budget
     began = now(work.clock)
     deadline = began + seconds
-    tip, goal = _goal(problem)
+    tip, goal = most_distal(problem)
     impossible = verdict_of(problem)
-    if impossible != POSSIBLE:
-        most = min(most, first + given.shape[0] + 1)
-    status, total, best_kind, least = FAILED, 0, GIVEN, math.inf
+    own = last - first if impossible == POSSIBLE else min(last - first, 1)
+    g = initial.shape[0]
+    status, total, source, least = FAILED, 0, GIVEN, math.inf
     off = turn = clearance = math.inf
     stopped = False
-    at, index = int(np.int64(0)), first  # a mere 0 would have everything compiled once more, for it
-    while index < most:
-        kind = _start(problem, pick(states, at), pick(states, 1 - at), work, given, index, seed, tip, goal)
+    at, index = int(np.int64(0)), 0  # a mere 0 would have everything compiled once more, for it
+    while index < g + own:
+        kind = GIVEN
+        if index < g:
+            copy(initial[index], pick(states, at).q)
+        else:
+            kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
         index += 1
         at, verdict, used, seen, bound = descend(problem, states, at, work, iterations, deadline)
         total += used
@@ -112,7 +102,7 @@ def _solve(
             copy(state.q, best)
             least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
             clearance = state.norms[SEEN] if verdict == MISSED else seen
-            status, best_kind, stopped = FAILED, kind, bound
+            status, source, stopped = FAILED, kind, bound
             if verdict == CLEAR:
                 status = SOLVED
                 break
@@ -125,63 +115,50 @@ def _solve(
     if impossible != POSSIBLE and status != SOLVED:
         status = impossible
     spent = now(work.clock) - began
-    return status, total, index - first, best_kind, off, turn, clearance, stopped, least, spent
+    return status, total, index, source, off, turn, clearance, stopped, least, spent
 
 
 @entry
 def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
     best: Array,
 ) -> Numbers:
-    """Solve for the targets (t, 15), from the starts `given` (g, n, 3), the single arc, then scattered shapes.
+    """Solve from the configurations `initial` (g, n, 3), the single arc, then scattered shapes; targets (t, 15).
 
-    `poses` (2, 12) are the base and the tool; `table` (m, 18) and `store` (s,) are the scene; `settings` is laid out as
-    `states.SETTINGS` says; `buffer` is workspace. Starts are counted; this call tries number `first` up to, without it,
-    `most`, for at most `seconds`. Fills `best` (n, 3) with the best configuration found and returns what `OUTCOME`
-    lists.
+    `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says. `budget` holds the numbers of
+    the own starts to try, from the first up to, without it, the last; a seed; and seconds. `workspace` (w,) is scratch,
+    see `states.workspace_size`. Fills `best` (n, 3) with the best configuration found and returns its record.
     """
-    problem = make_problem(limits, actuation, poses, table, store, settings, targets)
-    states, work = carve(buffer, problem)
-    return _solve(problem, states, work, given, first, most, seed, int(settings[7]), seconds, best)
+    problem = read_problem(robot, scene, settings, targets)
+    states, work = carve(workspace, problem)
+    return _solve(problem, states, work, initial, budget, int(settings[MAX_ITERATIONS]), best)
 
 
 @entry
 def search_many(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
-    best: Array,
-    outcomes: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
+    answers: Array,
 ) -> None:
     """Solve m problems as `search` does one.
 
-    `targets` (m, t, 15), `given` (m, g, n, 3); fills `best` (m, n, 3) and `outcomes` (m, 10).
+    `targets` (m, t, 15), `initial` (m, g, n, 3); fills `answers` (m, 10 + 3 n): record and configuration of each.
     """
-    states, work = carve(buffer, make_problem(limits, actuation, poses, table, store, settings, targets[0]))
+    states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
-        found = _solve(problem, states, work, given[i], first, most, seed, int(settings[7]), seconds, best[i])
-        outcomes[i, 0], outcomes[i, 1], outcomes[i, 2], outcomes[i, 3], outcomes[i, 4] = found[:5]
-        outcomes[i, 5], outcomes[i, 6], outcomes[i, 7], outcomes[i, 8], outcomes[i, 9] = found[5:]
+        problem = read_problem(robot, scene, settings, targets[i])
+        best, record = answer_of(answers, i, problem.limits.shape[0])
+        found = _solve(problem, states, work, initial[i], budget, int(settings[MAX_ITERATIONS]), best)
+        record[CODE], record[ITERATIONS], record[STARTS], record[SOURCE], record[POSITION_ERROR] = found[:5]
+        record[ANGLE_ERROR], record[CLEARANCE], record[BOUND], record[RECORD_MERIT], record[SECONDS] = found[5:]

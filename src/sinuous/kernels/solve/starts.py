@@ -6,9 +6,23 @@ import numpy as np
 
 from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array, Vec, put_vec, sub, vec_mat
-from sinuous.kernels.step.limits import HIGH, LOW, MAX_BEND, bend_cap, retract
-from sinuous.kernels.step.targets import end_pose
+from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.step.limits import bend_cap, retract
+from sinuous.kernels.step.targets import end_pose, end_segment
+from sinuous.kernels.tables import HAS_POSITION, MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
+
+
+@kernel
+def most_distal(problem: Problem) -> tuple[int, Vec]:
+    """Segment and position of the most distal target that has one (-1: none has)."""
+    tip = -1
+    goal = (0.0, 0.0, 0.0)
+    for i in range(problem.targets.shape[0]):
+        k = end_segment(problem.targets, i, problem.limits.shape[0])
+        if problem.targets[i, HAS_POSITION] != 0.0 and k >= tip:
+            tip, goal = k, get_vec(problem.targets, i, TARGET_POSITION)
+    return tip, goal
 
 
 @kernel
@@ -37,8 +51,8 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
     chord = math.hypot(side, p[2])
     low = high = 0.0
     for k in range(tip + 1):
-        low += limits[k, LOW]
-        high += limits[k, HIGH]
+        low += limits[k, MIN_LENGTH]
+        high += limits[k, MAX_LENGTH]
     half = math.atan2(side, p[2])
     length = chord * half / math.sin(half) if 1e-9 < half < 3.0 else (chord if half <= 1e-9 else math.inf)
     if length < low or length > high:
@@ -47,7 +61,7 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
     share = (length - low) / (high - low) if high > low else 0.0
     bx, by = (p[0] / side, p[1] / side) if side > 1e-9 * chord else (1.0, 0.0)
     for k in range(q.shape[0]):
-        own = limits[k, LOW] + share * (limits[k, HIGH] - limits[k, LOW])
+        own = limits[k, MIN_LENGTH] + share * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
         bend = min(2.0 * half * own / length, bend_cap(limits, k, own)) if length > 0.0 else 0.0
         if k > tip:
             bend = 0.0
@@ -72,7 +86,7 @@ def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
     """
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):
-        length = limits[k, LOW] + _uniform(key) * (limits[k, HIGH] - limits[k, LOW])
+        length = limits[k, MIN_LENGTH] + _uniform(key) * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
         bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], math.pi)
         angle = 2.0 * math.pi * _uniform(key + np.uint64(2))
         key += np.uint64(3)

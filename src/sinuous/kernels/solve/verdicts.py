@@ -6,18 +6,20 @@ from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import at_most
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, mat_vec, norm, scale, sub, transpose
-from sinuous.kernels.step.limits import HIGH, LOW, RADIUS, bend_cap
-from sinuous.kernels.step.states import Problem
-from sinuous.kernels.step.targets import (
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.step.targets import end_segment, tangent_back
+from sinuous.kernels.tables import (
     DIRECTION,
     FREE,
     GOAL,
     HAS_POSITION,
+    MAX_LENGTH,
+    MIN_LENGTH,
     ORIENTATION,
-    POSITION,
+    RADIUS,
     ROTATION,
-    end_segment,
-    tangent_back,
+    TARGET_POSITION,
 )
 
 POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
@@ -26,7 +28,7 @@ POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
 @kernel
 def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
     """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
-    place = get_vec(problem.targets, i, POSITION)
+    place = get_vec(problem.targets, i, TARGET_POSITION)
     if k < problem.limits.shape[0] - 1:
         return place, 0.0
     offset, shift = frame(problem.tool, 0)
@@ -63,7 +65,7 @@ def _beside(limits: Array, k: int, place: Vec, axis: Vec, goal: Vec, loose: floa
     turned = most_beside = least_ahead = 0.0
     for i in range(k + 1):
         j = k - i if reverse else i
-        low, high = limits[j, LOW], limits[j, HIGH]
+        low, high = limits[j, MIN_LENGTH], limits[j, MAX_LENGTH]
         bend = bend_cap(limits, j, high)
         sine, cosine = math.sin(min(turned, 0.5 * math.pi)), math.cos(min(turned, math.pi))
         if bend > 1e-6:
@@ -87,9 +89,9 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     """
     longest = shortest = turning = 0.0
     for j in range(k + 1):
-        longest += problem.limits[j, HIGH]
-        shortest += problem.limits[j, LOW]
-        turning += bend_cap(problem.limits, j, problem.limits[j, HIGH])
+        longest += problem.limits[j, MAX_LENGTH]
+        shortest += problem.limits[j, MIN_LENGTH]
+        turning += bend_cap(problem.limits, j, problem.limits[j, MAX_LENGTH])
     rotation, base = frame(problem.base, 0)
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
     asked = problem.targets[i, ORIENTATION]
@@ -126,7 +128,7 @@ def _target_blocked(problem: Problem, i: int, k: int) -> bool:
         return False
     shortest = 0.0
     for j in range(k + 1):
-        shortest += problem.limits[j, LOW]
+        shortest += problem.limits[j, MIN_LENGTH]
     if shortest <= problem.mount:
         return False
     place, loose = backbone_end(problem, i, k)

@@ -11,15 +11,13 @@ import math
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, put_vec, scale, sub
 from sinuous.kernels.step.sweeps import HARD, IDLE, Rows
-
-LAST, WEIGHTS, LOW, HIGH = 1, 2, 5, 6
-WIDTH = 7
+from sinuous.kernels.tables import LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
 
 
 @kernel
 def runs_through(actuation: Array, j: int) -> bool:
     """Whether limit `j` sees the sum over several segments."""
-    return bool(actuation[j, 0] < actuation[j, LAST])
+    return bool(actuation[j, 0] < actuation[j, LAST_SEGMENT])
 
 
 @kernel
@@ -32,16 +30,16 @@ def share(actuation: Array, q: Array, aim: Array) -> float:
         own = get_vec(q, k, 0)
         move = sub(get_vec(aim, k, 0), own)
         total, change = add(total, own), add(change, move)
-        while j < actuation.shape[0] and actuation[j, LAST] == k:
+        while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
             weights = get_vec(actuation, j, WEIGHTS)
             if runs_through(actuation, j):
                 value, slope = dot(weights, total), dot(weights, change)
             else:
                 value, slope = dot(weights, own), dot(weights, move)
-            if value + t * slope > actuation[j, HIGH]:
-                t = max(0.0, (actuation[j, HIGH] - value) / slope) if slope > 0.0 else 0.0
-            elif value + t * slope < actuation[j, LOW]:
-                t = max(0.0, (actuation[j, LOW] - value) / slope) if slope < 0.0 else 0.0
+            if value + t * slope > actuation[j, MAX_VALUE]:
+                t = max(0.0, (actuation[j, MAX_VALUE] - value) / slope) if slope > 0.0 else 0.0
+            elif value + t * slope < actuation[j, MIN_VALUE]:
+                t = max(0.0, (actuation[j, MIN_VALUE] - value) / slope) if slope < 0.0 else 0.0
             j += 1
     return t
 
@@ -74,7 +72,7 @@ def straighten(actuation: Array, q: Array, straight: Array) -> None:
 def add_rows(actuation: Array, k: int, first: int, rows: Rows, at: int) -> tuple[int, int]:
     """Reserve an idle row for every limit that ends at segment `k`; returns the next limit and the next free row."""
     j = first
-    while j < actuation.shape[0] and actuation[j, LAST] == k:
+    while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
         weights = get_vec(actuation, j, WEIGHTS)
         through = runs_through(actuation, j)
         rows.kind[at] = IDLE
@@ -98,7 +96,7 @@ def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:
         own, move = get_vec(q, k, 0), get_vec(step, k, 0)
         total, change = add(total, own), add(change, move)
         at = rows.start[k]
-        while j < actuation.shape[0] and actuation[j, LAST] == k:
+        while j < actuation.shape[0] and actuation[j, LAST_SEGMENT] == k:
             if rows.kind[at] == IDLE:
                 room = _room(actuation, j, total if runs_through(actuation, j) else own)
                 weights = get_vec(actuation, j, WEIGHTS)
@@ -116,7 +114,7 @@ def bind(actuation: Array, q: Array, step: Array, rows: Rows) -> int:
 @kernel
 def _room(actuation: Array, j: int, at: Vec) -> tuple[float, float]:
     value = dot(get_vec(actuation, j, WEIGHTS), at)
-    return actuation[j, LOW] - value, actuation[j, HIGH] - value
+    return actuation[j, MIN_VALUE] - value, actuation[j, MAX_VALUE] - value
 
 
 @kernel

@@ -8,9 +8,7 @@ import math
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, put_mat, put_vec
-
-LOW, HIGH, MAX_BEND, MAX_CURVATURE, RADIUS, BEND_SCALE, LENGTH_SCALE = range(7)
-WIDTH = 7
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH
 
 
 @kernel
@@ -23,7 +21,7 @@ def bend_cap(limits: Array, k: int, length: float) -> float:
 @kernel
 def retract(limits: Array, k: int, ux: float, uy: float, length: float) -> Vec:
     """Bring one segment within its limits; what is within them already stays as it is."""
-    length = min(max(length, limits[k, LOW]), limits[k, HIGH])
+    length = min(max(length, limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
     cap = bend_cap(limits, k, length)
     bend = math.hypot(ux, uy)
     if bend > cap:
@@ -59,7 +57,7 @@ def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: 
     count = 0
     for k in range(q.shape[0]):
         aim = (q[k, 0] + step[k, 0], q[k, 1] + step[k, 1], q[k, 2] + step[k, 2])
-        length = min(max(aim[2], limits[k, LOW]), limits[k, HIGH])
+        length = min(max(aim[2], limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
         now = bound[k]
         if abs(aim[2] - length) > 1e-12 * (1.0 + length):
             now |= 1
@@ -77,7 +75,7 @@ def _bind_one(limits: Array, q: Array, k: int, aim: Vec, root: Array, mean: Arra
     scale, stretch = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]
     length = aim[2]
     if bound & 1:
-        length = min(max(length, limits[k, LOW]), limits[k, HIGH])
+        length = min(max(length, limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
         stretch = 0.0
     if bound == 1:
         put_mat(root, k, 0, ((scale, 0.0, 0.0), (0.0, scale, 0.0), (0.0, 0.0, 0.0)))

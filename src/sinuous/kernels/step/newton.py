@@ -9,8 +9,9 @@ from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import coarseness
 from sinuous.kernels.maths.vectors import ZERO, put_vec
+from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
-from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, WISH, Problem, State, Work, pick
+from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, WISH, State, Work, pick
 from sinuous.kernels.step.sweeps import SOFT
 from sinuous.kernels.step.targets import add_rows, end_segment
 
@@ -179,7 +180,7 @@ def descend(
     the clearance that the proof saw, and whether limits bound the last step.
     """
     enter(problem, pick(states, at), work)
-    depth, looked_at, merit, easing = problem.depth, at, math.inf, 1.0
+    depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
     # Samples may see an overlap where there is none; then the proof decides.
     loose = coarseness(problem.scene)
     how = solids.STEP if loose > 0.0 else solids.EXACT
@@ -200,7 +201,7 @@ def descend(
         state = pick(states, at)
         if met(problem, state, loose):
             verdict, clearance = proof(problem, state, work)
-            if verdict == CLEAR or depth >= problem.depth + 6:
+            if verdict == CLEAR or depth >= problem.step_depth + 6:
                 return at, verdict, iteration, clearance, bound
             if how == solids.STEP:
                 how, loose = solids.EXACT, 0.0

@@ -1,4 +1,4 @@
-"""What a solve works on: the problem, configurations and what follows from them, and scratch, all in one buffer."""
+"""What a solve works on: configurations, what follows from them, and scratch, all in one buffer."""
 
 from collections import namedtuple
 
@@ -7,45 +7,9 @@ import numpy as np
 from sinuous.kernels.body.body import PER_SEGMENT
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.sweeps import carve_rows, pick_rows, rows_size
-
-Problem = namedtuple(
-    "Problem",
-    [
-        "limits",
-        "actuation",
-        "base",
-        "tool",
-        "scene",
-        "targets",
-        "mount",
-        "unit",
-        "margin",
-        "position_tolerance",
-        "angle_tolerance",
-        "coarse",
-        "depth",
-    ],
-)
-"""What does not change during a solve: tables of robot, scene and targets; lengths that scale and bound; how often
-a segment is halved in the search for contacts, at a glance (`coarse`) and in a step (`depth`)."""
-
-SETTINGS = (
-    "mount",
-    "unit",
-    "margin",
-    "position_tolerance",
-    "angle_tolerance",
-    "coarse",
-    "depth",
-    "iterations",
-    "start",
-    "bends",
-    "clearance",
-)
-"""What a solve is set to, in this order: see `Problem`; most iterations from one start; and the preferences."""
 
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
@@ -58,28 +22,6 @@ STATES = 3
 """States in a workspace: two take turns in a descent, a third serves corrections."""
 
 MERIT, POSITION, ANGLE, SEEN, WISH = 0, 1, 2, 3, 4
-
-
-@kernel
-def make_problem(
-    limits: Array, actuation: Array, poses: Array, table: Array, store: Array, settings: Array, targets: Array
-) -> Problem:
-    """Put the tables together; `poses` (2, 12) are the base and the tool, `table` and `store` the scene."""
-    return Problem(
-        limits,
-        actuation,
-        poses[0:1],
-        poses[1:2],
-        Scene(table, store),
-        targets,
-        settings[0],
-        settings[1],
-        settings[2],
-        settings[3],
-        settings[4],
-        int(settings[5]),
-        int(settings[6]),
-    )
 
 
 def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:

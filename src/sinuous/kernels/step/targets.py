@@ -26,10 +26,17 @@ from sinuous.kernels.maths.vectors import (
     transpose,
 )
 from sinuous.kernels.step.sweeps import END, Rows
+from sinuous.kernels.tables import (
+    DIRECTION,
+    FREE,
+    GOAL,
+    HAS_POSITION,
+    ORIENTATION,
+    ROTATION,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+)
 
-SEGMENT, HAS_POSITION, POSITION, ORIENTATION, GOAL = 0, 1, 2, 5, 6
-WIDTH = 15
-FREE, DIRECTION, ROTATION = 0, 1, 2
 NONE = (0.0, 0.0, 0.0)
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
@@ -37,7 +44,7 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 @kernel
 def end_segment(targets: Array, i: int, segments: int) -> int:
     """The segment, from 0, whose end target `i` concerns."""
-    k = int(targets[i, SEGMENT])
+    k = int(targets[i, TARGET_SEGMENT])
     return k if k >= 0 else segments - 1
 
 
@@ -115,7 +122,7 @@ def add_rows(
     miss, turn = NONE, NONE
     if targets[i, HAS_POSITION] != 0.0:
         inverse = 1.0 / unit
-        miss = sub(get_vec(targets, i, POSITION), position)
+        miss = sub(get_vec(targets, i, TARGET_POSITION), position)
         arm = scale(inverse, sub(position, origin))
         at = _put(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
         at = _put(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])

@@ -13,11 +13,12 @@ from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
+from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.judge import Check, begin, begin_from, carve_check, check_size, end, offer
-from sinuous.kernels.step.limits import BEND_SCALE, LENGTH_SCALE, retract
-from sinuous.kernels.step.states import Problem, make_problem
+from sinuous.kernels.step.limits import retract
 from sinuous.kernels.step.sweeps import Rows, carve_rows, pick_rows
 from sinuous.kernels.step.targets import add_rows
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, METHOD_OPTIONS
 
 MOST_ROWS = 6
 
@@ -146,7 +147,7 @@ def _solve(
     problem: Problem,
     check: Check,
     work: Work,
-    given: Array,
+    initial: Array,
     first: int,
     most: int,
     seed: int,
@@ -155,44 +156,38 @@ def _solve(
     best: Array,
     record: Array,
 ) -> None:
-    deadline, last = begin(problem, check, given, first, most, seconds, best, record)
-    total, index, late = 0, first, False
+    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
+    total, index, late = 0, 0, False
     while index < last and not late:
-        kind = begin_from(problem, check, given, index, seed, work.q)
+        kind = begin_from(problem, check, initial, index, first, seed, work.q)
         index += 1
         total += descend(problem, check, work, int(options[0]), options[1], options[2], deadline)
         if offer(problem, check, work.kept, kind, best, record):
             break
         late = now(check.clock) > deadline
-    end(problem, check, total, index - first, late, best, record)
+    end(problem, check, total, index, late, best, record)
 
 
 @entry
 def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
-    options: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
-    best: Array,
-    records: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
+    answers: Array,
 ) -> None:
     """Solve m problems; see `sinuous.methods.compiled`.
 
     `options`: most steps from one start, damping as a share of the squared error, and the largest error of one step.
     """
-    n = limits.shape[0]
-    work = carve(buffer, n)
+    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+    first, most, seed, seconds = budget
+    work = carve(workspace, n)
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
-        check = carve_check(buffer[PER_SEGMENT * n + BESIDE :], problem)
-        _solve(problem, check, work, given[i], first, most, seed, seconds, options, best[i], records[i])
+        problem = read_problem(robot, scene, settings, targets[i])
+        best, record = answer_of(answers, i, n)
+        check = carve_check(workspace[PER_SEGMENT * n + BESIDE :], problem)
+        _solve(problem, check, work, initial[i], first, most, seed, seconds, options, best, record)

@@ -2,10 +2,10 @@
 
 Kolpashchikov, Gerget & Danilov, "FABRIKx: tackling the inverse kinematics problem of continuum robots with variable
 curvature" (Robotics 11, 128, 2022). A section of variable curvature is planar and has two links, which differ; here as
-there it is approximated by arcs. Its full text could not be had, so chosen here are: which sections there are
-(`pieces` segments in a row are one), how curvature varies along them (`taper`), and the rules that all the methods of
-this family share (see `sinuous.methods.fabrik.links`). Lengths are those that the start has. Answers are configurations of
-the robot's segments like any other. Everything is compiled, one call a solve.
+there it is approximated by arcs. Its full text could not be had, so chosen here are: which sections there are (`pieces`
+segments in a row are one), how curvature varies along them (`taper`), and the rules that all the methods of this family
+share (see `sinuous.methods.fabrik.links`). Lengths are those that the start has. Answers are configurations of the
+robot's segments like any other. Everything is compiled, one call a solve.
 """
 
 from dataclasses import dataclass

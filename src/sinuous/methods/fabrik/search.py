@@ -27,10 +27,20 @@ from sinuous.kernels.maths.vectors import (
     sub,
     vec_mat,
 )
-from sinuous.kernels.solve.judge import Check, begin, begin_from, carve_check, check_size, end, offer, target_errors
-from sinuous.kernels.step.limits import HIGH, LOW, retract
-from sinuous.kernels.step.states import Problem, make_problem
-from sinuous.kernels.step.targets import GOAL, ORIENTATION, POSITION, direction_vector
+from sinuous.kernels.problem import Problem, answer_of, read_problem
+from sinuous.kernels.solve.judge import (
+    Check,
+    begin,
+    begin_from,
+    carve_check,
+    check_size,
+    end,
+    offer,
+    target_errors,
+)
+from sinuous.kernels.step.limits import retract
+from sinuous.kernels.step.targets import direction_vector
+from sinuous.kernels.tables import GOAL, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH, ORIENTATION, TARGET_POSITION
 from sinuous.methods.fabrik import links as fabrik
 from sinuous.methods.fabrik.links import Chain, cap_of, carve_chain, group, links, reach_back, reach_out
 
@@ -75,7 +85,10 @@ def settle(limits: Array, chain: Chain, frames: Array, stretch: bool, q: Array) 
         for k in range(begin, end):
             chain.part[k] = chain.part[k] / total if total > 0.0 and end - begin > 1 else 1.0 / (end - begin)
             if chain.part[k] > 0.0:
-                low, high = max(low, limits[k, LOW] / chain.part[k]), min(high, limits[k, HIGH] / chain.part[k])
+                low, high = (
+                    max(low, limits[k, MIN_LENGTH] / chain.part[k]),
+                    min(high, limits[k, MAX_LENGTH] / chain.part[k]),
+                )
         chain.lengths[i] = total
         chain.low[i], chain.high[i] = (low, high) if stretch else (total, total)
         bend = math.hypot(bx, by)
@@ -126,7 +139,7 @@ def end_goal(problem: Problem, frames: Array) -> tuple[Vec, Vec, bool]:
     A tool is brought along with the end that the robot has now, turned by the least rotation that points the tool
     where it is wanted; without a tool this is the target itself.
     """
-    goal = get_vec(problem.targets, 0, POSITION)
+    goal = get_vec(problem.targets, 0, TARGET_POSITION)
     rotation, _ = frame(frames, frames.shape[0] - 1)
     aimed = problem.targets[0, ORIENTATION] != 0.0
     offset, shift = frame(problem.tool, 0)
@@ -190,7 +203,7 @@ def _solve(
     problem: Problem,
     check: Check,
     work: Work,
-    given: Array,
+    initial: Array,
     first: int,
     most: int,
     seed: int,
@@ -199,46 +212,41 @@ def _solve(
     best: Array,
     record: Array,
 ) -> None:
-    deadline, last = begin(problem, check, given, first, most, seconds, best, record)
-    total, index, late = 0, first, False
+    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
+    total, index, late = 0, 0, False
     while index < last and not late:
-        kind = begin_from(problem, check, given, index, seed, work.q)
+        kind = begin_from(problem, check, initial, index, first, seed, work.q)
         index += 1
         settle(problem.limits, work.chain, check.frames, options[3] != 0.0, work.q)
         total += descend(problem, check, work, int(options[0]), deadline)
         if offer(problem, check, work.kept, kind, best, record):
             break
         late = now(check.clock) > deadline
-    end(problem, check, total, index - first, late, best, record)
+    end(problem, check, total, index, late, best, record)
 
 
 @entry
 def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
-    options: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
-    best: Array,
-    records: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
+    answers: Array,
 ) -> None:
     """Solve m problems; see `sinuous.methods.compiled`.
 
     `options`: most iterations from one start, segments of a section, their taper, and whether lengths may change.
     """
-    n, pieces = limits.shape[0], int(options[1])
-    work = carve(buffer, n, (n + pieces - 1) // pieces)
+    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+    first, most, seed, seconds = budget
+    pieces = int(options[1])
+    work = carve(workspace, n, (n + pieces - 1) // pieces)
     group(work.chain, n, pieces, options[2])
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
-        check = carve_check(buffer[PER_SEGMENT * n + BESIDE :], problem)
-        _solve(problem, check, work, given[i], first, most, seed, seconds, options, best[i], records[i])
+        problem = read_problem(robot, scene, settings, targets[i])
+        best, record = answer_of(answers, i, n)
+        check = carve_check(workspace[PER_SEGMENT * n + BESIDE :], problem)
+        _solve(problem, check, work, initial[i], first, most, seed, seconds, options, best, record)

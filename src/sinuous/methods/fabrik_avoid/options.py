@@ -1,8 +1,8 @@
 """FABRIK with obstacle avoidance: forward and backward reaching that pushes key points away from what it runs into.
 
 Wu et al., "A novel obstacle avoidance heuristic algorithm of continuum robot based on FABRIK" (2022). The paper could
-not be had: what was chosen is said in `sinuous.methods.fabrik_avoid.search`. It looks at obstacles in places; that answers are
-clear of them is proved afterwards, as for every method. Everything is compiled, one call a solve.
+not be had: what was chosen is said in `sinuous.methods.fabrik_avoid.search`. It looks at obstacles in places; that
+answers are clear of them is proved afterwards, as for every method. Everything is compiled, one call a solve.
 """
 
 from dataclasses import dataclass

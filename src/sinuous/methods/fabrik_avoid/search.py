@@ -16,8 +16,18 @@ from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import obstacle
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
-from sinuous.kernels.solve.judge import Check, begin, begin_from, carve_check, end, has_obstacles, offer, target_errors
-from sinuous.kernels.step.states import Problem, make_problem
+from sinuous.kernels.problem import Problem, answer_of, read_problem
+from sinuous.kernels.solve.judge import (
+    Check,
+    begin,
+    begin_from,
+    carve_check,
+    end,
+    has_obstacles,
+    offer,
+    target_errors,
+)
+from sinuous.kernels.tables import METHOD_OPTIONS
 from sinuous.methods.fabrik.links import Chain, group
 from sinuous.methods.fabrik.search import BESIDE, PER_SEGMENT, Work, carve, reach, settle
 
@@ -89,7 +99,7 @@ def _solve(
     problem: Problem,
     check: Check,
     work: Work,
-    given: Array,
+    initial: Array,
     first: int,
     most: int,
     seed: int,
@@ -98,46 +108,40 @@ def _solve(
     best: Array,
     record: Array,
 ) -> None:
-    deadline, last = begin(problem, check, given, first, most, seconds, best, record)
-    total, index, late, done = 0, first, False, False
+    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
+    total, index, late, done = 0, 0, False, False
     while index < last and not late and not done:
-        kind = begin_from(problem, check, given, index, seed, work.q)
+        kind = begin_from(problem, check, initial, index, first, seed, work.q)
         index += 1
         settle(problem.limits, work.chain, check.frames, options[4] != 0.0, work.q)
         used, done = descend(problem, check, work, options, deadline, kind, best, record)
         total += used
         late = not done and now(check.clock) > deadline
-    end(problem, check, total, index - first, late, best, record)
+    end(problem, check, total, index, late, best, record)
 
 
 @entry
 def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
-    options: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
-    best: Array,
-    records: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
+    answers: Array,
 ) -> None:
     """Solve m problems; see `sinuous.methods.compiled`.
 
     `options`: most iterations from one start, places of a segment that are looked at, how far a push goes as a share
     of what is missing, clearance that it aims for in robot lengths, and whether lengths may change.
     """
-    n = limits.shape[0]
-    work = carve(buffer, n, n)
+    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+    first, most, seed, seconds = budget
+    work = carve(workspace, n, n)
     group(work.chain, n, 1, 0.0)
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
-        check = carve_check(buffer[PER_SEGMENT * n + BESIDE :], problem)
-        _solve(problem, check, work, given[i], first, most, seed, seconds, options, best[i], records[i])
+        problem = read_problem(robot, scene, settings, targets[i])
+        best, record = answer_of(answers, i, n)
+        check = carve_check(workspace[PER_SEGMENT * n + BESIDE :], problem)
+        _solve(problem, check, work, initial[i], first, most, seed, seconds, options, best, record)

@@ -1,7 +1,8 @@
 """Monte Carlo: configurations drawn at random about the best, from a range that shrinks.
 
 Qin et al., "A snake-inspired layer-driven continuum robot" (2022), where it solves the inverse kinematics. The paper
-could not be had: what was chosen is said in `sinuous.methods.monte_carlo.search`. Everything is compiled, one call a solve.
+could not be had: what was chosen is said in `sinuous.methods.monte_carlo.search`. Everything is compiled, one call a
+solve.
 """
 
 from dataclasses import dataclass

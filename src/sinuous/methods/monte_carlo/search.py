@@ -18,8 +18,8 @@ from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
+from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.judge import (
-    GIVEN,
     Check,
     begin,
     begin_from,
@@ -31,8 +31,8 @@ from sinuous.kernels.solve.judge import (
     target_errors,
 )
 from sinuous.kernels.step.actuation import straighten
-from sinuous.kernels.step.limits import HIGH, LOW, bend_cap, retract
-from sinuous.kernels.step.states import Problem, make_problem
+from sinuous.kernels.step.limits import bend_cap, retract
+from sinuous.kernels.tables import GIVEN, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH
 
 LOOKS = 8
 """Places of every segment that are looked at for obstacles."""
@@ -92,7 +92,7 @@ def enter(problem: Problem, q: Array, straight: Array) -> None:
 def scatter(problem: Problem, work: Work, share: float) -> None:
     """Draw a configuration into `work.trial`, from this share of the whole range about `work.q`."""
     for k in range(work.q.shape[0]):
-        low, high = problem.limits[k, LOW], problem.limits[k, HIGH]
+        low, high = problem.limits[k, MIN_LENGTH], problem.limits[k, MAX_LENGTH]
         bend = share * min(math.pi, bend_cap(problem.limits, k, high))
         ux, uy, length = get_vec(work.q, k, 0)
         ux, uy = ux + bend * draw(work.state), uy + bend * draw(work.state)
@@ -168,7 +168,7 @@ def _solve(
     problem: Problem,
     check: Check,
     work: Work,
-    given: Array,
+    initial: Array,
     first: int,
     most: int,
     seed: int,
@@ -177,46 +177,40 @@ def _solve(
     best: Array,
     record: Array,
 ) -> None:
-    deadline, last = begin(problem, check, given, first, most, seconds, best, record)
-    total, index, late, done = 0, first, False, False
+    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
+    total, index, late, done = 0, 0, False, False
     while index < last and not late and not done:
-        work.state[0] = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index)
-        kind = begin_from(problem, check, given, index, seed, work.q)
+        work.state[0] = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(first + index)
+        kind = begin_from(problem, check, initial, index, first, seed, work.q)
         index += 1
         enter(problem, work.q, work.straight)
         share = NEAR_GIVEN if kind == GIVEN else 1.0
         used, done = descend(problem, check, work, options, share, deadline, kind, best, record)
         total += used
         late = not done and now(check.clock) > deadline
-    end(problem, check, total, index - first, late, best, record)
+    end(problem, check, total, index, late, best, record)
 
 
 @entry
 def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
-    options: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
-    best: Array,
-    records: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
+    answers: Array,
 ) -> None:
     """Solve m problems; see `sinuous.methods.compiled`.
 
     `options`: most rounds from one start, draws of a round, and what is left of the range after a vain one.
     """
-    n = limits.shape[0]
-    work = carve(buffer, n)
+    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+    first, most, seed, seconds = budget
+    work = carve(workspace, n)
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
-        check = carve_check(buffer[PER_SEGMENT * n + BESIDE :], problem)
-        _solve(problem, check, work, given[i], first, most, seed, seconds, options, best[i], records[i])
+        problem = read_problem(robot, scene, settings, targets[i])
+        best, record = answer_of(answers, i, n)
+        check = carve_check(workspace[PER_SEGMENT * n + BESIDE :], problem)
+        _solve(problem, check, work, initial[i], first, most, seed, seconds, options, best, record)

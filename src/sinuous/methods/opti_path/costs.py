@@ -16,7 +16,8 @@ from collections import namedtuple
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.step.limits import HIGH, LOW, bend_cap
+from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.opti_path.bezier import (
     Arc,
     arc_between,
@@ -84,7 +85,7 @@ that is in the mount."""
 def want(limits: Array, band: float, mount: float, path: Path) -> None:
     """Fill what every arc wants: its mean length or, with a dead band, any in that share of the range about it."""
     for k in range(limits.shape[0]):
-        low, high = limits[k, LOW], limits[k, HIGH]
+        low, high = limits[k, MIN_LENGTH], limits[k, MAX_LENGTH]
         inset = 0.5 * (1.0 - band)
         path.wanted[k, 0], path.wanted[k, 1] = low + inset * (high - low), high - inset * (high - low)
         path.wanted[k, 2] = bend_cap(limits, k, 0.5 * (low + high))

@@ -14,8 +14,9 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.methods.method import Method
 from sinuous.methods.options import Options, choice, count, flag, number
-from sinuous.methods.registry import METHODS, Method
+from sinuous.methods.registry import METHODS
 from sinuous.problem.problem import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
@@ -160,20 +161,20 @@ class OptiPath(Options):
         from sinuous.methods.compiled import Compiled  # noqa: PLC0415
         from sinuous.methods.opti_path.search import search, workspace_size  # noqa: PLC0415
 
-        values, place = self._potential(robot, scene)
+        sampled = self._potential(robot, scene)
         size = workspace_size(len(robot), len(scene))
         can = METHODS[self.method].capabilities
-        return Compiled(self.method, can, search, size, robot, scene, tolerance, self.vector(), values, place)
+        return Compiled(self.method, can, search, size, robot, scene, tolerance, self.vector(), sampled)
 
-    def _potential(self, robot: Robot, scene: Scene) -> tuple[Floats, Floats]:
-        """The grid of the potential (x, y, z), empty for none, and its place: origin, spacing, radius of the body."""
+    def _potential(self, robot: Robot, scene: Scene) -> Floats:
+        """The group of the potential, see `potential.read_potential`; without values where it is not sampled."""
         unit = robot.mean_length / len(robot)
         reach = sum(segment.length[1] for segment in robot.segments)
         spacing = self.spacing * unit if self.spacing > 0.0 else max(0.1 * unit, 2.0 * reach / EXTENT)
         origin = robot.base[:3, 3] - reach - 0.5 * spacing
-        place = np.array([[*origin, spacing, max(robot.radii)]])
+        place = [*origin, spacing, max(robot.radii)]
         if self.potential == "exact" or len(scene) == 0:
-            return np.empty((0, 0, 0)), place
+            return np.array([0.0, 0.0, 0.0, *place])
         nodes = math.ceil(2.0 * reach / spacing) + 2
         if nodes**3 > MOST_NODES:
             raise InputError(
@@ -181,7 +182,7 @@ class OptiPath(Options):
             )
         from sinuous.methods.opti_path.potential import sample  # noqa: PLC0415
 
-        values = np.empty((nodes, nodes, nodes))
+        sampled = np.concatenate([[nodes, nodes, nodes], place, np.empty(nodes**3)])
         centre = robot.base[:3, 3].reshape(1, 3).copy()
-        sample(*scene.tables, place, self.slope, self.influence * unit, centre, reach, values)
-        return values, place
+        sample(scene.group, sampled, (self.slope, self.influence * unit), centre, reach)
+        return sampled

@@ -12,7 +12,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields.distances import Scene, nearest, obstacle
+from sinuous.kernels.fields.distances import Scene, nearest, obstacle, read_scene
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, norm, scale, sub
 
 BLOCK = 8
@@ -34,9 +34,11 @@ def hinge(d: float, slope: float, reach: float) -> tuple[float, float]:
 
 
 @kernel
-def make_potential(values: Array, place: Array, slope: float, reach: float) -> Potential:
-    """Put a grid together; `place` (1, 5) holds its origin (3), its spacing, and the radius of the body."""
-    return Potential(values, get_vec(place, 0, 0), place[0, 3], slope, reach, place[0, 4])
+def read_potential(sampled: Array, slope: float, reach: float) -> Potential:
+    """Take a group apart: shape (3), origin (3), spacing, radius of the body, then the values."""
+    nx, ny, nz = int(sampled[0]), int(sampled[1]), int(sampled[2])
+    origin = (sampled[3], sampled[4], sampled[5])
+    return Potential(sampled[8:].reshape((nx, ny, nz)), origin, sampled[6], slope, reach, sampled[7])
 
 
 @kernel
@@ -81,23 +83,16 @@ def potential_at(scene: Scene, potential: Potential, p: Vec) -> tuple[float, Vec
 
 
 @entry
-def sample(
-    table: Array,
-    store: Array,
-    place: Array,
-    slope: float,
-    reach: float,
-    centre: Array,
-    extent: float,
-    values: Array,
-) -> None:
-    """Fill `values` (x, y, z) with the potential at the nodes; zero where no body can be.
+def sample(scene: Array, sampled: Array, shape: tuple[float, float], centre: Array, extent: float) -> None:
+    """Fill the values of the group `sampled` with the potential at the nodes; zero where no body can be.
 
-    `place` is laid out as `make_potential` says; a body can be within `extent` of `centre` (1, 3). Blocks of nodes
-    that are farther from every obstacle than the potential reaches are filled at once.
+    `scene` is the group of the scene; `shape` holds slope and reach of the potential. A body can be within `extent` of
+    `centre` (1, 3). Blocks of nodes that are farther from every obstacle than the potential reaches are filled at once.
     """
-    scene = Scene(table, store)
-    potential = make_potential(values, place, slope, reach)
+    slope, reach = shape
+    obstacles = read_scene(scene)
+    potential = read_potential(sampled, slope, reach)
+    values = potential.values
     middle = get_vec(centre, 0, 0)
     spacing = potential.spacing
     half = 0.5 * (BLOCK - 1) * spacing
@@ -107,14 +102,14 @@ def sample(
             for bk in range(0, values.shape[2], BLOCK):
                 p = _node(potential, bi, bj, bk)
                 p = (p[0] + half, p[1] + half, p[2] + half)
-                d, _ = nearest(scene, p)
+                d, _ = nearest(obstacles, p)
                 clear = d > potential.radius + reach + around or norm(sub(p, middle)) > extent + around
                 for i in range(bi, min(bi + BLOCK, values.shape[0])):
                     for j in range(bj, min(bj + BLOCK, values.shape[1])):
                         for k in range(bk, min(bk + BLOCK, values.shape[2])):
                             values[i, j, k] = 0.0
                             if not clear:
-                                d, _ = nearest(scene, _node(potential, i, j, k))
+                                d, _ = nearest(obstacles, _node(potential, i, j, k))
                                 values[i, j, k] = hinge(d - potential.radius, slope, reach)[0]
 
 

@@ -13,10 +13,8 @@ from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, norm, put_vec
+from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.judge import (
-    ARC,
-    GIVEN,
-    RANDOM,
     Check,
     begin,
     begin_from,
@@ -26,9 +24,19 @@ from sinuous.kernels.solve.judge import (
     has_obstacles,
     offer,
 )
-from sinuous.kernels.step.limits import HIGH, LOW
-from sinuous.kernels.step.states import Problem, make_problem
-from sinuous.kernels.step.targets import DIRECTION, GOAL, ORIENTATION, POSITION, direction_vector
+from sinuous.kernels.step.targets import direction_vector
+from sinuous.kernels.tables import (
+    ARC,
+    DIRECTION,
+    GIVEN,
+    GOAL,
+    MAX_LENGTH,
+    METHOD_OPTIONS,
+    MIN_LENGTH,
+    ORIENTATION,
+    RANDOM,
+    TARGET_POSITION,
+)
 from sinuous.methods.opti_path.bezier import configuration_of
 from sinuous.methods.opti_path.costs import (
     ADJOINT,
@@ -41,7 +49,7 @@ from sinuous.methods.opti_path.costs import (
     trace,
     want,
 )
-from sinuous.methods.opti_path.potential import Potential, make_potential
+from sinuous.methods.opti_path.potential import Potential, read_potential
 from sinuous.methods.opti_path.starts import WAYS, bow, carried, reach, single, swung
 from sinuous.methods.opti_path.steps import move, project, scheduled
 
@@ -89,7 +97,7 @@ def read_setting(options: Array) -> Setting:
 def read_aim(problem: Problem) -> Aim:
     """The target of the tip, and the mean length of a segment."""
     return Aim(
-        get_vec(problem.targets, 0, POSITION),
+        get_vec(problem.targets, 0, TARGET_POSITION),
         get_vec(problem.targets, 0, GOAL),
         problem.targets[0, ORIENTATION] == DIRECTION,
         problem.unit / problem.limits.shape[0],
@@ -103,25 +111,28 @@ def begin_path(
     setting: Setting,
     aim: Aim,
     path: Path,
-    given: Array,
+    initial: Array,
     index: int,
+    first: int,
     seed: int,
     q: Array,
 ) -> int:
-    """Put start number `index` into the path; its kind, or -1 when there is none of this number.
+    """Put start `index` of a search into the path; its source, or -1 when there is no such start.
 
     Given shapes, the single arc and, with the repairs, a swung curve (before the arc, when the arc is longer than the
     robot). With restarts also: the first given shape bowed to all sides, before the arc; the arc bowed; and the shapes
     that other methods start from too.
     """
-    own = index - given.shape[0]
+    own = index - initial.shape[0]
+    if own >= 0:
+        own += first
     again = setting.restarts != 0.0
-    nudges = NUDGES if again and given.shape[0] > 0 else 0
+    nudges = NUDGES if again and initial.shape[0] > 0 else 0
     rotation, base = frame(check.frames, 0)
     put_vec(path.points, 0, 0, base)
     put_vec(path.tangents, 0, 0, (rotation[0][2], rotation[1][2], rotation[2][2]))
     if own < nudges:
-        copy(given[index if own < 0 else 0], q)
+        copy(initial[index if own < 0 else 0], q)
         forward(q, check.frames)
         carried(check.frames, setting, aim, path)
         if own >= 0:
@@ -137,7 +148,7 @@ def begin_path(
         elif setting.other_guess != 0.0 and (length > reach(problem.limits)[1]) == (own == 0):
             swung(problem.limits, aim, path, 0.0)
         return ARC
-    begin_from(problem, check, given, given.shape[0] + own - 1 - 2 * WAYS, seed, q)
+    begin_from(problem, check, initial, initial.shape[0], own - 1 - 2 * WAYS, seed, q)
     forward(q, check.frames)
     carried(check.frames, setting, aim, path)
     return RANDOM
@@ -149,7 +160,7 @@ def look(problem: Problem, aim: Aim, path: Path) -> tuple[float, float]:
     long = 0.0
     for k in range(path.arcs.shape[0]):
         length = path.arcs[k, 14]
-        long = max(long, problem.limits[k, LOW] - length, length - problem.limits[k, HIGH])
+        long = max(long, problem.limits[k, MIN_LENGTH] - length, length - problem.limits[k, MAX_LENGTH])
     turn = norm(direction_vector(get_vec(path.tangents, path.arcs.shape[0], 0), aim.direction)) if aim.directed else 0.0
     return long, turn
 
@@ -250,54 +261,44 @@ def improve(
 
 @entry
 def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
-    options: Array,
-    values: Array,
-    place: Array,
+    sampled: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
-    best: Array,
-    records: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
+    answers: Array,
 ) -> None:
-    """Solve m problems, one after the other, from starts number `first` up to, without it, `most`.
+    """Solve m problems; see `sinuous.methods.compiled`.
 
-    Tables of robot and scene, `settings` as for `search.search`; `options` as `path_costs.Setting`, `values` and
-    `place` as `potential.make_potential` have them; `targets` (m, 1, 15), `given` (m, g, n, 3); fills `best`
-    (m, n, 3) and `records` (m, 10), laid out as `search.OUTCOME` says.
+    The options in `settings` are those of `costs.Setting`; `sampled` is the group that `potential.read_potential` takes
+    apart.
     """
-    n = limits.shape[0]
+    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+    first, most, seed, seconds = budget
     setting = read_setting(options)
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
-        path, q, rest = carve_path(buffer, n)
+        problem = read_problem(robot, scene, settings, targets[i])
+        best, record = answer_of(answers, i, n)
+        path, q, rest = carve_path(workspace, n)
         check = carve_check(rest, problem)
         aim = read_aim(problem)
-        potential = make_potential(values, place, setting.slope, setting.influence * aim.unit)
-        want(limits, setting.dead_band, problem.mount, path)
-        deadline, last = begin(problem, check, given[i], first, most, seconds, best[i], records[i])
+        potential = read_potential(sampled, setting.slope, setting.influence * aim.unit)
+        want(problem.limits, setting.dead_band, problem.mount, path)
+        deadline, last = begin(problem, check, initial[i], first, most, seconds, best, record)
         total, starts, late = 0, 0, False
-        for index in range(first, last):
-            kind = begin_path(problem, check, setting, aim, path, given[i], index, seed, q)
+        for index in range(last):
+            kind = begin_path(problem, check, setting, aim, path, initial[i], index, first, seed, q)
             if kind < 0:
                 break
             starts += 1
-            used, solved = improve(
-                problem, check, potential, setting, aim, path, kind, deadline, q, best[i], records[i]
-            )
+            used, solved = improve(problem, check, potential, setting, aim, path, kind, deadline, q, best, record)
             total += used
             if solved:
                 break
             if now(check.clock) > deadline:
                 late = True
                 break
-        end(problem, check, total, starts, late, best[i], records[i])
+        end(problem, check, total, starts, late, best, record)

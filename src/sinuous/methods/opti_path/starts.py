@@ -17,7 +17,7 @@ from sinuous.kernels.maths.vectors import (
     scale,
     sub,
 )
-from sinuous.kernels.step.limits import HIGH, LOW
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.opti_path.bezier import along_arc, put_points
 from sinuous.methods.opti_path.costs import Aim, Path, Setting
 
@@ -58,8 +58,8 @@ def reach(limits: Array) -> tuple[float, float]:
     """Least and largest length of the robot."""
     low = high = 0.0
     for k in range(limits.shape[0]):
-        low += limits[k, LOW]
-        high += limits[k, HIGH]
+        low += limits[k, MIN_LENGTH]
+        high += limits[k, MAX_LENGTH]
     return low, high
 
 
@@ -82,7 +82,7 @@ def single(limits: Array, setting: Setting, aim: Aim, path: Path) -> float:
     height = setting.bow * aim.unit if aside < setting.bow * aim.unit else 0.0
     s = 0.0
     for i in range(1, n):
-        s += (limits[i - 1, LOW] + limits[i - 1, HIGH]) / (low + high)
+        s += (limits[i - 1, MIN_LENGTH] + limits[i - 1, MAX_LENGTH]) / (low + high)
         p = add(base, along_arc(t, side, 2.0 * half, length, s))
         put_vec(path.points, i, 0, add_scaled(p, height * math.sin(math.pi * s), side))
     put_vec(path.points, n, 0, aim.position)
@@ -144,7 +144,7 @@ def _cut(limits: Array, a: Vec, b: Vec, c: Vec, aim: Aim, path: Path) -> None:
     low, high = reach(limits)
     total = _curve_length(a, b, c, aim.position)
     i, done, before = 1, 0.0, a
-    share = (limits[0, LOW] + limits[0, HIGH]) / (low + high)
+    share = (limits[0, MIN_LENGTH] + limits[0, MAX_LENGTH]) / (low + high)
     steps = 16 * n
     for j in range(1, steps + 1):
         p = _cubic(a, b, c, aim.position, j / steps)
@@ -152,7 +152,7 @@ def _cut(limits: Array, a: Vec, b: Vec, c: Vec, aim: Aim, path: Path) -> None:
         while i < n and done + piece >= share * total:
             part = (share * total - done) / piece if piece > 0.0 else 0.0
             put_vec(path.points, i, 0, add_scaled(before, part, sub(p, before)))
-            share += (limits[i, LOW] + limits[i, HIGH]) / (low + high)
+            share += (limits[i, MIN_LENGTH] + limits[i, MAX_LENGTH]) / (low + high)
             i += 1
         done += piece
         before = p

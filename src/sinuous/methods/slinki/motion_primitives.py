@@ -14,7 +14,8 @@ import numpy as np
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, sub
-from sinuous.kernels.step.limits import HIGH, LOW, bend_cap
+from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.fabrik.links import angle_between, unit_or
 
 Tree = namedtuple("Tree", ["frames", "q", "cost", "effort", "travel", "parent", "depth", "heap"])
@@ -139,10 +140,10 @@ def outlook(limits: Array, sums: Array, k: int, begin: Vec, first: Vec, end: Vec
     bend_1, bend_2, length_1, length_2 = biarc(begin, first, end, last)
     cost = 2.0 * (bend_1 * bend_1 + bend_2 * bend_2) / left
     if left == 2:
-        over_1 = max(0.0, bend_1 - bend_cap(limits, k, limits[k, HIGH]))
-        over_2 = max(0.0, bend_2 - bend_cap(limits, k + 1, limits[k + 1, HIGH]))
-        off_1 = _beyond(length_1, limits[k, LOW], limits[k, HIGH], unit)
-        off_2 = _beyond(length_2, limits[k + 1, LOW], limits[k + 1, HIGH], unit)
+        over_1 = max(0.0, bend_1 - bend_cap(limits, k, limits[k, MAX_LENGTH]))
+        over_2 = max(0.0, bend_2 - bend_cap(limits, k + 1, limits[k + 1, MAX_LENGTH]))
+        off_1 = _beyond(length_1, limits[k, MIN_LENGTH], limits[k, MAX_LENGTH], unit)
+        off_2 = _beyond(length_2, limits[k + 1, MIN_LENGTH], limits[k + 1, MAX_LENGTH], unit)
         return cost + over_1 * over_1 + over_2 * over_2 + MISFIT * (off_1 + off_2)
     over = max(0.0, bend_1 + bend_2 - sums[k, 2])
     return cost + over * over + MISFIT * _beyond(length_1 + length_2, sums[k, 0], sums[k, 1], unit)
@@ -155,7 +156,7 @@ def primitive(limits: Array, k: int, number: int, bends: int, directions: int, l
     Numbers run through directions first, then bends, then lengths; every second ring of directions is turned by half a
     step.
     """
-    low, high = limits[k, LOW], limits[k, HIGH]
+    low, high = limits[k, MIN_LENGTH], limits[k, MAX_LENGTH]
     rings = bends if bend_cap(limits, k, high) > 0.0 else 0
     around = 1 + rings * directions
     sizes = lengths if high > low else 1

@@ -1,9 +1,9 @@
 """SLInKi: A* over a state lattice for the first segments, FABRIKc for the last two.
 
 Chiang et al., "SLInKi: state lattice based inverse kinematics" (2021). The paper itself could not be had: what was
-chosen is said in `sinuous.methods.slinki.search` and `sinuous.methods.slinki.motion_primitives`. Everything is compiled, one call a
-solve; the lattice lies in a workspace that is made beforehand. The iterations of a solution are nodes looked at and
-iterations of FABRIKc together.
+chosen is said in `sinuous.methods.slinki.search` and `sinuous.methods.slinki.motion_primitives`. Everything is
+compiled, one call a solve; the lattice lies in a workspace that is made beforehand. The iterations of a solution are
+nodes looked at and iterations of FABRIKc together.
 """
 
 from dataclasses import dataclass

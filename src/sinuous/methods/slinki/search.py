@@ -1,10 +1,10 @@
 """SLInKi (Chiang et al. 2021): A* over a lattice of shapes for all segments but two, FABRIKc for these.
 
-The tree of `sinuous.methods.slinki.motion_primitives` grows until a node with two segments left costs least; FABRIKc then reaches
-from there for the target. Where it does not get there, or the whole shape is not clear, the search goes on. Of the
-paper only what others say of it could be had; chosen here are the primitives and what they cost, that FABRIKc begins
-with the single arc, that primitives which run into an obstacle are left out, and that a lattice that found nothing is
-followed by finer ones.
+The tree of `sinuous.methods.slinki.motion_primitives` grows until a node with two segments left costs least; FABRIKc
+then reaches from there for the target. Where it does not get there, or the whole shape is not clear, the search goes
+on. Of the paper only what others say of it could be had; chosen here are the primitives and what they cost, that
+FABRIKc begins with the single arc, that primitives which run into an obstacle are left out, and that a lattice that
+found nothing is followed by finer ones.
 """
 
 import math
@@ -16,9 +16,10 @@ from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec, sub, vec_mat
-from sinuous.kernels.solve.judge import ARC, Check, begin, carve_check, check_size, end, has_obstacles, offer
-from sinuous.kernels.step.limits import HIGH, LOW, bend_cap
-from sinuous.kernels.step.states import Problem, make_problem
+from sinuous.kernels.problem import Problem, answer_of, read_problem, read_robot
+from sinuous.kernels.solve.judge import Check, begin, carve_check, check_size, end, has_obstacles, offer
+from sinuous.kernels.step.limits import bend_cap
+from sinuous.kernels.tables import ARC, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH
 from sinuous.methods.fabrik.search import BESIDE as REACHING_BESIDE
 from sinuous.methods.fabrik.search import PER_SEGMENT as REACHING_PER_SEGMENT
 from sinuous.methods.fabrik.search import axis_of, carve, descend, end_goal, settle
@@ -56,9 +57,9 @@ def carve_search(buffer: Array, limits: Array, nodes: int) -> Search:
     put_vec(sums, n, 0, ZERO)
     for j in range(n):
         k = n - 1 - j
-        sums[k, 0] = sums[k + 1, 0] + limits[k, LOW]
-        sums[k, 1] = sums[k + 1, 1] + limits[k, HIGH]
-        sums[k, 2] = sums[k + 1, 2] + bend_cap(limits, k, limits[k, HIGH])
+        sums[k, 0] = sums[k + 1, 0] + limits[k, MIN_LENGTH]
+        sums[k, 1] = sums[k + 1, 1] + limits[k, MAX_LENGTH]
+        sums[k, 2] = sums[k + 1, 2] + bend_cap(limits, k, limits[k, MAX_LENGTH])
     work = carve(buffer[3 * n + 3 :], n, min(LAST, n))
     for i in range(work.chain.bends.shape[0] + 1):
         work.chain.first[i] = max(0, n - LAST) + i
@@ -146,7 +147,7 @@ def grow(
     tree, work, n = search.tree, search.work, problem.limits.shape[0]
     lattice = (int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level)
     for k in range(n):
-        put_vec(work.q, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, LOW] + problem.limits[k, HIGH])))
+        put_vec(work.q, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
     forward(work.q, check.frames)
     place, tangent, aimed = end_goal(problem, check.frames)
     goal = Goal(place, tangent, aimed)
@@ -179,7 +180,7 @@ def _solve(
     problem: Problem,
     check: Check,
     search: Search,
-    given: Array,
+    initial: Array,
     first: int,
     most: int,
     seconds: float,
@@ -187,44 +188,40 @@ def _solve(
     best: Array,
     record: Array,
 ) -> None:
-    deadline, last = begin(problem, check, given, first, most, seconds, best, record)
-    total, index, late, done = 0, first, False, False
-    while index < min(last, given.shape[0] + LEVELS) and not late and not done:
-        if index >= given.shape[0]:
-            used, done = grow(problem, check, search, options, index - given.shape[0], deadline, best, record)
+    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
+    total, index, late, done = 0, 0, False, False
+    while index < last and first + index - initial.shape[0] < LEVELS and not late and not done:
+        if index >= initial.shape[0]:
+            level = first + index - initial.shape[0]
+            used, done = grow(problem, check, search, options, level, deadline, best, record)
             total += used
             late = not done and now(check.clock) > deadline
         index += 1
-    end(problem, check, total, index - first, late, best, record)
+    end(problem, check, total, index, late, best, record)
 
 
 @entry
 def search(
-    limits: Array,
-    actuation: Array,
-    poses: Array,
-    table: Array,
-    store: Array,
+    robot: Array,
+    scene: Array,
     settings: Array,
-    options: Array,
     targets: Array,
-    given: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    buffer: Array,
-    best: Array,
-    records: Array,
+    initial: Array,
+    budget: tuple[int, int, int, float],
+    workspace: Array,
+    answers: Array,
 ) -> None:
     """Solve m problems; see `sinuous.methods.compiled`. Nothing is random: `seed` is not looked at.
 
     `options`: most iterations of FABRIKc from one node, most nodes, rings and directions of bends, lengths, and the
     weight of what a node may still cost. Given starts are counted and passed over.
     """
+    limits, options = read_robot(robot).limits, settings[METHOD_OPTIONS:]
+    first, most, _, seconds = budget
     n, nodes = limits.shape[0], int(options[1])
-    scratch = carve_search(buffer, limits, nodes)
+    scratch = carve_search(workspace, limits, nodes)
     for i in range(targets.shape[0]):
-        problem = make_problem(limits, actuation, poses, table, store, settings, targets[i])
-        check = carve_check(buffer[PER_SEGMENT * n + BESIDE + PER_NODE * nodes :], problem)
-        _solve(problem, check, scratch, given[i], first, most, seconds, options, best[i], records[i])
+        problem = read_problem(robot, scene, settings, targets[i])
+        best, record = answer_of(answers, i, n)
+        check = carve_check(workspace[PER_SEGMENT * n + BESIDE + PER_NODE * nodes :], problem)
+        _solve(problem, check, scratch, initial[i], first, most, seconds, options, best, record)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.kernels.tables import BALLS, CUBES, LEAF_ITEMS, TRIANGLES
 from sinuous.scene.meshes.normals import part_normals
 
 if TYPE_CHECKING:
@@ -63,8 +64,6 @@ NO_NORMALS = np.empty((0, 21))
 
 def triangles(mesh: "Mesh") -> Pieces:
     """Triangles of a mesh, with normals where it is watertight."""
-    from sinuous.kernels.fields.trees import TRIANGLES  # noqa: PLC0415
-
     corners = mesh.vertices[mesh.faces]
     order, levels, nodes = _tree(corners.mean(axis=1), corners.min(axis=1), corners.max(axis=1))
     return Pieces(
@@ -88,8 +87,6 @@ def with_planes(corners: Floats) -> Floats:
 
 def balls(cloud: "PointCloud") -> Pieces:
     """Balls about the points of a cloud."""
-    from sinuous.kernels.fields.trees import BALLS  # noqa: PLC0415
-
     radii = cloud.radii[:, None]
     order, levels, nodes = _tree(cloud.points, cloud.points - radii, cloud.points + radii)
     return Pieces(BALLS, levels, nodes, np.concatenate([cloud.points, radii], axis=1)[order], NO_NORMALS)
@@ -97,18 +94,16 @@ def balls(cloud: "PointCloud") -> Pieces:
 
 def cubes(centers: Floats, side: float) -> Pieces:
     """Solid cubes about points (m, 3)."""
-    from sinuous.kernels.fields.trees import CUBES  # noqa: PLC0415
-
     order, levels, nodes = _tree(centers, centers - 0.5 * side, centers + 0.5 * side)
     return Pieces(CUBES, levels, nodes, centers[order], NO_NORMALS, half=0.5 * side)
 
 
 def _tree(centers: Floats, lows: Floats, highs: Floats) -> tuple[NDArray[np.int64], int, Floats]:
     """Order, number of levels, and boxes (2 << levels, 6) of a tree over what has these centers and corners (m, 3)."""
-    from sinuous.kernels.fields.trees import LEAF, arrange, enclose  # noqa: PLC0415
+    from sinuous.kernels.fields.trees import arrange, enclose  # noqa: PLC0415
 
     count = len(centers)
-    levels = max(0, (max(1, -(-count // LEAF)) - 1).bit_length())
+    levels = max(0, (max(1, -(-count // LEAF_ITEMS)) - 1).bit_length())
     order, nodes = np.arange(count), np.empty((2 << levels, 6))
     arrange(_plain(centers), levels, order)
     enclose(_plain(lows), _plain(highs), order, levels, nodes)

@@ -1,0 +1,86 @@
+"""One problem as kernels see it: the groups of `tables`, taken apart."""
+
+from collections import namedtuple
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import read_scene
+from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.tables import (
+    ACTUATOR_WIDTH,
+    ANGLE_TOLERANCE,
+    LOOK_DEPTH,
+    MARGIN,
+    MOUNT,
+    POSE_WIDTH,
+    POSITION_TOLERANCE,
+    RECORD_WIDTH,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
+    STEP_DEPTH,
+    UNIT,
+)
+
+Robot = namedtuple("Robot", ["limits", "actuation", "base", "tool"])
+"""Rows of segments (n, 7) and of actuator limits (p, 7); poses of base and tool (1, 12)."""
+
+Problem = namedtuple(
+    "Problem",
+    [
+        "limits",
+        "actuation",
+        "base",
+        "tool",
+        "scene",
+        "targets",
+        "mount",
+        "unit",
+        "margin",
+        "position_tolerance",
+        "angle_tolerance",
+        "look_depth",
+        "step_depth",
+    ],
+)
+"""What does not change during a solve: `Robot`, the scene, rows of targets (t, 15); the settings by their names
+(lengths in the length unit, angles in rad)."""
+
+
+@kernel
+def read_robot(robot: Array) -> Robot:
+    """Take the group of a robot apart."""
+    n, p = int(robot[0]), int(robot[1])
+    actuators = ROBOT_HEADER + SEGMENT_WIDTH * n
+    poses = actuators + ACTUATOR_WIDTH * p
+    return Robot(
+        robot[ROBOT_HEADER:actuators].reshape((n, SEGMENT_WIDTH)),
+        robot[actuators:poses].reshape((p, ACTUATOR_WIDTH)),
+        robot[poses : poses + POSE_WIDTH].reshape((1, POSE_WIDTH)),
+        robot[poses + POSE_WIDTH : poses + 2 * POSE_WIDTH].reshape((1, POSE_WIDTH)),
+    )
+
+
+@kernel
+def read_problem(robot: Array, scene: Array, settings: Array, targets: Array) -> Problem:
+    """Take the groups of one problem apart; layouts as `tables` says, `targets` (t, 15)."""
+    own = read_robot(robot)
+    return Problem(
+        own.limits,
+        own.actuation,
+        own.base,
+        own.tool,
+        read_scene(scene),
+        targets,
+        settings[MOUNT],
+        settings[UNIT],
+        settings[MARGIN],
+        settings[POSITION_TOLERANCE],
+        settings[ANGLE_TOLERANCE],
+        int(settings[LOOK_DEPTH]),
+        int(settings[STEP_DEPTH]),
+    )
+
+
+@kernel
+def answer_of(answers: Array, i: int, n: int) -> tuple[Array, Array]:
+    """Configuration (n, 3) and record (10,) of answer `i` in a batch (m, 10 + 3 n)."""
+    return answers[i, RECORD_WIDTH:].reshape((n, 3)), answers[i, :RECORD_WIDTH]

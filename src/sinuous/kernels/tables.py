@@ -1,0 +1,197 @@
+"""The boundary between nouns and kernels: the layout of every table, and the numbers that stand for words.
+
+This module alone owns columns, widths, codes and kinds. `sinuous.packing` writes the tables, kernels read them, and
+both use the names below. All tables are float64 and C-contiguous. What belongs together travels as one *group*, a
+single flat array, because every array that Python hands to a compiled function costs 0.08 us, and a tuple of arrays
+more:
+
+- the robot: `[n, p]`, rows of its n segments, rows of its p actuator limits, poses of base and tool;
+- the scene: `[m]`, rows of its m obstacles, then the store: all numbers that these rows point to;
+- the settings: one number for each name below, then the options of the method;
+- the targets: a table (t, 15), the only group with two axes.
+
+Lengths are in the length unit of the user, angles in rad.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+# --- the robot group -------------------------------------------------------------------------------------------------
+
+ROBOT_HEADER = 2
+"""Numbers before the rows of the segments: how many segments, how many actuator limits."""
+
+MIN_LENGTH, MAX_LENGTH, MAX_BEND, MAX_CURVATURE, RADIUS, BEND_SCALE, LENGTH_SCALE = range(7)
+"""Columns of a segment. Limits of its length, bend (rad) and curvature; radius of its body; scales of a bend (rad) and
+of a length in which motion is measured (0: that coordinate cannot move)."""
+
+SEGMENT_WIDTH = 7
+
+FIRST_SEGMENT, LAST_SEGMENT, WEIGHTS, MIN_VALUE, MAX_VALUE = 0, 1, 2, 5, 6
+"""Columns of an actuator limit. It bounds `weights . (bend_x, bend_y, length)` (3 weights), summed from the first
+segment to the last. A chamber sees one segment; a tendon all segments from 0 to its last. Rows are in the order of
+their last."""
+
+ACTUATOR_WIDTH = 7
+
+POSE_ROTATION, POSE_POSITION = 0, 9
+"""Columns of a pose: rotation (9, row by row) and position (3)."""
+
+POSE_WIDTH = 12
+
+# --- the scene group -------------------------------------------------------------------------------------------------
+
+SCENE_HEADER = 1
+"""Numbers before the rows of the obstacles: how many there are."""
+
+SPHERE, BOX, CYLINDER, HALF_SPACE, TREE, SAMPLES = range(6)
+"""Kinds of obstacles. TREE: triangles, balls or cubes in a tree of boxes, perhaps with samples. SAMPLES: samples
+alone."""
+
+KIND, SIGN = 0, 1
+"""First columns of every obstacle: its kind; 1, or -1 where the body must stay inside."""
+
+CENTER, AXES, HALF_EXTENTS = 2, 5, 14
+"""Columns of a primitive: center (3), rotation (9, its columns are the obstacle's axes in the world), half extents
+(3)."""
+
+ROUNDING = 17
+"""Column of every obstacle: what is taken off the distance."""
+
+NODES, LEVELS, ITEMS, COUNT, ITEM_KIND, NORMALS = range(2, 8)
+"""Columns of a TREE. Where its nodes begin in the store, and its levels; where its items begin, their number and kind;
+where their normals begin (-1: triangles without an inside)."""
+
+FIRST_SAMPLE, SHAPE, ORIGIN, SPACING = 8, 9, 12, 15
+"""Columns of whatever has samples: where they begin in the store (-1: there are none), how many along every axis (3),
+the place of the first (3), and the distance between neighbours."""
+
+CUBE_HALF = 16
+"""Column of a TREE of cubes: half of their edge."""
+
+OBSTACLE_WIDTH = 18
+
+TRIANGLES, BALLS, CUBES = range(3)
+"""Kinds of items."""
+
+TRIANGLE_SIZE, TRIANGLE_NORMAL, TRIANGLE_OFFSET = 13, 9, 12
+"""Numbers of a triangle: its corners (9), the unit normal of its plane (3), and how far that is from the origin."""
+
+NORMALS_SIZE = 21
+"""Numbers of the normals of a triangle, in the order of its parts: inside, edges ab, bc, ca, corners a, b, c."""
+
+BALL_SIZE, CUBE_SIZE = 4, 3
+"""Numbers of a ball (center, radius) and of a cube (center)."""
+
+ITEM_SIZES = (TRIANGLE_SIZE, BALL_SIZE, CUBE_SIZE)
+
+NODE_SIZE = 6
+"""Numbers of a node of a tree: the low and the high corner of its box."""
+
+LEAF_ITEMS = 4
+"""Most items of a leaf of a tree."""
+
+# --- the targets -----------------------------------------------------------------------------------------------------
+
+TARGET_SEGMENT, HAS_POSITION, TARGET_POSITION, ORIENTATION, GOAL = 0, 1, 2, 5, 6
+"""Columns of a target: the segment whose end is meant (from 0; -1: the last), whether a position is asked for, that
+position (3), what is asked of the orientation, and the direction (3) or rotation (9, row by row)."""
+
+FREE, DIRECTION, ROTATION = range(3)
+"""What may be asked of the orientation."""
+
+TARGET_WIDTH = 15
+
+# --- the settings ----------------------------------------------------------------------------------------------------
+
+(
+    MOUNT,
+    UNIT,
+    MARGIN,
+    POSITION_TOLERANCE,
+    ANGLE_TOLERANCE,
+    LOOK_DEPTH,
+    STEP_DEPTH,
+    MAX_ITERATIONS,
+    INITIAL_WEIGHT,
+    BENDS_WEIGHT,
+    WISHED_CLEARANCE,
+) = range(11)
+"""Places in the settings: length of backbone that obstacles do not concern; mean length of the robot; clearance that
+steps aim for; tolerances; how often a segment is halved in the search for contacts, at a glance and in a step; most
+iterations from one start; and the preferences: weights of staying close to the initial configuration and of small
+bends, and the clearance that is wished for."""
+
+METHOD_OPTIONS = 11
+"""Place of the first option of the method."""
+
+# --- the outcome -----------------------------------------------------------------------------------------------------
+
+SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE = range(8)
+"""How a search ended. From OUT_OF_REACH on: proved impossible."""
+
+GIVEN, ARC, RANDOM, ROUTE = range(4)
+"""Sources of starts."""
+
+SOURCES = ("given", "arc", "random", "route")
+"""Their names, in the same order."""
+
+CODE, ITERATIONS, STARTS, SOURCE, POSITION_ERROR, ANGLE_ERROR, CLEARANCE, BOUND, MERIT, SECONDS = range(10)
+"""Columns of the record of a search, in the order of the fields of `Outcome`."""
+
+RECORD_WIDTH = 10
+
+
+class Outcome(NamedTuple):
+    """What a search found for one problem.
+
+    Attributes
+    ----------
+    q : ndarray (n, 3)
+        The best configuration.
+    code : int
+        How the search ended: SOLVED, UNPROVED, ...
+    iterations, starts : int
+        Iterations of all starts, and how many starts there were.
+    source : int
+        Where the best start came from: GIVEN, ARC, ...
+    position_error, angle_error : float
+        Largest over the targets, length unit and rad.
+    clearance : float
+        Proved when it is solved, else the least that was seen.
+    bound : bool
+        Whether limits stopped the best start.
+    merit : float
+        What is left of its residual, squared.
+    seconds : float
+    cell : float
+        Edge of the cells by which it was proved that there is no route; NaN otherwise.
+    """
+
+    q: NDArray[np.float64]
+    code: int
+    iterations: int
+    starts: int
+    source: int
+    position_error: float
+    angle_error: float
+    clearance: float
+    bound: bool
+    merit: float
+    seconds: float
+    cell: float = float("nan")
+
+    @classmethod
+    def from_record(cls, q: NDArray[np.float64], record: list[float]) -> "Outcome":
+        """Make it of one record, where whole numbers and truth values are floats too."""
+        code, iterations, starts, source, off, turn, clearance, bound, merit, seconds = record
+        return cls(
+            q, int(code), int(iterations), int(starts), int(source), off, turn, clearance, bool(bound), merit, seconds
+        )
+
+
+def answer_size(segments: int) -> int:
+    """Numbers of one answer in a batch: its record, then its configuration."""
+    return RECORD_WIDTH + 3 * segments

@@ -1,0 +1,131 @@
+"""How nouns are written for the kernels: the one place that packs them into the tables of `sinuous.kernels.tables`.
+
+Rows are returned as new arrays. Kernels are compiled for writable arrays alone; whoever keeps a table and shows it to
+users keeps the array for itself and shows a read-only view of it.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels import tables as t
+
+if TYPE_CHECKING:
+    from sinuous.problem.problem import Preferences, Tolerance
+    from sinuous.robot.robot import Robot
+
+ITERATIONS = 60
+"""Most iterations from one start."""
+
+LOOK_DEPTH, STEP_DEPTH = 0, 3
+"""How often a segment is halved in the search for contacts: at a glance, to compare starts, and in a step."""
+
+MARGIN = 1e-4
+"""Clearance that steps aim for beyond none, of the robot's mean length: room for the proof to decide."""
+
+
+def read_only(array: Any) -> Any:
+    """Return a view of an array that cannot be written to."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def segment_row(length: tuple[float, float], max_bend: float, max_curvature: float, radius: float) -> list[float]:
+    """Return the row of a segment; what cannot move has the scale 0."""
+    low, high = length
+    bends = 1.0 if max_bend > 0.0 and max_curvature > 0.0 and high > 0.0 else 0.0
+    row = [0.0] * t.SEGMENT_WIDTH
+    row[t.MIN_LENGTH], row[t.MAX_LENGTH] = low, high
+    row[t.MAX_BEND], row[t.MAX_CURVATURE] = max_bend if bends else 0.0, max_curvature
+    row[t.RADIUS] = radius
+    row[t.BEND_SCALE], row[t.LENGTH_SCALE] = bends, 0.5 * (low + high) if high > low else 0.0
+    return row
+
+
+def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[float, float]) -> list[float]:
+    """Return the row of an actuator limit on segments `first` to `last`, counted from 0."""
+    return [float(first), float(last), *weights, *limits]
+
+
+def pose_row(matrix: Floats) -> Floats:
+    """Return the row (1, 12) of a pose (4, 4)."""
+    return np.concatenate([matrix[:3, :3].ravel(), matrix[:3, 3]])[None, :].copy()
+
+
+def robot_group(robot: "Robot") -> Floats:
+    """Return the group of a robot."""
+    header = [float(len(robot.limits)), float(len(robot.actuation))]
+    parts = (header, robot.limits, robot.actuation, pose_row(robot.base), pose_row(robot.tool))
+    return np.concatenate([np.ravel(part) for part in parts])
+
+
+def primitive_row(
+    kind: int, inside: bool, center: Floats, axes: Floats, half_extents: Any, rounding: float = 0.0
+) -> Floats:
+    """Return the row (18,) of a sphere, box, cylinder or half-space."""
+    row = np.zeros(t.OBSTACLE_WIDTH)
+    row[t.KIND], row[t.SIGN], row[t.ROUNDING] = kind, -1.0 if inside else 1.0, rounding
+    row[t.CENTER : t.CENTER + 3] = center
+    row[t.AXES : t.AXES + 9] = np.ravel(axes)
+    row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
+    return row
+
+
+def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
+    """Return the group of a scene; places in the rows count from the start of the obstacle's own store."""
+    table = np.array(rows, np.float64).reshape(-1, t.OBSTACLE_WIDTH)
+    at = 0
+    for row, store in zip(table, stores, strict=True):
+        if row[t.KIND] >= t.TREE:
+            for column in (t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE):
+                if row[column] >= 0.0:
+                    row[column] += at
+        at += len(store)
+    # One number more than there is: an empty store would be another type of array to NumPy's slices.
+    return np.concatenate([[float(len(table))], table.ravel(), *stores, [0.0]])
+
+
+def scene_parts(group: Floats) -> tuple[Floats, Floats]:
+    """Return the rows (m, 18) and the store (s,) of the group of a scene, as views."""
+    end = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(group[0])
+    return group[t.SCENE_HEADER : end].reshape(-1, t.OBSTACLE_WIDTH), group[end:]
+
+
+def target_row(
+    segment: int | None, position: Floats | None, direction: Floats | None, rotation: Floats | None
+) -> Floats:
+    """Return the row (1, 15) of a target; `segment` 1 = first, `None` the last."""
+    row = np.zeros((1, t.TARGET_WIDTH))
+    row[0, t.TARGET_SEGMENT] = -1 if segment is None else segment - 1
+    if position is not None:
+        row[0, t.HAS_POSITION] = 1.0
+        row[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] = position
+    if direction is not None:
+        row[0, t.ORIENTATION], row[0, t.GOAL : t.GOAL + 3] = t.DIRECTION, direction
+    elif rotation is not None:
+        row[0, t.ORIENTATION], row[0, t.GOAL : t.GOAL + 9] = t.ROTATION, rotation.ravel()
+    return row
+
+
+def settings_group(
+    robot: "Robot", tolerance: "Tolerance", prefer: "Preferences | None" = None, options: Sequence[float] | Floats = ()
+) -> Floats:
+    """Return the settings of a solve, with the options of its method at their end."""
+    unit = robot.mean_length
+    values: Mapping[int, float | None] = {
+        t.MOUNT: robot.mount,
+        t.UNIT: unit,
+        t.MARGIN: MARGIN * unit,
+        t.POSITION_TOLERANCE: tolerance.position,
+        t.ANGLE_TOLERANCE: tolerance.angle,
+        t.LOOK_DEPTH: LOOK_DEPTH,
+        t.STEP_DEPTH: STEP_DEPTH,
+        t.MAX_ITERATIONS: ITERATIONS,
+        t.INITIAL_WEIGHT: prefer.start if prefer else 0.0,
+        t.BENDS_WEIGHT: prefer.bends if prefer else 0.0,
+        t.WISHED_CLEARANCE: prefer.clearance if prefer else 0.0,
+    }
+    return np.array([*(values[i] for i in range(t.METHOD_OPTIONS)), *options], np.float64)

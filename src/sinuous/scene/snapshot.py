@@ -1,0 +1,144 @@
+"""The obstacles as they are at one moment, and how far points are from them. Nothing of it changes."""
+
+import threading
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks, packing
+from sinuous.checks import Floats
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field, evaluate
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.tables import Part, join, live, prepare
+
+DIFFERENCE = 1e-4
+"""Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
+
+
+class Snapshot:
+    """A union of obstacles, frozen. Distances are positive outside, negative inside, in the length unit.
+
+    Problems and solutions hold the snapshot of the scene that they were solved in. What the kernels read of it is
+    computed when it is first asked for, or by `prepare`.
+
+    Parameters
+    ----------
+    obstacles : tuple of Obstacle
+    parts : sequence of Part, optional
+        What the kernels read of each, where it is known.
+    """
+
+    __slots__ = ("_group", "_lock", "_obstacles", "_parts")
+
+    def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
+        self._obstacles = obstacles
+        self._parts = parts
+        self._group: Floats | None = None if parts is None else join(parts)
+        self._lock = threading.Lock()
+
+    @property
+    def obstacles(self) -> tuple[Obstacle, ...]:
+        """All obstacles."""
+        return self._obstacles
+
+    @property
+    def group(self) -> Floats:
+        """What the kernels read, laid out as `sinuous.kernels.tables` says; not to be changed."""
+        return self.prepare() if self._group is None else self._group
+
+    def prepare(self, progress: Callable[[str, float], None] | None = None) -> Floats:
+        """Compute what the kernels read, if that is not done yet, and return it; see `Scene.prepare`."""
+        with self._lock:
+            if self._group is None:
+                self._parts = [self._part(i, progress) for i in range(len(self))]
+                self._group = join(self._parts)
+            return self._group
+
+    def _part(self, index: int, progress: Callable[[str, float], None] | None) -> Part:
+        name = self.name(index)
+        return prepare(self._obstacles[index], name, None if progress is None else partial(progress, name))
+
+    def replaced(self, index: int, cloud: PointCloud) -> "Snapshot":
+        """Return a snapshot with this cloud in the place of an obstacle. It is not sampled: only its tree is built."""
+        self.prepare()
+        parts = list(self._parts or ())
+        parts[index] = live(cloud)
+        return Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
+
+    def __getstate__(self) -> tuple[tuple[Obstacle, ...], Sequence[Part] | None]:
+        return self._obstacles, self._parts
+
+    def __setstate__(self, state: tuple[tuple[Obstacle, ...], Sequence[Part] | None]) -> None:
+        Snapshot.__init__(self, *state)
+
+    def __len__(self) -> int:
+        return len(self.obstacles)
+
+    def __repr__(self) -> str:
+        return f"Snapshot({len(self)} obstacles)"
+
+    @property
+    def table(self) -> Floats:
+        """Rows (m, 18) for the kernels, read-only."""
+        rows: Floats = packing.read_only(packing.scene_parts(self.group)[0])
+        return rows
+
+    @property
+    def memory(self) -> int:
+        """Bytes that the kernels read: at most 16 MB of samples an obstacle, and some 350 bytes a triangle."""
+        return self.group.nbytes
+
+    def name(self, index: int) -> str:
+        """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
+        return self._obstacles[index].name or f"{self._obstacles[index].kind}[{index}]"
+
+    def distance(self, points: Floats) -> Floats:
+        """Signed distance (...) of points (..., 3); see `Scene.distance`."""
+        return self._query(points)[0]
+
+    def at_most(self, points: Floats) -> Floats:
+        """Upper bound (...) of the distance of points (..., 3); see `Scene.at_most`."""
+        return self._query(points)[3]
+
+    def gradient(self, points: Floats) -> Floats:
+        """Gradient (..., 3) of the distance at points (..., 3); see `Scene.gradient`."""
+        return self._query(points)[1]
+
+    def nearest(self, points: Floats) -> NDArray[np.int64]:
+        """Index (...) of the obstacle nearest to points (..., 3); -1 where there is none."""
+        return self._query(points)[2]
+
+    def _query(self, points: Floats) -> tuple[Floats, Floats, NDArray[np.int64], Floats]:
+        from sinuous.kernels.fields import distances  # noqa: PLC0415
+
+        checked = checks.stack("points", points, (3,))
+        flat = checked.reshape(-1, 3).copy()
+        values, gradients, which = np.empty(len(flat)), np.empty(flat.shape), np.empty(len(flat), np.int64)
+        rows, store = packing.scene_parts(self.group)
+        fields = {i: obstacle for i, obstacle in enumerate(self.obstacles) if isinstance(obstacle, Field)}
+        others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
+        above = np.empty(len(flat))
+        distances.many(rows[others], store, flat, values, above, gradients, which)
+        which = np.where(which >= 0, others[which] if len(others) else -1, -1)
+        for i, field in fields.items():
+            _ask_field(field, i, flat, values, above, gradients, which)
+        lead = checked.shape[:-1]
+        return values.reshape(lead), gradients.reshape(*lead, 3), which.reshape(lead), above.reshape(lead)
+
+
+def _ask_field(
+    field: Field, index: int, points: Floats, values: Floats, above: Floats, gradients: Floats, which: NDArray[np.int64]
+) -> None:
+    """Put in the distance to a field where it is the nearest obstacle."""
+    own = evaluate(field.function, points)
+    np.minimum(above, own, out=above)
+    nearer = own < values
+    values[nearer], which[nearer] = own[nearer], index
+    step = DIFFERENCE * field.spacing
+    for axis, offset in enumerate(step * np.eye(3)):
+        if nearer.any():
+            beyond, before = (evaluate(field.function, points[nearer] + sign * offset) for sign in (1.0, -1.0))
+            gradients[nearer, axis] = (beyond - before) / (2.0 * step)

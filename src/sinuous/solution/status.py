@@ -1,0 +1,67 @@
+"""How a solve ended, in a word and in a sentence."""
+
+from enum import StrEnum
+
+from sinuous.kernels.tables import (
+    BASE_BLOCKED,
+    LATE,
+    NO_ROUTE,
+    OUT_OF_REACH,
+    SOLVED,
+    TARGET_BLOCKED,
+    UNPROVED,
+    Outcome,
+)
+
+
+class Status(StrEnum):
+    """How a solve ended. Where it says proved, one counterexample is a defect."""
+
+    SOLVED = "solved"
+    OUT_OF_REACH = "out_of_reach"
+    TARGET_BLOCKED = "target_blocked"
+    BASE_BLOCKED = "base_blocked"
+    NO_ROUTE = "no_route"
+    UNPROVED = "unproved"
+    BLOCKED = "blocked"
+    LIMIT_BOUND = "limit_bound"
+    STALLED = "stalled"
+    TIME_LIMIT = "time_limit"
+
+    @property
+    def sentence(self) -> str:
+        """What the status means."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    Status.SOLVED: "all within tolerance and limits, whole body proved clear",
+    Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
+    Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
+    Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
+    Status.NO_ROUTE: "proved at the stated resolution: no way through free space wide enough for the body",
+    Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
+    Status.BLOCKED: "not solved: the best found overlaps an obstacle",
+    Status.LIMIT_BOUND: "not solved: limits stop the best found",
+    Status.STALLED: "not solved: no progress from any start",
+    Status.TIME_LIMIT: "not solved within the time budget",
+}
+
+_OF_CODES = {
+    SOLVED: Status.SOLVED,
+    UNPROVED: Status.UNPROVED,
+    LATE: Status.TIME_LIMIT,
+    OUT_OF_REACH: Status.OUT_OF_REACH,
+    TARGET_BLOCKED: Status.TARGET_BLOCKED,
+    BASE_BLOCKED: Status.BASE_BLOCKED,
+    NO_ROUTE: Status.NO_ROUTE,
+}
+
+
+def status_of(outcome: Outcome) -> Status:
+    """Return the status that an outcome stands for."""
+    if outcome.code in _OF_CODES:
+        return _OF_CODES[outcome.code]
+    if outcome.clearance < 0.0:
+        return Status.BLOCKED
+    return Status.LIMIT_BOUND if outcome.bound else Status.STALLED

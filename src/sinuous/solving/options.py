@@ -1,0 +1,81 @@
+"""What a solve may be told, in one place: for `Solver`, `solve`, `solve_all`, `track` and the command line."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from sinuous import checks
+from sinuous.errors import InputError
+from sinuous.methods import registry
+from sinuous.problem.problem import Preferences, Tolerance, as_tolerance
+
+TIME = 1.0
+"""Default budget of a solve, in seconds."""
+
+MAX_STARTS = 1000
+"""Default for the most starts of a solve."""
+
+RENAMED = {"start": "initial", "starts": "max_starts"}
+"""What options were called before, and what they are called now."""
+
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """The options of a solve; all are checked as they come in.
+
+    Attributes
+    ----------
+    tolerance : Tolerance
+        Default: 1e-4 of the robot's mean length, and 1e-3 rad.
+    method : str or Options
+        Name of the algorithm, or its options, like `OptiPath(iterations=100)`.
+    prefer : Preferences
+        What to like better among solutions.
+    time : float
+        Budget of one solve over all its starts, in seconds.
+    max_starts : int
+        Most starts of one solve.
+    seed : int
+        Of the scattered starts; the same seed gives the same answer, unless the time runs out.
+    routes : bool
+        Whether to search for routes through free space when the first starts fail; only for methods that take routes
+        (see `Capabilities.routes`).
+
+    Raises
+    ------
+    InputError
+        That names the option.
+    """
+
+    tolerance: Tolerance = field(default_factory=Tolerance)
+    method: registry.Choice = "newton"
+    prefer: Preferences = field(default_factory=Preferences)
+    time: float = TIME
+    max_starts: int = MAX_STARTS
+    seed: int = 0
+    routes: bool = True
+
+    def __post_init__(self) -> None:
+        prefer = Preferences() if self.prefer is None else self.prefer
+        if not isinstance(prefer, Preferences):
+            raise InputError("prefer", "of the wrong kind", prefer, "Preferences")
+        registry.name_of(self.method)
+        values = {
+            "tolerance": as_tolerance(self.tolerance),
+            "prefer": prefer,
+            "time": checks.number("time", self.time, low=0.0),
+            "max_starts": checks.integer("max_starts", self.max_starts, 1, 10**9),
+            "seed": checks.integer("seed", self.seed, 0, 2**31 - 1),
+            "routes": checks.truth("routes", self.routes),
+        }
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    @classmethod
+    def of(cls, given: dict[str, Any]) -> "SolveOptions":
+        """Make options of keyword arguments; one that was renamed is refused with its new name."""
+        for key, value in given.items():
+            if key in RENAMED:
+                raise InputError(key, "has another name now", value, f"{RENAMED[key]}=")
+            if key not in cls.__dataclass_fields__:
+                raise InputError(key, "is not known", value, "one of " + ", ".join(cls.__dataclass_fields__))
+        return cls(**given)

@@ -1,0 +1,133 @@
+"""Where starts come from: every source has a name and yields batches of them."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Protocol
+
+from sinuous.checks import Floats
+from sinuous.kernels.tables import GIVEN, RANDOM, SOURCES
+from sinuous.problem.problem import Problem
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Starts to be followed one after the other, until one is solved.
+
+    Attributes
+    ----------
+    source : str
+        Name of the source; starts that the method makes by itself report their own.
+    initial : ndarray (g, n, 3)
+        Initial configurations.
+    own : (int, int)
+        Numbers of starts that the method makes by itself in compiled code, after the initial configurations, from the
+        first up to, without it, the last: number 0 is the single arc, all others are scattered.
+    seconds : float
+        What it cost to make the batch.
+    then : int
+        Scattered starts that should come before the next batch of this source: in proportion to what that costs.
+    closed : float or None
+        Edge of the cells by which it was proved that there is no route; `None` where nothing is proved.
+    """
+
+    source: str
+    initial: Floats
+    own: tuple[int, int] = (0, 0)
+    seconds: float = 0.0
+    then: int = 0
+    closed: float | None = None
+
+    @property
+    def size(self) -> int:
+        """How many starts there are."""
+        return len(self.initial) + self.own[1] - self.own[0]
+
+    def parts(self, most: Callable[[], int]) -> Iterator["Batch"]:
+        """Cut it into batches of at most so many starts, asked anew for every part."""
+        at = 0
+        while at < len(self.initial):
+            count = most()
+            yield replace(self, initial=self.initial[at : at + count], own=(0, 0))
+            at += count
+        first, last = self.own
+        nothing = self.initial[:0]
+        while first < last:
+            end = min(last, first + most())
+            yield replace(self, initial=nothing, own=(first, end))
+            first = end
+
+
+class Question(NamedTuple):
+    """What a source may look at.
+
+    Attributes
+    ----------
+    problem : Problem
+    initial : ndarray (g, n, 3)
+        The initial configuration of the user: g is 0 or 1.
+    seconds_left : callable
+    """
+
+    problem: Problem
+    initial: Floats
+    seconds_left: Callable[[], float]
+
+
+class Source(Protocol):
+    """A start source."""
+
+    name: str
+
+    def batches(self, question: Question) -> Iterator[Batch]:
+        """Yield batches of starts, best first; the search ends at the first start that is solved."""
+        ...
+
+
+class Opening:
+    """The starts that cost least: the initial configuration, the single arc, and a few scattered shapes.
+
+    All of them are one batch, and so one compiled call: most solves end with it, after microseconds.
+
+    Parameters
+    ----------
+    most : int
+        Most starts of the batch.
+    """
+
+    name = SOURCES[GIVEN]
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+
+    def own(self, given: int) -> int:
+        """How many starts the method makes by itself, after so many initial configurations."""
+        return max(0, self._most - given)
+
+    def batches(self, question: Question) -> Iterator[Batch]:
+        """Yield the one batch."""
+        yield Batch(self.name, question.initial, (0, self.own(len(question.initial))))
+
+
+class Scattered:
+    """Shapes scattered over all possible ones; the method makes them by itself, from their numbers.
+
+    Parameters
+    ----------
+    first, last : int
+        Numbers of the first one, and of the one after the last.
+    """
+
+    name = SOURCES[RANDOM]
+
+    def __init__(self, first: int, last: int) -> None:
+        self._next, self._last = first, last
+
+    def take(self, question: Question, count: int) -> Batch:
+        """Return the next `count` of them, or as many as are left."""
+        first = self._next
+        self._next = min(self._last, first + count)
+        return Batch(self.name, question.initial[:0], (first, self._next))
+
+    def batches(self, question: Question) -> Iterator[Batch]:
+        """Yield all that are left, as one batch."""
+        yield self.take(question, self._last - self._next)

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ class Newton:
         self._robot = packing.robot_group(robot)
         self._settings = packing.settings_group(robot, tolerance, preferences)
         self._sizes = len(robot), len(robot.actuation), len(scene)
+        self._shape = len(robot), 3
         self._preferences = preferences
         self._local = threading.local()
         announce(search)
@@ -39,15 +41,19 @@ class Newton:
 
     def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
         """Return what `run` would call; see `Method.build`."""
-        rows = problem.rows
-        best, workspace = np.empty((self._sizes[0], 3)), self._workspace(len(rows))
-        return Call(search, (self._robot, problem.scene.group, self._settings, rows, initial, budget, workspace, best))
+        return Call(search, self._arguments(problem, initial, budget))
+
+    def _arguments(self, problem: Problem, initial: Floats, budget: Budget) -> tuple[Any, ...]:
+        rows, best = problem.rows, np.empty(self._shape)
+        return self._robot, problem.scene.group, self._settings, rows, initial, budget, self._workspace(len(rows)), best
 
     def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
         """Solve one problem; see `Method.run`."""
-        arguments = self.build(problem, initial, budget).arguments
+        arguments = self._arguments(problem, initial, budget)
         outcome = Outcome(arguments[-1], *search(*arguments))
         if self._preferences and outcome.code == SOLVED:
+            if reference is None and len(initial):
+                reference = initial[0]
             return self._prefer(outcome, problem, reference, budget[3])
         return outcome
 

@@ -9,7 +9,7 @@ from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
-from sinuous.solution.status import Status
+from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
 
 if TYPE_CHECKING:
@@ -46,11 +46,9 @@ class Solution:
         What was asked.
     """
 
-    def __init__(
-        self, problem: "Problem", status: Status, outcome: Outcome, seconds: float, method: str, seed: int
-    ) -> None:
+    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, method: str, seed: int) -> None:
         self.problem = problem
-        self.status = status
+        self.status = status_of(outcome)
         self.q = outcome.q
         self.seconds = seconds
         self.method = method

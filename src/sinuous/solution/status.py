@@ -60,8 +60,9 @@ _OF_CODES = {
 
 def status_of(outcome: Outcome) -> Status:
     """Return the status that an outcome stands for."""
-    if outcome.code in _OF_CODES:
-        return _OF_CODES[outcome.code]
+    status = _OF_CODES.get(outcome.code)
+    if status is not None:
+        return status
     if outcome.clearance < 0.0:
         return Status.BLOCKED
     return Status.LIMIT_BOUND if outcome.bound else Status.STALLED

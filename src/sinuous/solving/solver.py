@@ -18,7 +18,6 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
-from sinuous.solution.status import status_of
 from sinuous.solving.base import base_blocked
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.portfolio import Portfolio
@@ -77,6 +76,7 @@ class Solver:
         takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
         router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
         self._portfolio = Portfolio(chosen.max_starts, router)
+        self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._no_initial: Floats = np.empty((0, len(robot), 3))
         self._place = _Place(Snapshot(()), False)
         self._look_at_base()
@@ -103,19 +103,19 @@ class Solver:
             When an argument is not what it should be.
         """
         began = clock.perf_counter()
-        seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
         problem, blocked = self._problem(target)
         given = self._no_initial if initial is None else self._given("initial", initial)
-        outcome = self._first(problem, given, seconds, blocked)
+        budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
+        outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
-            outcome = self._go_on(outcome, problem, given, seconds)
-        return self._solution(problem, outcome, clock.perf_counter() - began)
+            outcome = self._go_on(outcome, problem, given, budget[3])
+        return Solution(problem, outcome, clock.perf_counter() - began, self.method, self.options.seed)
 
     def build(self, target: Targets, initial: "Solution | Any" = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
         problem, _ = self._problem(target)
         given = self._no_initial if initial is None else self._given("initial", initial)
-        return self._prepared.build(problem, given, self._budget(len(given), self.options.time))
+        return self._prepared.build(problem, given, self._first_budgets[len(given)])
 
     def solve_many(
         self, targets: Iterable[Targets], initial: Iterable["Solution | Any"] | None = None, *, time: Any = None
@@ -143,7 +143,6 @@ class Solver:
         InputError
             When an argument is not what it should be, or there is not one initial configuration for each target.
         """
-        seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
         asked = [(t,) if isinstance(t, Target) else target_list(f"targets[{i}]", t) for i, t in enumerate(targets)]
         scene, blocked = self._look_at_base()
         problems = [Problem.prepared(self.robot, each, scene, self.tolerance) for each in asked]
@@ -153,13 +152,21 @@ class Solver:
             if len(listed) != len(problems):
                 raise InputError("initial", "not one for each target", len(listed), f"{len(problems)} configurations")
             given = np.stack(listed) if listed else given
-        solutions: list[Solution] = []
+        budget = self._budget(given.shape[1], self.options.time if time is None else time)
+        found: list[Outcome] = []
         for first, last in _runs_of_equal([len(problem.targets) for problem in problems]):
-            found = self._first_of_many(problems[first:last], given[first:last], seconds, blocked)
-            for problem, own, outcome in zip(problems[first:last], given[first:last], found, strict=True):
-                best = outcome if outcome.code == SOLVED else self._go_on(outcome, problem, own, seconds)
-                solutions.append(self._solution(problem, best, best.seconds))
-        return solutions
+            if blocked:
+                found += [self._look(problems[i], given[i]) for i in range(first, last)]
+            else:
+                found += self._prepared.run_many(problems[first:last], given[first:last], budget)
+        best = [
+            outcome if outcome.code == SOLVED else self._go_on(outcome, problems[i], given[i], budget[3])
+            for i, outcome in enumerate(found)
+        ]
+        return [
+            Solution(problem, outcome, outcome.seconds, self.method, self.options.seed)
+            for problem, outcome in zip(problems, best, strict=True)
+        ]
 
     def solve_all(
         self,
@@ -213,7 +220,9 @@ class Solver:
         search.pursue(self._portfolio.batches(question), self._follow(problem, given))
         reference = None if initial is None else given[0]
         best = sorted(search.found, key=lambda outcome: self._dislike(outcome.q, reference))
-        return [self._solution(problem, outcome, outcome.seconds) for outcome in best[:wanted]]
+        return [
+            Solution(problem, outcome, outcome.seconds, self.method, self.options.seed) for outcome in best[:wanted]
+        ]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuilt, (self.robot, self.scene, self.options)
@@ -221,33 +230,26 @@ class Solver:
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
-        scene, blocked = self._look_at_base()
-        return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
+        place = self._place
+        if place.scene is not self.scene.snapshot():
+            place = self._look_at_base()
+        return Problem.prepared(self.robot, targets, place.scene, self.tolerance), place.base_blocked
 
     def _look_at_base(self) -> _Place:
-        """The scene as it is now; the base is looked at again when there was an update."""
+        """Take the scene as it is now, and look at the base in it: at first, and after an update."""
         place, scene = self._place, self.scene.snapshot()
         if place.scene is not scene:
             place = self._place = _Place(scene, base_blocked(self.robot, scene))
         return place
 
-    def _budget(self, given: int, seconds: float) -> Budget:
-        """What the first call may spend."""
-        return 0, self._portfolio.opening.own(given), self.options.seed, seconds
+    def _budget(self, given: int, time: Any) -> Budget:
+        """What the first call may spend, after so many initial configurations."""
+        return 0, self._portfolio.opening.own(given), self.options.seed, checks.number("time", time, low=0.0)
 
-    def _first(self, problem: Problem, given: Floats, seconds: float, blocked: bool) -> Outcome:
-        """Follow the opening; where the base is blocked, no more than a look at one start, so that errors are known."""
-        reference = given[0] if len(given) else None
-        if blocked:
-            look = 0, int(len(given) == 0), self.options.seed, 0.0
-            return self._prepared.run(problem, given, look, reference)._replace(code=BASE_BLOCKED)
-        return self._prepared.run(problem, given, self._budget(len(given), seconds), reference)
-
-    def _first_of_many(self, problems: list[Problem], given: Floats, seconds: float, blocked: bool) -> list[Outcome]:
-        """Follow the openings of problems with equally many targets; `given` (m, g, n, 3)."""
-        if blocked:
-            return [self._first(problem, own, seconds, blocked) for problem, own in zip(problems, given, strict=True)]
-        return self._prepared.run_many(problems, given, self._budget(given.shape[1], seconds))
+    def _look(self, problem: Problem, given: Floats) -> Outcome:
+        """Look at one start, so that errors are known, where the base is blocked."""
+        glance = 0, int(len(given) == 0), self.options.seed, 0.0
+        return self._prepared.run(problem, given, glance)._replace(code=BASE_BLOCKED)
 
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
@@ -272,9 +274,6 @@ class Solver:
             return float((q[:, :2] ** 2).sum())
         unit = self.robot.mean_length / len(self.robot)
         return float((((q - reference) / [1.0, 1.0, unit]) ** 2).sum())
-
-    def _solution(self, problem: Problem, outcome: Outcome, seconds: float) -> Solution:
-        return Solution(problem, status_of(outcome), outcome, seconds, self.method, self.options.seed)
 
     def _given(self, key: str, initial: Any) -> Floats:
         if isinstance(initial, Solution):

@@ -167,7 +167,7 @@ def close(name: str, seed: int, count: int) -> Floats:
 def ask(name: str, points: Floats, how: int, reach: float = math.inf) -> Floats:
     """Lower and upper bound (m, 2) by the kernel."""
     scene = tables(name)
-    return np.array([distances.look(scene, 0, vec(p), reach, solids.WAYS[how]) for p in points])
+    return np.array([distances.look(scene, 0, vec(p), reach, solids.MODES[how]) for p in points])
 
 
 @pytest.mark.parametrize("name", FIELDS)

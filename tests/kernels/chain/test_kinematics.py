@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from sinuous.kernels.chain import arc
 from sinuous.kernels.chain import kinematics as chain
 from tests.helpers import (
     Floats,
@@ -78,7 +79,7 @@ def test_the_body_between_the_ends(s: float) -> None:
             part = q[: k + 1].copy()
             part[k] *= s
             expected = expm_chain(part, base)[-1]
-            got = as_matrix(*chain.body_pose(q, frames, k, s))
+            got = as_matrix(*chain.compose(*chain.frame(frames, k), *arc.pose(*(s * q[k]))))
             np.testing.assert_allclose(got, expected, atol=3e-14 * reach(q))
             np.testing.assert_allclose(chain.body_point(q, frames, k, s), got[:3, 3], atol=1e-14 * reach(q))
 

@@ -24,7 +24,7 @@ SOFTNESS = 1e-4
 """Scale of rows that are only wished for; with the least damping, 1e-10, they weigh 100 times a radian."""
 
 ROUNDING = 1e-13
-"""What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
+"""What arithmetic may be wrong by, relative to mode far the body is from the origin of the world."""
 
 LOOSENESS = 2.0
 """How much of half a piece the samples may leave open before the exact distance is asked for, not a shorter piece."""
@@ -72,14 +72,14 @@ def following(level: int, piece: int) -> tuple[int, int]:
 
 
 @kernel
-def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, how: int) -> tuple[float, float, int]:
+def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, mode: int) -> tuple[float, float, int]:
     """Least distance of `p` to the first `count` obstacles that `among` lists, an upper bound of it, and the obstacle.
 
-    `how` to ask, and `reach`, beyond which nobody is interested: see `distances.look`.
+    `mode` to ask, and `reach`, beyond which nobody is interested: see `distances.look`.
     """
     least, most, which = math.inf, math.inf, -1
     for j in range(count):
-        d, upper = look_here(scene, among[j], p, min(reach, least), how)
+        d, upper = look_here(scene, among[j], p, min(reach, least), mode)
         most = min(most, upper)
         if d < least:
             least, which = d, among[j]
@@ -97,7 +97,7 @@ def contacts(
     margin: float,
     wish: float,
     depth: int,
-    how: int,
+    mode: int,
     origin: Vec,
     unit: float,
     among: Array,
@@ -107,7 +107,7 @@ def contacts(
     """Write a row for every place of segment `k` that is closer than `margin` to an obstacle, from row `at` on.
 
     Between `margin` and `wish` the row is SOFT. The segment is halved `depth` times where it may be too close.
-    Distances are asked for as `how` says, STEP or EXACT.
+    Distances are asked in this mode, STEP or EXACT.
     Returns the next free row and the least clearance that was seen at a place (infinite: none was looked at closely).
     """
     start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
@@ -125,7 +125,7 @@ def contacts(
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)
-        d, _, _ = closest(scene, among, count, p, near_by + 0.5 * length * width, how)
+        d, _, _ = closest(scene, among, count, p, near_by + 0.5 * length * width, mode)
         if level < depth and d < near_by + 0.5 * length * width:
             level, piece = level + 1, 2 * piece
             continue
@@ -135,7 +135,7 @@ def contacts(
             for j in range(count):
                 if at < last:
                     at = _contact(
-                        q, frames, scene, among[j], k, s, p, radius + margin, near_by, how, origin, unit, rows, at
+                        q, frames, scene, among[j], k, s, p, radius + margin, near_by, mode, origin, unit, rows, at
                     )
     return at, least
 
@@ -151,13 +151,13 @@ def _contact(
     p: Vec,
     needed: float,
     wished: float,
-    how: int,
+    mode: int,
     origin: Vec,
     unit: float,
     rows: Rows,
     at: int,
 ) -> int:
-    d, g = slope(scene, i, p, wished, how)
+    d, g = slope(scene, i, p, wished, mode)
     if d >= wished:
         return at
     soft = d >= needed

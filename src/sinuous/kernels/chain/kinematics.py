@@ -55,14 +55,6 @@ def forward(q: Array, frames: Array) -> None:
 
 
 @kernel
-def body_pose(q: Array, frames: Array, k: int, s: float) -> tuple[Mat, Vec]:
-    """Pose of the backbone at the fraction `s` of segment `k`."""
-    rotation, position = frame(frames, k)
-    turn, shift = pose(s * q[k, 0], s * q[k, 1], s * q[k, 2])
-    return compose(rotation, position, turn, shift)
-
-
-@kernel
 def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
     """Position of the backbone at the fraction `s` of segment `k`."""
     rotation, position = frame(frames, k)

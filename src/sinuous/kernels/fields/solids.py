@@ -1,7 +1,7 @@
 """Distance to an obstacle that is more than a few numbers: a tree of triangles, balls or cubes, and samples on a grid.
 
-Whoever asks says how. In a step of the solver the interpolated samples are good enough. For a proof there is a lower
-bound, which the samples give in one look, and the exact distance, which costs a way through the tree. An obstacle that
+Every query has a mode. In a step of the solver the interpolated samples are good enough. For a proof there is a lower
+bound, which the samples give in one look, and the exact distance, which costs a walk through the tree. An obstacle that
 has samples alone has no exact distance: its lower bound stands for it.
 """
 
@@ -13,6 +13,7 @@ import numpy as np
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import grids, triangles
 from sinuous.kernels.fields.grids import Grid
+from sinuous.kernels.fields.primitives import box
 from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, lift, unlift
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
 from sinuous.kernels.tables import (
@@ -40,9 +41,10 @@ from sinuous.kernels.tables import (
     TRIANGLES,
 )
 
-WAYS: Any = np.arange(4)
-STEP, BOUND, EXACT, ABOVE = WAYS
-"""Ways to ask: interpolated; a lower bound; exact; an upper bound. Not int, for each value of which one compiles."""
+MODES: Any = np.arange(4)
+STEP, BOUND, EXACT, ABOVE = MODES
+"""Modes of a query: interpolated, as a step of the solver needs it; a lower bound; exact; an upper bound. They are not
+int, because Numba would compile once more for each value."""
 
 
 @kernel
@@ -79,7 +81,7 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
         far = norm(way)
         d, g = far - store[at + 3], (scale(1.0 / far, way) if far > 0.0 else (0.0, 0.0, 1.0))
     else:
-        d, g = _at_cube(sub(p, triangles.read(store, tree.items + 3 * item)), tree.half)
+        d, g = box(sub(p, triangles.read(store, tree.items + 3 * item)), (tree.half, tree.half, tree.half))
     sign = table[i, SIGN]
     return sign * (d - table[i, ROUNDING]), scale(sign, g)
 
@@ -101,26 +103,11 @@ def _at_triangle(store: Array, at: int, normals: int, item: int, p: Vec) -> tupl
 
 
 @kernel
-def _at_cube(local: Vec, half: float) -> tuple[float, Vec]:
-    x, y, z = abs(local[0]) - half, abs(local[1]) - half, abs(local[2]) - half
-    sx, sy, sz = math.copysign(1.0, local[0]), math.copysign(1.0, local[1]), math.copysign(1.0, local[2])
-    outside = (max(x, 0.0), max(y, 0.0), max(z, 0.0))
-    d = norm(outside)
-    if d > 0.0:
-        return d, (sx * outside[0] / d, sy * outside[1] / d, sz * outside[2] / d)
-    if x >= y and x >= z:
-        return x, (sx, 0.0, 0.0)
-    if y >= z:
-        return y, (0.0, sy, 0.0)
-    return z, (0.0, 0.0, sz)
-
-
-@kernel
 def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int, float, bool]:
     """Find the primitive closest to `p`, if it is closer than `reach`.
 
     Returns its number or -1, its lifted distance, and whether that is the signed one: of a triangle it is where `p` is
-    known to be free. Samples tell how far the closest one is at most, and whether `p` is free; only then may a surface
+    known to be free. Samples tell mode far the closest one is at most, and whether `p` is free; only then may a surface
     be left out for being far.
     """
     tree = tree_of(table, i)
@@ -189,12 +176,12 @@ def _interpolate(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spaci
 
 
 @kernel
-def look(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> tuple[float, float]:
-    """Distance of `p` to obstacle `i`, asked for as `how` says, and an upper bound of it: the same where it is exact.
+def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
+    """Distance of `p` to obstacle `i`, asked in this mode, and an upper bound of it: the same where it is exact.
 
     What is not less than `reach` need not be exact: any lower bound that is not less than `reach` either will do.
     """
-    exact = how in (EXACT, ABOVE)
+    exact = mode in (EXACT, ABOVE)
     if table[i, FIRST_SAMPLE] < 0.0 or (exact and table[i, KIND] == TREE):
         item, d, free = _find(table, store, i, p, reach)
         if item < 0:
@@ -204,9 +191,9 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> 
     grid = grid_of(table, i)
     corners, t, beyond = grids.look_up(store, grid, p)
     if table[i, KIND] == SAMPLES:
-        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, how)
+        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode)
         return d, d
-    if how == STEP:
+    if mode == STEP:
         d, _ = _interpolate(table[i, SIGN], corners, t, beyond, grid.spacing)
         return d, d
     low = _lowest(table[i, SIGN], corners, t, beyond, grid.spacing)
@@ -214,25 +201,25 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> 
 
 
 @kernel
-def _look_at_samples(corners: grids.Corners, t: Vec, gap: float, spacing: float, how: int) -> float:
-    if how == STEP:
+def _look_at_samples(corners: grids.Corners, t: Vec, gap: float, spacing: float, mode: int) -> float:
+    if mode == STEP:
         return grids.value(corners, t) - gap
-    if how == ABOVE:
+    if mode == ABOVE:
         return grids.at_most(corners, t, spacing) + gap
     return grids.at_least(corners, t, spacing) - gap
 
 
 @kernel
-def slope(table: Array, store: Array, i: int, p: Vec, reach: float, how: int) -> tuple[float, Vec]:
+def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
     """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
     kind = table[i, KIND]
-    if table[i, FIRST_SAMPLE] < 0.0 or (how == EXACT and kind == TREE):
+    if table[i, FIRST_SAMPLE] < 0.0 or (mode == EXACT and kind == TREE):
         item, _, _ = _find(table, store, i, p, reach)
         return at_item(table, store, i, item, p) if item >= 0 else (reach, (0.0, 0.0, 1.0))
     grid = grid_of(table, i)
     corners, t, beyond = grids.look_up(store, grid, p)
     d, g = _interpolate(table[i, SIGN] if kind == TREE else -1.0, corners, t, beyond, grid.spacing)
-    if how == EXACT:
+    if mode == EXACT:
         d = _look_at_samples(corners, t, norm(beyond), grid.spacing, EXACT)
     return d, g
 

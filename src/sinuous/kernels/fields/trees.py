@@ -1,7 +1,7 @@
 """A tree of boxes over many triangles, balls or cubes: which of them is the closest to a point.
 
 The tree is complete: node 1 is the root, node i has the children 2i and 2i + 1, and the leaves are its last level. So
-it needs no links, and the way through it no stack: what is still to be visited is one bit a level. Leaf j of 2^levels
+it needs no links, and the walk through it no stack: what is still to be visited is one bit a level. Leaf j of 2^levels
 has the primitives from `(j * count) >> levels` on.
 
 Signed distances are compared as *lifted*: their squares where they are positive, themselves where not. That keeps their
@@ -32,11 +32,8 @@ def unlift(d: float) -> float:
 
 
 @kernel
-def box_distance(store: Array, at: int, p: Vec) -> float:
-    """Lifted distance of `p` to the box at `at`."""
-    x = max(store[at] - p[0], p[0] - store[at + 3])
-    y = max(store[at + 1] - p[1], p[1] - store[at + 4])
-    z = max(store[at + 2] - p[2], p[2] - store[at + 5])
+def _lifted(x: float, y: float, z: float) -> float:
+    """Lifted distance to a box of a point that is so far beyond its nearer face along each axis (negative: inside)."""
     most = max(x, y, z)
     if most <= 0.0:
         return most
@@ -45,14 +42,19 @@ def box_distance(store: Array, at: int, p: Vec) -> float:
 
 
 @kernel
+def box_distance(store: Array, at: int, p: Vec) -> float:
+    """Lifted distance of `p` to the box at `at`."""
+    return _lifted(
+        max(store[at] - p[0], p[0] - store[at + 3]),
+        max(store[at + 1] - p[1], p[1] - store[at + 4]),
+        max(store[at + 2] - p[2], p[2] - store[at + 5]),
+    )
+
+
+@kernel
 def cube_distance(local: Vec, half: float) -> float:
     """Lifted distance to a cube about the origin."""
-    x, y, z = abs(local[0]) - half, abs(local[1]) - half, abs(local[2]) - half
-    most = max(x, y, z)
-    if most <= 0.0:
-        return most
-    x, y, z = max(x, 0.0), max(y, 0.0), max(z, 0.0)
-    return x * x + y * y + z * z
+    return _lifted(abs(local[0]) - half, abs(local[1]) - half, abs(local[2]) - half)
 
 
 @kernel
@@ -73,7 +75,7 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
 
 @kernel
 def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
-    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
+    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and mode far it is."""
     found = -1
     if box_distance(store, tree.nodes + NODE_SIZE, p) >= best:
         return found, best

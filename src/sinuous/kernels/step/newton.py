@@ -36,10 +36,10 @@ ROUNDS = 3
 
 
 @kernel
-def linearise(problem: Problem, state: State, work: Work, depth: int, how: int, wish: float) -> None:
+def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
-    Contacts are looked for as deep as `depth` and as exactly as `how` says (see `body.contacts`).
+    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `body.contacts`).
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
@@ -62,7 +62,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, how: int, 
                 problem.margin,
                 wish,
                 depth,
-                how,
+                mode,
                 origin,
                 problem.unit,
                 work.among,
@@ -183,12 +183,12 @@ def descend(
     depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
     # Samples may see an overlap where there is none; then the proof decides.
     loose = coarseness(problem.scene)
-    how = solids.STEP if loose > 0.0 else solids.EXACT
+    mode = solids.STEP if loose > 0.0 else solids.EXACT
     slow = iteration = 0
     bound = False
     while True:
         looked = pick(states, looked_at)
-        linearise_here(problem, looked, work, depth, how, 0.0)
+        linearise_here(problem, looked, work, depth, mode, 0.0)
         found = looked.norms[MERIT]
         if found < merit:
             if merit < math.inf:
@@ -203,14 +203,14 @@ def descend(
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or depth >= problem.step_depth + 6:
                 return at, verdict, iteration, clearance, bound
-            if how == solids.STEP:
-                how, loose = solids.EXACT, 0.0
+            if mode == solids.STEP:
+                mode, loose = solids.EXACT, 0.0
             else:
                 depth += 2
             looked_at, merit = at, math.inf
             continue
         if slow >= PATIENCE and loose > 0.0 and met_by(state, loose):
-            how, loose = solids.EXACT, 0.0
+            mode, loose = solids.EXACT, 0.0
             looked_at, merit, slow, easing = at, math.inf, 0, 1.0
             continue
         if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):

@@ -1,0 +1,70 @@
+"""Distances to obstacles that a few numbers say exactly: sphere, capsule, box, cylinder, half-space.
+
+Spheres, capsules and boxes are all one shape, a box of half extents `h`, possibly zero, rounded by `r`; the sphere has
+a kind of its own because it is so common.
+"""
+
+import math
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, Mat, Vec, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
+from sinuous.kernels.tables import AXES, BOX, CENTER, CYLINDER, HALF_EXTENTS, KIND, ROUNDING, SIGN, SPHERE
+
+
+@kernel
+def sphere(p: Vec) -> tuple[float, Vec]:
+    """Distance to the origin and its gradient (up where it has none)."""
+    d = norm(p)
+    if d == 0.0:
+        return 0.0, (0.0, 0.0, 1.0)
+    return d, scale(1.0 / d, p)
+
+
+@kernel
+def box(p: Vec, half: Vec) -> tuple[float, Vec]:
+    """Distance to an axis-aligned box about the origin and its gradient (Quilez)."""
+    x, y, z = abs(p[0]) - half[0], abs(p[1]) - half[1], abs(p[2]) - half[2]
+    sx, sy, sz = math.copysign(1.0, p[0]), math.copysign(1.0, p[1]), math.copysign(1.0, p[2])
+    outside = (max(x, 0.0), max(y, 0.0), max(z, 0.0))
+    d = norm(outside)
+    if d > 0.0:
+        return d, (sx * outside[0] / d, sy * outside[1] / d, sz * outside[2] / d)
+    if x >= y and x >= z:
+        return x, (sx, 0.0, 0.0)
+    if y >= z:
+        return y, (0.0, sy, 0.0)
+    return z, (0.0, 0.0, sz)
+
+
+@kernel
+def cylinder(p: Vec, radius: float, half: float) -> tuple[float, Vec]:
+    """Distance to a flat-ended cylinder about the z axis and its gradient: a box in the plane of radius and height."""
+    rho = math.hypot(p[0], p[1])
+    d, g = box((rho, 0.0, p[2]), (radius, math.inf, half))
+    if rho == 0.0:
+        return d, (g[0], 0.0, g[2])
+    return d, (g[0] * p[0] / rho, g[0] * p[1] / rho, g[2])
+
+
+@kernel
+def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
+    local = vec_mat(p, rotation)
+    if kind == BOX:
+        d, g = box(local, half)
+    elif kind == CYLINDER:
+        d, g = cylinder(local, half[0], half[2])
+    else:
+        d, g = local[2], (0.0, 0.0, 1.0)
+    return d, mat_vec(rotation, g)
+
+
+@kernel
+def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
+    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 18), and its gradient."""
+    local = sub(p, get_vec(table, i, CENTER))
+    if table[i, KIND] == SPHERE:
+        d, g = sphere(local)
+    else:
+        d, g = _shape(int(table[i, KIND]), get_mat(table, i, AXES), get_vec(table, i, HALF_EXTENTS), local)
+    sign = table[i, SIGN]
+    return sign * (d - table[i, ROUNDING]), scale(sign, g)

@@ -1,0 +1,149 @@
+"""The layout that docs/design.md promises: imports run downwards, rooms and files stay small, few arguments."""
+
+import ast
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import sinuous
+
+PACKAGE = Path(sinuous.__file__).parent
+ROOT = PACKAGE.parents[1]
+
+FLOORS = {
+    "cli": 6,
+    "pictures": 6,
+    "motion": 5,
+    "solving": 4,
+    "methods": 3,
+    "problem": 2,
+    "solution": 2,
+    "measures": 2,
+    "files": 2,
+    "robot": 1,
+    "scene": 1,
+    "poses": 1,
+    "packing": 0,
+    "kernels": 0,
+    "checks": 0,
+    "errors": 0,
+    "caches": 0,
+    "frozen": 0,
+}
+
+KERNEL_FLOORS = {
+    "solve": 5,
+    "fitting": 4,
+    "step": 3,
+    "body": 2,
+    "freespace": 2,
+    "problem": 2,
+    "fields": 1,
+    "chain": 1,
+    "maths": 0,
+    "clock": 0,
+    "compile": 0,
+    "tables": 0,
+}
+
+MOST_LINES, MOST_FILES, MOST_ARGUMENTS = 400, 12, 8
+
+EDGES = ("__init__", "__main__")
+"""The front door and the command may import anything."""
+
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+ALL = sorted([*SOURCES, *(ROOT / "benchmarks").rglob("*.py"), *(ROOT / "tests").rglob("*.py")])
+
+
+def module(file: Path) -> str:
+    return ".".join(file.relative_to(PACKAGE).with_suffix("").parts)
+
+
+@cache
+def imports(file: Path, at_run_time_only: bool) -> tuple[str, ...]:
+    """Modules of the package that a file imports, without `sinuous.` in front."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    found: list[str] = []
+    for node in walk(tree, at_run_time_only):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "sinuous":
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}".partition(".")[2]
+                there = PACKAGE / Path(*inner.split("."))
+                is_module = there.with_suffix(".py").exists() or there.is_dir()
+                found.append(inner if is_module else (node.module or "").partition(".")[2])
+    return tuple(dict.fromkeys(name for name in found if name))
+
+
+def walk(node: ast.AST, at_run_time_only: bool) -> Iterator[ast.AST]:
+    """All nodes but those that only a type checker sees."""
+    for child in ast.iter_child_nodes(node):
+        checked = isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING"
+        if not (at_run_time_only and checked):
+            yield child
+            yield from walk(child, at_run_time_only)
+
+
+def floor(name: str) -> tuple[int, int]:
+    """Floor of a module, and within the kernels that of its room."""
+    room, _, rest = name.partition(".")
+    return FLOORS[room], KERNEL_FLOORS[rest.partition(".")[0]] if room == "kernels" and rest else 0
+
+
+def test_every_room_has_a_floor() -> None:
+    rooms = {module(file).partition(".")[0] for file in SOURCES} - set(EDGES)
+    assert rooms == set(FLOORS) & rooms
+    kernels = {module(file).split(".")[1] for file in SOURCES if file.is_relative_to(PACKAGE / "kernels")}
+    assert kernels - set(EDGES) == set(KERNEL_FLOORS)
+
+
+@pytest.mark.parametrize("file", [f for f in SOURCES if module(f) not in EDGES], ids=module)
+def test_imports_run_downwards(file: Path) -> None:
+    own = floor(module(file))
+    above = [name for name in imports(file, at_run_time_only=True) if floor(name) > own]
+    assert not above, f"{module(file)} imports from a higher floor"
+
+
+def test_there_is_no_circle_of_imports() -> None:
+    names = {module(file).removesuffix(".__init__"): file for file in SOURCES if module(file) not in EDGES}
+    state: dict[str, int] = {}
+
+    def visit(name: str, path: tuple[str, ...]) -> None:
+        if state.get(name) == 2 or name not in names:
+            return
+        assert state.get(name) != 1, " -> ".join((*path, name))
+        state[name] = 1
+        for other in imports(names[name], at_run_time_only=True):
+            visit(other, (*path, name))
+        state[name] = 2
+
+    for name in names:
+        visit(name, ())
+
+
+@pytest.mark.parametrize("file", ALL, ids=lambda file: str(file.relative_to(ROOT)))
+def test_files_are_small(file: Path) -> None:
+    assert len(file.read_text(encoding="utf-8").splitlines()) <= MOST_LINES
+
+
+def test_folders_are_small() -> None:
+    for folder in {file.parent for file in [*SOURCES, *(ROOT / "benchmarks").rglob("*.py")]}:
+        files = [file for file in folder.glob("*.py") if file.stem not in EDGES]
+        assert len(files) <= MOST_FILES, folder
+
+
+@pytest.mark.parametrize("file", [f for f in ALL if "tests" not in f.relative_to(ROOT).parts], ids=lambda f: f.stem)
+def test_functions_take_few_arguments(file: Path) -> None:
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef) and node.name != "__init__" and not is_command(node):
+            arguments = node.args
+            own = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
+            count = len([one for one in own if one.arg not in ("self", "cls")])
+            assert count <= MOST_ARGUMENTS, f"{node.name} takes {count}"
+
+
+def is_command(node: ast.FunctionDef) -> bool:
+    """Whether a function is a command of the shell: its arguments are what may be typed."""
+    return any(isinstance(mark, ast.Call) and ast.unparse(mark.func) == "app.command" for mark in node.decorator_list)

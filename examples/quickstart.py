@@ -27,5 +27,5 @@ print(sn.track(robot, circle, scene, start=solution))
 # A control loop: prepared once, then microseconds a target.
 solver = sn.Solver(robot, scene)
 for waypoint in circle:
-    solution = solver.solve(waypoint, start=solution).raise_for_status()
+    solution = solver.solve(waypoint, initial=solution).raise_for_status()
 print(f"{1e6 * solution.seconds:.0f} us for the last one")

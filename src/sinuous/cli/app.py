@@ -30,6 +30,8 @@ Option = Annotated[
     list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
 ]
 Time = Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")]
+MaxStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of one solve.")]
+Routes = Annotated[bool, typer.Option(help="Search for routes through free space where the first starts fail.")]
 Seed = Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
 Plot = Annotated[
@@ -44,6 +46,8 @@ def solve(
     method: Method = "newton",
     option: Option = None,
     time: Time = 1.0,
+    max_starts: MaxStarts = 1000,
+    routes: Routes = True,
     seed: Seed = 0,
     json: Json = False,
     plot: Plot = None,
@@ -52,7 +56,9 @@ def solve(
     """Meet a target, or several at once."""
     from sinuous.cli.work import solve_files  # noqa: PLC0415
 
-    raise typer.Exit(solve_files(files, Options(method, tuple(option or ()), time, seed, json, plot, out)))
+    raise typer.Exit(
+        solve_files(files, Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out))
+    )
 
 
 @app.command()
@@ -61,6 +67,8 @@ def track(
     method: Method = "newton",
     option: Option = None,
     time: Time = 1.0,
+    max_starts: MaxStarts = 1000,
+    routes: Routes = True,
     seed: Seed = 0,
     json: Json = False,
     plot: Plot = None,
@@ -69,7 +77,9 @@ def track(
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    raise typer.Exit(track_files(files, Options(method, tuple(option or ()), time, seed, json, plot, out)))
+    raise typer.Exit(
+        track_files(files, Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out))
+    )
 
 
 @app.command()

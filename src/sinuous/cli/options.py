@@ -4,12 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sinuous.errors import InputError
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
+    from sinuous.problem.problem import Preferences, Tolerance
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,10 @@ class Options:
         Options of the method, `KEY=VALUE` each.
     time : float
         Budget per solve, in seconds.
+    max_starts : int
+        Most starts of one solve.
+    routes : bool
+        Whether to search for routes through free space where the first starts fail.
     seed : int
     json : bool
         Results on standard output as JSON lines.
@@ -35,6 +40,8 @@ class Options:
     method: str = "newton"
     options: tuple[str, ...] = ()
     time: float = 1.0
+    max_starts: int = 1000
+    routes: bool = True
     seed: int = 0
     json: bool = False
     plot: Path | None = None
@@ -48,11 +55,7 @@ class Options:
         InputError
             That names the option.
         """
-        from sinuous import checks  # noqa: PLC0415
-
-        self.choice()
-        checks.number("--time", self.time, low=0.0)
-        checks.integer("--seed", self.seed, 0, 2**31 - 1)
+        self.solve_options()
         for option, file in (("--out", self.out), ("--plot", self.plot)):
             if file is not None:
                 check_writable(option, file, files)
@@ -60,6 +63,27 @@ class Options:
             from sinuous.pictures.plot import check_picture  # noqa: PLC0415
 
             check_picture("--plot", self.plot)
+
+    def solve_options(
+        self, tolerance: "Tolerance | None" = None, prefer: "Preferences | None" = None
+    ) -> dict[str, Any]:
+        """Return the options of `Solver`, with what the problem file says.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        from sinuous.solving.options import SolveOptions  # noqa: PLC0415
+
+        typed = {key: getattr(self, key) for key in ("time", "max_starts", "routes", "seed")}
+        try:
+            return vars(SolveOptions.of({"method": self.choice(), "tolerance": tolerance, "prefer": prefer, **typed}))
+        except InputError as error:
+            if error.key not in typed:
+                raise
+            option = "--" + error.key.replace("_", "-")
+            raise InputError(option, error.problem, error.value, error.expected) from None
 
     def choice(self) -> "Choice":
         """Return the method with its options.

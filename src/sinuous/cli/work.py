@@ -62,15 +62,7 @@ def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
 
 def _prepare(problem: ProblemFile, options: Options) -> tuple[Solver, float]:
     began = clock.perf_counter()
-    solver = Solver(
-        problem.robot,
-        problem.scene,
-        tolerance=problem.tolerance,
-        method=options.choice(),
-        prefer=problem.prefer,
-        time=options.time,
-        seed=options.seed,
-    )
+    solver = Solver(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
     return solver, clock.perf_counter() - began
 
 

@@ -1,5 +1,6 @@
 """What a solve may be told, in one place: for `Solver`, `solve`, `solve_all`, `track` and the command line."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -73,9 +74,26 @@ class SolveOptions:
     @classmethod
     def of(cls, given: dict[str, Any]) -> "SolveOptions":
         """Make options of keyword arguments; one that was renamed is refused with its new name."""
-        for key, value in given.items():
-            if key in RENAMED:
-                raise InputError(key, "has another name now", value, f"{RENAMED[key]}=")
-            if key not in cls.__dataclass_fields__:
-                raise InputError(key, "is not known", value, "one of " + ", ".join(cls.__dataclass_fields__))
+        refuse_renamed({key: value for key, value in given.items() if key not in cls.__dataclass_fields__})
         return cls(**given)
+
+
+def refuse_renamed(given: Mapping[str, Any], **renamed: str) -> None:
+    """Refuse keyword arguments that are not known; for one that was renamed, say what it is called now.
+
+    Parameters
+    ----------
+    given : mapping
+        Arguments that nothing is called.
+    **renamed
+        Names of before that mean something else here than `RENAMED` says.
+
+    Raises
+    ------
+    InputError
+    """
+    for key, value in given.items():
+        now = {**RENAMED, **renamed}.get(key)
+        if now is not None:
+            raise InputError(key, "has another name now", value, f"{now}=")
+        raise InputError(key, "is not known", value, "one of " + ", ".join(SolveOptions.__dataclass_fields__))

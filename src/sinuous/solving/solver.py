@@ -2,7 +2,7 @@
 
 import time as clock
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Never
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solving.base import base_blocked
-from sinuous.solving.options import SolveOptions
+from sinuous.solving.options import SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
 from sinuous.solving.search import Distinct, FirstSolved
@@ -81,7 +81,9 @@ class Solver:
         self._place = _Place(Snapshot(()), False)
         self._look_at_base()
 
-    def solve(self, target: Targets, initial: "Solution | Any" = None, *, time: Any = None) -> Solution:
+    def solve(
+        self, target: Targets, initial: "Solution | Any" = None, *, time: Any = None, **renamed: Never
+    ) -> Solution:
         """Find a configuration that meets the target, or several targets at once.
 
         Parameters
@@ -103,6 +105,8 @@ class Solver:
             When an argument is not what it should be.
         """
         began = clock.perf_counter()
+        if renamed:
+            refuse_renamed(renamed)
         problem, blocked = self._problem(target)
         given = self._no_initial if initial is None else self._given("initial", initial)
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
@@ -118,7 +122,12 @@ class Solver:
         return self._prepared.build(problem, given, self._first_budgets[len(given)])
 
     def solve_many(
-        self, targets: Iterable[Targets], initial: Iterable["Solution | Any"] | None = None, *, time: Any = None
+        self,
+        targets: Iterable[Targets],
+        initial: Iterable["Solution | Any"] | None = None,
+        *,
+        time: Any = None,
+        **renamed: Never,
     ) -> list[Solution]:
         """Solve independent targets, as `solve` does one by one, in few calls of the compiled code.
 
@@ -143,6 +152,7 @@ class Solver:
         InputError
             When an argument is not what it should be, or there is not one initial configuration for each target.
         """
+        refuse_renamed(renamed, starts="initial")
         asked = [(t,) if isinstance(t, Target) else target_list(f"targets[{i}]", t) for i, t in enumerate(targets)]
         scene, blocked = self._look_at_base()
         problems = [Problem.prepared(self.robot, each, scene, self.tolerance) for each in asked]
@@ -176,6 +186,7 @@ class Solver:
         count: int = 8,
         apart: float = 0.02,
         time: Any = None,
+        **renamed: Never,
     ) -> list[Solution]:
         """Find several distinct solutions, best first.
 
@@ -206,6 +217,7 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
+        refuse_renamed(renamed)
         wanted = checks.integer("count", count, 1, 10_000)
         separation = checks.number("apart", apart, low=0.0) * self.robot.mean_length
         seconds = self.options.time if time is None else checks.number("time", time, low=0.0)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from benchmarks.collisions import Body
-from benchmarks.judges import Flags
+from benchmarks.judges.collisions import Body
+from benchmarks.judges.judge import Flags
 from benchmarks.places import FAMILIES, Place, make, place
+from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.place import Sketch, settle
-from benchmarks.places.robots import robot_of
 from benchmarks.places.spheres import spheres
 from benchmarks.problems import random_configurations
 from sinuous.checks import Floats

@@ -1,0 +1,125 @@
+"""What an experiment is: pieces of work, whose plain values are kept, and findings that are made of these alone."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from typing import Any, Protocol
+
+from benchmarks.harness import reference
+from benchmarks.harness.lines import Line, together
+from benchmarks.harness.plan import Plan
+
+Piece = tuple[str, Callable[[], Any]]
+"""A name, and what to call for plain values: some seconds of work, which an interrupt may cost."""
+
+
+@dataclass
+class Findings:
+    """What an experiment found.
+
+    Attributes
+    ----------
+    lines : list of Line
+        Figures, to be printed as tables and compared with a baseline.
+    text : str
+        Markdown, which shows the pictures by their names.
+    data : dict
+        The same for programs.
+    pictures : dict
+        Matplotlib figures by name, without ending.
+    wrong : int
+        Claims of "solved" that verification rejected.
+    """
+
+    lines: list[Line] = field(default_factory=list)
+    text: str = ""
+    data: dict[str, Any] = field(default_factory=dict)
+    pictures: dict[str, Any] = field(default_factory=dict)
+    wrong: int = 0
+
+    @property
+    def correct(self) -> bool:
+        """Whether no claim was wrong, and every goal of correctness was held; speed is another matter."""
+        return self.wrong == 0 and all(line.held is not False for line in self.lines if line.correctness)
+
+
+class Experiment(Protocol):
+    """What the harness asks of an experiment."""
+
+    name: str
+    plan: Plan
+    divisible: bool
+    """Whether some of the pieces have findings of their own, so that an interrupted run has something to say."""
+
+    def settings(self) -> dict[str, Any]:
+        """Return plain values, all that the figures depend on besides machine, code, seed and size."""
+        ...
+
+    def pieces(self) -> Iterable[Piece]:
+        """Return the work, in order."""
+        ...
+
+    def findings(self, pieces: dict[str, Any]) -> Findings:
+        """Sum up what was measured, by the names of the pieces."""
+        ...
+
+
+Measurement = Callable[[], Iterable[Line]]
+
+
+class OfLines:
+    """An experiment whose pieces each measure some lines, as often as there are rounds.
+
+    Parameters
+    ----------
+    name : str
+    plan : Plan
+    """
+
+    divisible = True
+
+    def __init__(self, name: str, plan: Plan) -> None:
+        self.name = name
+        self.plan = plan
+
+    def settings(self) -> dict[str, Any]:
+        """Return nothing: seed and size determine everything; rounds and parts may be added to what is measured."""
+        return {}
+
+    def parts(self) -> Iterable[tuple[str, Measurement]]:
+        """Return names, and what yields the lines of each."""
+        raise NotImplementedError
+
+    def pieces(self) -> Iterator[Piece]:
+        """Every part, then every part again: a slow minute of the machine meets one round alone."""
+        for number in range(self.plan.rounds):
+            for name, measure in self.parts():
+                yield _name(name, number), partial(_measured, measure)
+
+    def findings(self, pieces: dict[str, Any]) -> Findings:
+        """Put the rounds of every figure together."""
+        rounds = range(self.plan.rounds)
+        found: dict[tuple[str, str], list[Line]] = {}
+        for name, _ in self.parts():
+            for number in rounds:
+                for line in _lines(pieces.get(_name(name, number))):
+                    found.setdefault((line.section, line.what), []).append(line)
+        return Findings([together(lines) for lines in found.values()])
+
+
+def _name(part: str, number: int) -> str:
+    return f"{part}, round {number}"
+
+
+def _measured(measure: Measurement) -> dict[str, Any]:
+    """Measure lines, and the reference workload before and after."""
+    before = reference.seconds()
+    lines = list(measure())
+    around = 0.5 * (before + reference.seconds())
+    return {"reference": around, "lines": [asdict(line) for line in lines]}
+
+
+def _lines(measured: dict[str, Any] | None) -> Sequence[Line]:
+    if measured is None:
+        return []
+    return [replace(Line.of(plain), reference=measured["reference"]) for plain in measured["lines"]]

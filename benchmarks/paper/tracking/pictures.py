@@ -62,12 +62,12 @@ def draw_fractions(by_density: dict[int, Tracks]) -> Any:
         axes.set_xticks(list(by_density))
     for label in next(iter(by_density.values())):
         look = style(label)
-        flat = [flat(tracks[label]) for tracks in by_density.values()]
-        tallies = [Tally.of(records) for records in flat]
+        densities = [flat(tracks[label]) for tracks in by_density.values()]
+        tallies = [Tally.of(records) for records in densities]
         for axes, values in (
             (left, [tally.percent for tally in tallies]),
             (middle, [1e3 * tally.times.median for tally in tallies]),
-            (right, [max(least_clearance(records), CONTACT) for records in flat]),
+            (right, [max(least_clearance(records), CONTACT) for records in densities]),
         ):
             axes.plot(
                 list(by_density), values, color=look.color, marker=look.marker, linewidth=look.width, markersize=6

@@ -60,6 +60,7 @@ class Segments:
             "methods": [entrant.label for entrant in self._entrants],
             "followed": list(self._followed),
             "waypoints": self._points,
+            "followed_in_a_round": self._follows,
             "grown": list(self._grown),
             "poses": self._poses,
             "rounds": self._rounds,
@@ -77,6 +78,10 @@ class Segments:
     @property
     def _points(self) -> int:
         return self.plan.count(POINTS, 10)
+
+    @property
+    def _follows(self) -> int:
+        return self.plan.count(FOLLOWS, 1)
 
     @property
     def _poses(self) -> int:
@@ -97,7 +102,9 @@ class Segments:
     def _follow(self, count: int) -> dict[str, list[Record]]:
         """Follow the path some times; times are medians over these, for answers repeat themselves."""
         problems = path_through(count, SPHERES, self.plan.rng(40), self._points)
-        runs = [follow_in_turns(self._entrants, problems, seconds=BUDGET, seed=self.plan.seed) for _ in range(FOLLOWS)]
+        runs = [
+            follow_in_turns(self._entrants, problems, seconds=BUDGET, seed=self.plan.seed) for _ in range(self._follows)
+        ]
         found = {}
         for entrant in self._entrants:
             records = judge_track(self._judge(f"path {count}", problems), runs[0][entrant.label])
@@ -137,7 +144,7 @@ class Segments:
             "lines through logarithms, by least squares.",
             f"## A path through {SPHERES} spheres, {self._followed[0]} to {self._followed[-1]} segments",
             f"The same path and the same spheres, total length 480 mm, lengths within a tenth; {self._points} "
-            f"waypoints, each from the last, followed {FOLLOWS * self._rounds} times in turns. Times are "
+            f"waypoints, each from the last, followed {self._follows * self._rounds} times in turns. Times are "
             "around the whole call.",
             "![Time against the number of segments, on a path](segments_path.png)",
             curve_table(followed),

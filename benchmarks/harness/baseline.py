@@ -10,11 +10,11 @@ decide, which is one.
 import json
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from benchmarks.harness.lines import RATES, UNITS, Line
+from benchmarks.harness.lines import Line
 from benchmarks.harness.markdown import table
 from benchmarks.harness.report import Report, number
 from sinuous.errors import InputError
@@ -202,7 +202,7 @@ def _changes(before: Figure, line: Line) -> Iterator[Change]:
         if before.unit not in MEASURED and _loss(before.reached, line) > 0.0:
             yield _change(before, line, "", "none", worse=True)
         return
-    yield from _sized(before, line, _best(line))
+    yield from _sized(before, line)
 
 
 MEASURED = ("KiB",)
@@ -233,11 +233,10 @@ def _best(line: Line) -> float:
     return min(known) if line.less_is_better else max(known)
 
 
-def _sized(before: Figure, line: Line, reached: float) -> Iterator[Change]:
+def _sized(before: Figure, line: Line) -> Iterator[Change]:
     """Compare a time, a rate or a ratio; the first two in terms of the reference workload."""
     assert before.reached is not None
-    speed = _speed(before, line)
-    now = reached / speed if before.unit in UNITS else reached * speed if before.unit in RATES else reached
+    now = replace(line, reached=_best(line)).at(before.reference)
     growth = (now - before.reached) if before.less_is_better else (before.reached - now)
     # As a factor, either way: what may be a quarter slower may be a fifth less often.
     small, large = sorted((abs(before.reached), abs(now)))
@@ -245,11 +244,6 @@ def _sized(before: Figure, line: Line, reached: float) -> Iterator[Change]:
     if abs(growth) > allowed:
         percent = f"{100.0 * (large / small - 1.0) * math.copysign(1.0, now - before.reached):+.0f} %" if small else ""
         yield _change(before, line, percent, f"{100.0 * before.tolerance:.0f} %", worse=growth > 0.0)
-
-
-def _speed(before: Figure, line: Line) -> float:
-    """How many times as long as then the reference workload takes now."""
-    return line.reference / before.reference if before.reference and line.reference else 1.0
 
 
 def _change(before: Figure, line: Line, change: str, allowed: str, *, worse: bool) -> Change:

@@ -62,7 +62,8 @@ class Line:
     slack : float
         Change that means nothing, in the unit of `reached`, for differences that may be zero.
     rounds : tuple of float
-        What each round reached, where there were several.
+        What each round reached, where there were several; times and rates as they were if the reference workload had
+        taken as long in each.
     reference : float or None
         Seconds that the reference workload took around this measurement.
     """
@@ -110,6 +111,17 @@ class Line:
         extent = max(self.rounds) - min(self.rounds)
         return 0.0 if extent == 0.0 else extent / abs(self.reached) if self.reached else math.inf
 
+    def at(self, reference: float | None) -> float:
+        """What it reaches where the reference workload takes so many seconds; only times and rates depend on that."""
+        slower = reference / self.reference if reference and self.reference else 1.0
+        return (
+            self.reached * slower
+            if self.unit in UNITS
+            else self.reached / slower
+            if self.unit in RATES
+            else self.reached
+        )
+
     @classmethod
     def of(cls, plain: dict[str, Any]) -> "Line":
         """Return the line whose attributes a journal holds; NaN where JSON has null for a number."""
@@ -131,14 +143,14 @@ def together(lines: Sequence[Line]) -> Line:
     """Return one line for the same figure of several rounds: the middle one, of correctness the worst."""
     if len(lines) == 1:
         return lines[0]
-    ranked = sorted(lines, key=_badness)
+    ranked = sorted(lines, key=lambda line: _badness(line, line.at(lines[0].reference)))
     chosen = ranked[-1] if lines[0].correctness else ranked[len(ranked) // 2]
     least = min((line.solved for line in lines if line.solved is not None), default=None)
-    return replace(chosen, solved=least, rounds=tuple(line.reached for line in lines))
+    return replace(chosen, solved=least, rounds=tuple(line.at(chosen.reference) for line in lines))
 
 
-def _badness(line: Line) -> float:
+def _badness(line: Line, reached: float) -> float:
     """Sort the best first, what is no number last."""
-    if math.isnan(line.reached):
+    if math.isnan(reached):
         return math.inf
-    return line.reached if line.less_is_better else -line.reached
+    return reached if line.less_is_better else -reached

@@ -87,7 +87,7 @@ def _scaling(plan: Plan, what: str, problems: ProblemSet, work: Work, goal: Goal
         for _ in range(plan.count(ROUNDS, 1))
     ]
     note = f"{count} solves a thread, median of {len(ratios)} rounds: " + ", ".join(f"{ratio:.2f}" for ratio in ratios)
-    return Line(SECTION, f"two threads over one, {what}", median(ratios), "x", goal, note=note)
+    return Line(SECTION, f"two threads over one, {what}", median(ratios), "x", goal, note=note, noise=0.5)
 
 
 def _together(solvers: list[Solver], problems: ProblemSet, count: int, work: Work) -> float:

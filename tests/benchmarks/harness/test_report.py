@@ -1,5 +1,6 @@
 """Figures as people and programs read them."""
 
+import dataclasses
 import json
 import math
 from dataclasses import asdict
@@ -85,6 +86,10 @@ def test_of_several_rounds_the_middle_counts_and_of_correctness_the_worst() -> N
     times = [Line("s", "t", value, solved=(right, 10)) for value, right in ((3.0, 9), (1.0, 10), (2.0, 10))]
     middle = together(times)
     assert (middle.reached, middle.rounds, middle.solved, middle.spread) == (2.0, (3.0, 1.0, 2.0), (9, 10), 1.0)
+    slow = [dataclasses.replace(line, reference=1e-3) for line in times[:2]] + [Line("s", "t", 4.0, reference=2e-3)]
+    assert together(slow).rounds == (6.0, 2.0, 4.0)  # as on the machine of the middle one
+    rates = [Line("s", "t", value, "/s", reference=ref) for value, ref in ((10.0, 1e-3), (6.0, 2e-3), (8.0, 1e-3))]
+    assert together(rates).rounds == (10.0, 12.0, 8.0)
     shares = [Line("s", "t", value, "%", Goal(100, False, True)) for value in (100.0, 99.0, 100.0)]
     assert together(shares).reached == 99.0
     counts = [Line("s", "t", value, "", Goal(0, correctness=True)) for value in (0, 0, 3)]

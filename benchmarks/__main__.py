@@ -19,6 +19,7 @@ from sinuous.cli.options import check_writable
 from sinuous.errors import InputError
 
 if TYPE_CHECKING:
+    from benchmarks.harness.conduct import Output
     from benchmarks.harness.experiment import Experiment
 
 OF_LINES = ("speed", "clutter")
@@ -34,36 +35,44 @@ INTERRUPTED = 130
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
 
+Name = Annotated[str, typer.Argument(metavar="NAME", help="One of " + ", ".join(BENCHMARKS) + ".")]
+Out = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Folder of journal and results, default bench-NAME; there a run goes on."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object, and nothing else.")]
+Seed = Annotated[int, typer.Option(help="Of all random problems.")]
+Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
+Rounds = Annotated[int, typer.Option(help="Of speed and clutter, how often everything is measured.")]
+Anew = Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")]
+Against = Annotated[
+    Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
+]
+Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
+Family = Annotated[
+    list[str] | None, typer.Option(metavar="NAME", help="Of clutter, only this family; repeat for more.")
+]
+Method = Annotated[
+    list[str] | None, typer.Option(metavar="NAME", help="Of the others, only this method; repeat for more.")
+]
+
+
 @app.command(
     epilog="Exit codes: 0 all claims held, 1 one did not or a figure is worse than the baseline, 2 bad input, "
     "130 interrupted."
 )
 def run(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="One of " + ", ".join(BENCHMARKS) + ".")],
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="Folder of journal and results, default bench-NAME; there a run goes on.",
-        ),
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object, and nothing else.")] = False,
-    seed: Annotated[int, typer.Option(help="Of all random problems.")] = 0,
-    quick: Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")] = False,
-    rounds: Annotated[int, typer.Option(help="Of speed and clutter, how often everything is measured.")] = 1,
-    anew: Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")] = False,
-    against: Annotated[
-        Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
-    ] = None,
-    save_baseline: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")
-    ] = None,
-    family: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Of clutter, only this family; repeat for more.")
-    ] = None,
-    method: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Of the others, only this method; repeat for more.")
-    ] = None,
+    name: Name,
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = 0,
+    quick: Quick = False,
+    rounds: Rounds = 1,
+    anew: Anew = False,
+    against: Against = None,
+    save_baseline: Keep = None,
+    family: Family = None,
+    method: Method = None,
 ) -> None:
     """Measure; only verified answers count."""
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -72,21 +81,25 @@ def run(
         os.environ.setdefault(variable, "1")
     chosen = Chosen(name, seed, quick, rounds, tuple(family or ()), tuple(method or ()))
     chosen.check()
-    for option, given in (("--against", against), ("--save-baseline", save_baseline)):
-        if given is not None and name not in OF_LINES:
-            raise InputError(option, f"is not for {name}", str(given), "one of " + ", ".join(OF_LINES))
-    if save_baseline is not None:
-        check_writable("--save-baseline", save_baseline)
-    from benchmarks.harness.conduct import Output, conduct, require  # noqa: PLC0415
+    from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
+    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not family)))
+
+
+def _measure(chosen: "Chosen", output: "Output") -> int:
+    from benchmarks.harness.conduct import conduct, require  # noqa: PLC0415
+
+    for option, file in (("--against", output.against), ("--save-baseline", output.save_baseline)):
+        if file is not None and chosen.name not in OF_LINES:
+            raise InputError(option, f"is not for {chosen.name}", str(file), "one of " + ", ".join(OF_LINES))
+    if output.save_baseline is not None:
+        check_writable("--save-baseline", output.save_baseline)
     require()
-    output = Output(out, json, anew, against, save_baseline, whole=not family)
     try:
-        code = conduct(chosen.experiment(), output)
+        return conduct(chosen.experiment(), output)
     except KeyboardInterrupt:
         typer.echo("benchmarks: interrupted before anything was measured", err=True)
-        code = INTERRUPTED
-    raise typer.Exit(code)
+        return INTERRUPTED
 
 
 @dataclass(frozen=True)

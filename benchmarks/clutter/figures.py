@@ -25,8 +25,8 @@ PROOF = "one look and the proof, as a share of the solve in the kernel, median (
 FIRST = "from robot and obstacles to the first answer, median"
 ALONE = {
     ARC: "compared: newton from the single arc alone",
-    RANDOM: "compared: the single arc and 100 random starts, no routes, on every third place",
-    IPOPT: "compared: IPOPT by casadi from the single arc, then two random starts, on a few places "
+    RANDOM: "compared: the single arc and 100 random initial configurations, no routes, on every third place",
+    IPOPT: "compared: IPOPT by casadi from the single arc, then from two random configurations, on a few places "
     "(balls only: meshes and clouds lack the derivatives that it needs)",
 }
 TAIL = 2.0

@@ -111,7 +111,8 @@ class Comparison(NamedTuple):
         counts = f"{self.compared} figures compared: {worse} worse, {len(self.changes) - worse} better"
         parts = [
             f"## Against {name}",
-            "Times are compared as multiples of the reference workload of the same run; so is their change.",
+            "Times are compared as multiples of the reference workload of the same run; the change is that of the best "
+            "round.",
             f"{counts}, the others within their noise.",
         ]
         for word, chosen in (("Worse", True), ("Better", False)):
@@ -242,8 +243,8 @@ def _sized(before: Figure, line: Line) -> Iterator[Change]:
     small, large = sorted((abs(before.reached), abs(now)))
     allowed = max(before.slack, small * before.tolerance)
     if abs(growth) > allowed:
-        percent = f"{100.0 * (large / small - 1.0) * math.copysign(1.0, now - before.reached):+.0f} %" if small else ""
-        yield _change(before, line, percent, f"{100.0 * before.tolerance:.0f} %", worse=growth > 0.0)
+        factor = f"x{large / small:.3g}" if small else ""
+        yield _change(before, line, factor, f"x{1.0 + before.tolerance:.3g}", worse=growth > 0.0)
 
 
 def _change(before: Figure, line: Line, change: str, allowed: str, *, worse: bool) -> Change:

@@ -1,8 +1,9 @@
 """What an experiment is: pieces of work, whose plain values are kept, and findings that are made of these alone."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
+from itertools import chain, count, takewhile
 from typing import Any, Protocol
 
 from benchmarks.harness import reference
@@ -59,9 +60,23 @@ class Experiment(Protocol):
         """Return the work, in order."""
         ...
 
+    def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterable[Piece]:
+        """Return more work, after all pieces, to make sure of figures, which are named by section and what."""
+        ...
+
     def findings(self, pieces: dict[str, Any]) -> Findings:
         """Sum up what was measured, by the names of the pieces."""
         ...
+
+
+class Indivisible:
+    """An experiment whose findings need all of its pieces."""
+
+    divisible = False
+
+    def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterable[Piece]:
+        """Nothing: its repeats are part of the experiment."""
+        return ()
 
 
 Measurement = Callable[[], Iterable[Line]]
@@ -96,14 +111,19 @@ class OfLines:
             for name, measure in self.parts():
                 yield _name(name, number), partial(_measured, measure)
 
+    def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterator[Piece]:
+        """One more round of the parts that have some of these figures."""
+        for name, measure in self.parts():
+            rounds = list(_rounds(name, pieces))
+            if any((line.section, line.what) in doubtful for lines in rounds for line in lines):
+                yield _name(name, len(rounds)), partial(_measured, measure)
+
     def findings(self, pieces: dict[str, Any]) -> Findings:
-        """Put the rounds of every figure together."""
-        rounds = range(self.plan.rounds)
+        """Put all rounds of every figure together."""
         found: dict[tuple[str, str], list[Line]] = {}
         for name, _ in self.parts():
-            for number in rounds:
-                for line in _lines(pieces.get(_name(name, number))):
-                    found.setdefault((line.section, line.what), []).append(line)
+            for line in chain.from_iterable(_rounds(name, pieces)):
+                found.setdefault((line.section, line.what), []).append(line)
         return Findings([together(lines) for lines in found.values()])
 
 
@@ -119,7 +139,8 @@ def _measured(measure: Measurement) -> dict[str, Any]:
     return {"reference": around, "lines": [asdict(line) for line in lines]}
 
 
-def _lines(measured: dict[str, Any] | None) -> Sequence[Line]:
-    if measured is None:
-        return []
-    return [replace(Line.of(plain), reference=measured["reference"]) for plain in measured["lines"]]
+def _rounds(part: str, pieces: dict[str, Any]) -> Iterator[list[Line]]:
+    """Lines of each round of a part that was measured."""
+    names = takewhile(pieces.__contains__, (_name(part, number) for number in count()))
+    for measured in map(pieces.__getitem__, names):
+        yield [replace(Line.of(plain), reference=measured["reference"]) for plain in measured["lines"]]

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
-from benchmarks.harness.experiment import Findings, Piece
+from benchmarks.harness.experiment import Findings, Indivisible, Piece
 from benchmarks.harness.plan import Plan
 from benchmarks.paper.contest import Record, Tally, all_records, solve_in_turns
 from benchmarks.paper.entrants import divide, entrants, roster
@@ -15,7 +15,7 @@ from benchmarks.paper.scenes import PAPER_TOLERANCE
 from benchmarks.problems import ProblemSet
 
 BUDGET = 0.05
-"""Seconds of one solve, with all its starts."""
+"""Seconds of one solve, with all its initial configurations."""
 
 TOGETHER = 20
 """Problems in one piece; among obstacles, in one scene."""
@@ -24,11 +24,10 @@ PIECES = 10
 """For each set of problems."""
 
 
-class Methods:
+class Methods(Indivisible):
     """The experiment; see `Experiment`."""
 
     name = "methods"
-    divisible = False
 
     def __init__(self, plan: Plan, names: Sequence[str] = ()) -> None:
         self.plan = plan

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness.experiment import Findings, Piece
+from benchmarks.harness.experiment import Findings, Indivisible, Piece
 from benchmarks.harness.plan import Plan
 from benchmarks.paper.contest import Judge, Record, follow_in_turns, judge_track
 from benchmarks.paper.entrants import DIFFERENCES, gradients, roster
@@ -18,7 +18,7 @@ from benchmarks.problems import ProblemSet, arm, direction_targets, random_confi
 from sinuous.scene.scene import Scene
 
 BUDGET = 0.25
-"""Seconds of one solve, with all its starts."""
+"""Seconds of one solve, with all its initial configurations."""
 
 FOLLOWED = (5, 6, 7, 8, 9, 10)
 """Numbers of segments, as in the paper, of the robots that follow a path."""
@@ -43,11 +43,10 @@ POSES, SOLVES = 40, 2
 """Poses of each size, and how often each is solved in a round."""
 
 
-class Segments:
+class Segments(Indivisible):
     """The experiment; see `Experiment`."""
 
     name = "segments"
-    divisible = False
 
     def __init__(self, plan: Plan, names: Sequence[str] = ()) -> None:
         self.plan = plan
@@ -139,9 +138,9 @@ class Segments:
         followed = curves_of(pieces, "path", self._followed, labels, rounds)
         grown = curves_of(pieces, "poses", self._grown, labels, rounds)
         text = [
-            "Time of an iteration: all of a solve, with its starts and its proof, over its iterations, summed over the "
-            "confirmed solves that had any. Of every solve the quickest round counts. Exponents are slopes of straight "
-            "lines through logarithms, by least squares.",
+            "Time of an iteration: all of a solve, with its initial configurations and its proof, over its iterations, "
+            "summed over the confirmed solves that had any. Of every solve the quickest round counts. Exponents are "
+            "slopes of straight lines through logarithms, by least squares.",
             f"## A path through {SPHERES} spheres, {self._followed[0]} to {self._followed[-1]} segments",
             f"The same path and the same spheres, total length 480 mm, lengths within a tenth; {self._points} "
             f"waypoints, each from the last, followed {self._follows * self._rounds} times in turns. Times are "

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
-from benchmarks.harness.experiment import Findings, Piece
+from benchmarks.harness.experiment import Findings, Indivisible, Piece
 from benchmarks.harness.plan import Plan
 from benchmarks.paper.contest import Record, solve_in_turns
 from benchmarks.paper.entrants import Entrant, divide, entrants, roster
@@ -16,17 +16,16 @@ from benchmarks.problems import PAPER_POSES
 from sinuous.problem.problem import Tolerance
 
 BUDGET = 0.1
-"""Seconds of one solve, with all its starts."""
+"""Seconds of one solve, with all its initial configurations."""
 
 REPEATS = 10
 """In one piece, of which there are ten a pose."""
 
 
-class Table1:
+class Table1(Indivisible):
     """The experiment; see `Experiment`."""
 
     name = "table1"
-    divisible = False
 
     def __init__(self, plan: Plan, names: Sequence[str] = ()) -> None:
         self.plan = plan

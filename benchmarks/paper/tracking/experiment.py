@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
-from benchmarks.harness.experiment import Findings, Piece
+from benchmarks.harness.experiment import Findings, Indivisible, Piece
 from benchmarks.harness.plan import Plan
 from benchmarks.paper.contest import Judge, Record, Tally, follow_in_turns, judge_track
 from benchmarks.paper.entrants import divide, entrants, roster
@@ -22,11 +22,10 @@ SCENES = {10: 2, 20: 2, 40: 2, 70: 12}
 """Scenes by their number of spheres."""
 
 
-class Tracking:
+class Tracking(Indivisible):
     """The experiment; see `Experiment`."""
 
     name = "tracking"
-    divisible = False
 
     def __init__(self, plan: Plan, names: Sequence[str] = ()) -> None:
         self.plan = plan
@@ -80,7 +79,8 @@ class Tracking:
             f"{SEGMENTS} segments of {TOTAL / SEGMENTS:g} mm, lengths within a tenth, 1 mm thick, follow a closed "
             f"figure of eight of {self._points} points behind spheres of random places and radii; only the position of "
             "the tip is asked for, to 1e-4 of the length. Each waypoint begins from the last one solved; a method that "
-            f"fails from there may use its other starts, for at most {1e3 * BUDGET:g} ms in all. Methods take turns of "
+            "fails from there may try its other initial configurations, for at most "
+            f"{1e3 * BUDGET:g} ms in all. Methods take turns of "
             'ten waypoints. Nothing guarantees that a waypoint can be reached; "by any" counts those that some method '
             "reached. Times are of confirmed waypoints; "
             "preparing a method for a scene, `opti_path`'s grid included, comes once before."

@@ -12,7 +12,7 @@ import pytest
 from benchmarks.harness import conduct as harness
 from benchmarks.harness import reference
 from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
-from benchmarks.harness.experiment import Findings, Measurement, OfLines, Piece
+from benchmarks.harness.experiment import Findings, Indivisible, Measurement, OfLines, Piece
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.pictures.style import new_figure, tidy
@@ -25,11 +25,10 @@ def steady(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reference, "seconds", lambda: 5e-4)
 
 
-class Squares:
+class Squares(Indivisible):
     """Three pieces of work; one of them may be interrupted."""
 
     name = "squares"
-    divisible = False
 
     def __init__(self, plan: Plan, *, interrupted_at: int = -1, wrong: int = 0) -> None:
         self.plan = plan
@@ -166,9 +165,16 @@ def test_a_baseline_is_kept_and_compared_with(tmp_path: Path, capsys: pytest.Cap
     assert conduct(Steps(Plan()), same) == 0
     assert "2 figures compared: 0 worse, 0 better" in capsys.readouterr().out
     slower = Output(tmp_path / "b", against=baseline, json=True)
-    assert conduct(Steps(Plan(), [2e-2]), slower) == 1
+    steps = Steps(Plan(), [2e-2, 2.2e-2, 2.1e-2])
+    assert conduct(steps, slower) == 1
+    assert steps.measured == ["first", "second", "second", "second"]
     (change,) = json.loads(capsys.readouterr().out)["against"]["changes"]
-    assert (change["what"], change["before"], change["now"], change["worse"]) == ("second", "2 ms", "20 ms", True)
+    assert (change["what"], change["before"], change["now"], change["worse"]) == ("second", "2 ms", "21 ms", True)
+    assert change["change"] == "x10"
+    noisy = Steps(Plan(), [2e-2, 2.1e-3])
+    assert conduct(noisy, Output(tmp_path / "d", against=baseline)) == 0
+    assert noisy.measured == ["first", "second", "second"]
+    assert "second, round 1: measured again, for something seems worse" in capsys.readouterr().err
     with pytest.raises(InputError, match="--against: was measured otherwise: seed was 0"):
         conduct(Steps(Plan(1)), Output(tmp_path / "c", against=baseline))
     assert not (tmp_path / "c").exists()

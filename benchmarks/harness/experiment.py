@@ -30,6 +30,8 @@ class Findings:
         Matplotlib figures by name, without ending.
     wrong : int
         Claims of "solved" that verification rejected.
+    busy : float
+        Largest share of the processor that other processes had before or after a piece, 0 to 1.
     """
 
     lines: list[Line] = field(default_factory=list)
@@ -37,6 +39,7 @@ class Findings:
     data: dict[str, Any] = field(default_factory=dict)
     pictures: dict[str, Any] = field(default_factory=dict)
     wrong: int = 0
+    busy: float = 0.0
 
     @property
     def correct(self) -> bool:
@@ -124,7 +127,8 @@ class OfLines:
         for name, _ in self.parts():
             for line in chain.from_iterable(_rounds(name, pieces)):
                 found.setdefault((line.section, line.what), []).append(line)
-        return Findings([together(lines) for lines in found.values()])
+        busy = max((measured["busy"] for measured in pieces.values()), default=0.0)
+        return Findings([together(lines) for lines in found.values()], busy=busy)
 
 
 def _name(part: str, number: int) -> str:
@@ -133,10 +137,11 @@ def _name(part: str, number: int) -> str:
 
 def _measured(measure: Measurement) -> dict[str, Any]:
     """Measure lines, and the reference workload before and after."""
-    before = reference.seconds()
+    before = reference.look()
     lines = list(measure())
-    around = 0.5 * (before + reference.seconds())
-    return {"reference": around, "lines": [asdict(line) for line in lines]}
+    after = reference.look()
+    around, busy = 0.5 * (before.seconds + after.seconds), max(before.busy, after.busy)
+    return {"reference": around, "busy": busy, "lines": [asdict(line) for line in lines]}
 
 
 def _rounds(part: str, pieces: dict[str, Any]) -> Iterator[list[Line]]:

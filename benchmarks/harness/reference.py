@@ -4,7 +4,8 @@ It shares nothing with the library, so that no change of the library changes it:
 operations that wait for each other as those of a solve do, and some square roots, on one core.
 """
 
-from time import perf_counter
+from time import perf_counter, thread_time
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -13,8 +14,23 @@ from numpy.typing import NDArray
 STEPS = 20_000
 """Turns of the loop: about half a millisecond."""
 
-REPEATS = 15
+REPEATS = 100
 """Of which the median counts."""
+
+
+class Look(NamedTuple):
+    """How fast the machine is, and how busy with other things.
+
+    Attributes
+    ----------
+    seconds : float
+        Of the workload.
+    busy : float
+        Share of the time in which other processes had the processor, 0 to 1.
+    """
+
+    seconds: float
+    busy: float
 
 
 @numba.njit(cache=True)
@@ -30,13 +46,14 @@ def _turn(matrix: NDArray[np.float64], vector: NDArray[np.float64], steps: int) 
     return float(x + y + z)
 
 
-def seconds() -> float:
-    """Return the median time of the workload, in seconds."""
+def look() -> Look:
+    """Run the workload some times."""
     matrix, vector = np.array([[0.8, -0.6, 0.1], [0.6, 0.8, -0.1], [0.0, 0.1, 1.0]]), np.array([0.6, 0.0, 0.8])
     _turn(matrix, vector, 10)  # compiles, or loads
-    spent = []
+    spent, worked = [], thread_time()
     for _ in range(REPEATS):
         began = perf_counter()
         _turn(matrix, vector, STEPS)
         spent.append(perf_counter() - began)
-    return float(np.median(spent))
+    worked = thread_time() - worked
+    return Look(float(np.median(spent)), max(0.0, 1.0 - worked / sum(spent)))

@@ -9,6 +9,9 @@ from benchmarks.harness.experiment import Experiment, Findings
 from benchmarks.harness.lines import UNITS, Line
 from benchmarks.harness.markdown import table
 
+BUSY = 0.1
+"""Share of the processor that other processes may have before times mean little."""
+
 
 @dataclass(frozen=True)
 class Report:
@@ -41,6 +44,7 @@ class Report:
             "interrupted": self.interrupted,
             "correct": found.correct,
             "wrong": found.wrong,
+            "busy": found.busy,
             "lines": [{**asdict(line), "held": line.held, "spread": line.spread} for line in found.lines],
             **found.data,
         }
@@ -54,6 +58,11 @@ class Report:
         parts = ["\n".join(f"- {key}: {value}" for key, value in shown.items() if value != "not installed")]
         if plan.quick:
             parts.append("A quick run: counts are cut down, figures mean little.")
+        if found.busy > BUSY:
+            parts.append(
+                f"BUSY: other processes had up to {100.0 * found.busy:.0f} % of the processor while this was measured; "
+                "times mean little."
+            )
         if found.wrong:
             parts.append(f'WRONG: {found.wrong} claims of "solved" were rejected.')
         parts += [found.text] if found.text else []

@@ -15,6 +15,7 @@ from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
 from benchmarks.harness.experiment import Findings, Indivisible, Measurement, OfLines, Piece
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
+from benchmarks.harness.reference import Look
 from benchmarks.pictures.style import new_figure, tidy
 from sinuous.errors import InputError
 
@@ -22,7 +23,7 @@ from sinuous.errors import InputError
 @pytest.fixture(autouse=True)
 def steady(monkeypatch: pytest.MonkeyPatch) -> None:
     """A machine that is always equally fast."""
-    monkeypatch.setattr(reference, "seconds", lambda: 5e-4)
+    monkeypatch.setattr(reference, "look", lambda: Look(5e-4, 0.0))
 
 
 class Squares(Indivisible):
@@ -156,6 +157,14 @@ def test_rounds_are_measured_one_after_the_other_and_may_be_added(tmp_path: Path
     assert first["spread"] == 0.0
     assert second["reference"] == 5e-4
     assert " spread |" in (tmp_path / "steps.md").read_text()
+
+
+def test_a_busy_machine_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    looks = iter([Look(5e-4, 0.0), Look(5e-4, 0.3), Look(5e-4, 0.05), Look(5e-4, 0.0)])
+    monkeypatch.setattr(reference, "look", lambda: next(looks))
+    assert conduct(Steps(Plan()), Output(tmp_path)) == 0
+    assert "BUSY: other processes had up to 30 % of the processor" in (tmp_path / "steps.md").read_text()
+    assert json.loads((tmp_path / "steps.json").read_text())["busy"] == 0.3
 
 
 def test_a_baseline_is_kept_and_compared_with(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -126,7 +126,7 @@ class Comparison(NamedTuple):
 def save(file: Path, report: Report) -> None:
     """Write the figures of a run, to compare later ones with."""
     head = report.to_dict()
-    kept = {key: head[key] for key in (*SAME, "rounds", "machine")}
+    kept = {key: head[key] for key in (*SAME, "rounds", "busy", "machine")}
     figures = [plain(asdict(Figure.of(line))) for line in report.findings.lines]
     lines = ",\n".join("  " + json.dumps(figure, allow_nan=False) for figure in figures)
     text = json.dumps(plain(kept), indent=1, allow_nan=False)[:-2] + f',\n "figures": [\n{lines}\n ]\n}}\n'

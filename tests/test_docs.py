@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.experiments.entrants import FAITHFUL
+from benchmarks.paper.entrants import FAITHFUL
 from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.registry import METHODS
 

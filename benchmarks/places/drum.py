@@ -5,11 +5,11 @@ import math
 import numpy as np
 from numpy.random import Generator
 
+from benchmarks.places.parts.robots import robot_of
+from benchmarks.places.parts.shapes import curve_of, draw_shape
+from benchmarks.places.parts.surfaces import Surface, joined, loft
 from benchmarks.places.pipes import solid
 from benchmarks.places.place import Sketch
-from benchmarks.places.robots import robot_of
-from benchmarks.places.shapes import curve_of, draw_shape
-from benchmarks.places.surfaces import Surface, joined, loft
 from sinuous.checks import Floats
 from sinuous.scene.obstacles import Cylinder, Obstacle
 

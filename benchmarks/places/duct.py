@@ -7,11 +7,11 @@ import numpy as np
 from numpy.random import Generator
 from scipy.spatial import cKDTree
 
+from benchmarks.places.parts.robots import robot_of
+from benchmarks.places.parts.shapes import arc, curve_of, draw_shape
+from benchmarks.places.parts.surfaces import Faces, Surface, joined
 from benchmarks.places.pipes import lengthened, solid
 from benchmarks.places.place import Sketch
-from benchmarks.places.robots import robot_of
-from benchmarks.places.shapes import arc, curve_of, draw_shape
-from benchmarks.places.surfaces import Faces, Surface, joined
 from sinuous.checks import Floats
 
 INSIDE, OUTSIDE = 1.7, 2.6

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.random import Generator
 
+from benchmarks.places.parts.robots import robot_of
+from benchmarks.places.parts.shapes import arc, curve_of, draw_shape
+from benchmarks.places.parts.surfaces import Surface, joined, tube
 from benchmarks.places.place import Sketch
-from benchmarks.places.robots import robot_of
-from benchmarks.places.shapes import arc, curve_of, draw_shape
-from benchmarks.places.surfaces import Surface, joined, tube
 from sinuous.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 

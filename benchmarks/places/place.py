@@ -8,10 +8,10 @@ from zlib import crc32
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.clearances import least_clearance
-from benchmarks.collisions import Body
-from benchmarks.judges import judge
-from benchmarks.reference import tip_poses
+from benchmarks.judges.clearances import least_clearance
+from benchmarks.judges.collisions import Body
+from benchmarks.judges.judge import judge
+from benchmarks.judges.kinematics import tip_poses
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.problem import Tolerance

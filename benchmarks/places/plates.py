@@ -5,11 +5,11 @@ import math
 import numpy as np
 from numpy.random import Generator
 
+from benchmarks.places.parts.robots import robot_of
+from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape
+from benchmarks.places.parts.surfaces import plate
 from benchmarks.places.pipes import solid
 from benchmarks.places.place import Sketch
-from benchmarks.places.robots import robot_of
-from benchmarks.places.shapes import Curve, curve_of, draw_shape
-from benchmarks.places.surfaces import plate
 from sinuous.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 

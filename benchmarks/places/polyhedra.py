@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.clearances import least_clearance
+from benchmarks.judges.clearances import least_clearance
+from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places.place import Place
-from benchmarks.reference import tip_poses
 from sinuous.checks import Floats
 from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.clearances import least_clearance
+from benchmarks.judges.clearances import least_clearance
+from benchmarks.places.parts.surfaces import Faces
 from benchmarks.places.place import ROOM, Draw, Sketch
-from benchmarks.places.surfaces import Faces
 from sinuous.checks import Floats
 from sinuous.pictures.surfaces import obstacle_surface
 from sinuous.scene.clouds.point_cloud import PointCloud

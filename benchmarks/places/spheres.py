@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.random import Generator
 
+from benchmarks.places.parts.robots import robot_of
+from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape
 from benchmarks.places.place import Sketch
-from benchmarks.places.robots import robot_of
-from benchmarks.places.shapes import Curve, curve_of, draw_shape
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere

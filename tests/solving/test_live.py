@@ -17,7 +17,7 @@ from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solution.solution import Status
+from sinuous.solution.status import Status
 from sinuous.solving.solver import Solver
 from tests.helpers import Floats
 from tests.scene import shapes

@@ -3,7 +3,6 @@
 Nothing heavy is imported before a command runs, so that `sinuous --help` answers at once.
 """
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -90,46 +89,13 @@ def check(files: Files, json: Json = False) -> None:
     raise typer.Exit(check_files(files, json=json))
 
 
-@app.command()
-def bench(
-    name: Annotated[
-        str,
-        typer.Argument(metavar="NAME", help="Which measurement: speed, clutter, table1, tracking, segments, methods."),
-    ],
-    json: Json = False,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="PATH",
-            help="File of speed's JSON; folder of any other, default bench-NAME, where an interrupted one goes on.",
-        ),
-    ] = None,
-    seed: Seed = 0,
-    quick: Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")] = False,
-    family: Annotated[list[str] | None, typer.Option(help="Of clutter, this family alone; may be repeated.")] = None,
-    anew: Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")] = False,
-    method: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Only this method; repeat for more.", show_default=False)
-    ] = None,
-) -> None:
-    """Measure; only verified answers count."""
-    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
-        # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
-        # library wait for each other ten times as long as verifying takes.
-        os.environ.setdefault(variable, "1")
-    from sinuous.cli.measure import measure  # noqa: PLC0415
-
-    code = measure(
-        name,
-        json=json,
-        out=out,
-        seed=seed,
-        quick=quick,
-        families=family or (),
-        anew=anew,
-        method=method or (),
-    )
-    raise typer.Exit(code)
+@app.command(
+    hidden=True, add_help_option=False, context_settings={"ignore_unknown_options": True, "allow_extra_args": True}
+)
+def bench() -> None:
+    """Say where the measurements are."""
+    _say("bench: is called 'python -m benchmarks NAME' now, from a clone of the repository")
+    raise typer.Exit(BAD_INPUT)
 
 
 @app.callback(invoke_without_command=True)
@@ -153,18 +119,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         Default: those of the process.
     """
+    return execute(app, "sinuous", arguments)
+
+
+def execute(commands: typer.Typer, name: str, arguments: Sequence[str] | None) -> int:
+    """Run commands and return the exit code, with one line on standard error where the input is wrong.
+
+    Parameters
+    ----------
+    commands : Typer
+    name : str
+        What was typed before the arguments.
+    arguments : sequence of str, optional
+        Default: those of the process.
+    """
     try:
-        command = typer.main.get_command(app)
-        code = command.main(arguments, prog_name="sinuous", standalone_mode=False)
+        command = typer.main.get_command(commands)
+        code = command.main(arguments, prog_name=name, standalone_mode=False)
         return int(code or 0)
     except InputError as error:
         _say(str(error))
         return BAD_INPUT
     except _UsageError as error:
-        _say(f"sinuous: {error.format_message()}")
+        _say(f"{name}: {error.format_message()}")
         return BAD_INPUT
     except OSError as error:
-        _say(f"sinuous: {error}")
+        _say(f"{name}: {error}")
         return FAILED
 
 

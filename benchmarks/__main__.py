@@ -1,0 +1,185 @@
+"""`python -m benchmarks NAME`: what may be typed, and what the shell is told.
+
+Nothing heavy is imported before a measurement begins: `--help` answers at once, and the number of threads is set before
+NumPy looks at it.
+"""
+
+import os
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sinuous.cli.app import execute
+from sinuous.cli.options import check_writable
+from sinuous.errors import InputError
+
+if TYPE_CHECKING:
+    from benchmarks.harness.conduct import Output
+    from benchmarks.harness.experiment import Experiment
+
+OF_LINES = ("speed", "clutter")
+"""Those made of figures that a baseline can hold, and that may be measured in several rounds."""
+
+OF_METHODS = ("table1", "tracking", "segments", "methods")
+"""Those in which methods can be chosen."""
+
+BENCHMARKS = (*OF_LINES, *OF_METHODS)
+
+INTERRUPTED = 130
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+
+
+Name = Annotated[str, typer.Argument(metavar="NAME", help="One of " + ", ".join(BENCHMARKS) + ".")]
+Out = Annotated[
+    Path | None,
+    typer.Option(metavar="FOLDER", help="Folder of journal and results, default bench-NAME; there a run goes on."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object, and nothing else.")]
+Seed = Annotated[int, typer.Option(help="Of all random problems.")]
+Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
+Rounds = Annotated[int, typer.Option(help="Of speed and clutter, how often everything is measured.")]
+Anew = Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")]
+Against = Annotated[
+    Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
+]
+Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
+Family = Annotated[
+    list[str] | None, typer.Option(metavar="NAME", help="Of clutter, only this family; repeat for more.")
+]
+Method = Annotated[
+    list[str] | None, typer.Option(metavar="NAME", help="Of the others, only this method; repeat for more.")
+]
+
+
+@app.command(
+    epilog="Exit codes: 0 all claims held, 1 one did not or a figure is worse than the baseline, 2 bad input, "
+    "130 interrupted."
+)
+def run(
+    name: Name,
+    out: Out = None,
+    json: Json = False,
+    seed: Seed = 0,
+    quick: Quick = False,
+    rounds: Rounds = 1,
+    anew: Anew = False,
+    against: Against = None,
+    save_baseline: Keep = None,
+    family: Family = None,
+    method: Method = None,
+) -> None:
+    """Measure; only verified answers count."""
+    for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
+        # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
+        # library wait for each other ten times as long as verifying takes.
+        os.environ.setdefault(variable, "1")
+    chosen = Chosen(name, seed, quick, rounds, tuple(family or ()), tuple(method or ()))
+    chosen.check()
+    from benchmarks.harness.conduct import Output  # noqa: PLC0415
+
+    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not family)))
+
+
+def _measure(chosen: "Chosen", output: "Output") -> int:
+    from benchmarks.harness.conduct import conduct, require  # noqa: PLC0415
+
+    for option, file in (("--against", output.against), ("--save-baseline", output.save_baseline)):
+        if file is not None and chosen.name not in OF_LINES:
+            raise InputError(option, f"is not for {chosen.name}", str(file), "one of " + ", ".join(OF_LINES))
+    if output.save_baseline is not None:
+        check_writable("--save-baseline", output.save_baseline)
+    require()
+    try:
+        return conduct(chosen.experiment(), output)
+    except KeyboardInterrupt:
+        typer.echo("benchmarks: interrupted before anything was measured", err=True)
+        return INTERRUPTED
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """An experiment, as it was asked for.
+
+    Attributes
+    ----------
+    name : str
+    seed : int
+    quick : bool
+    rounds : int
+    families, methods : tuple of str
+        Those to measure; none means all.
+    """
+
+    name: str
+    seed: int = 0
+    quick: bool = False
+    rounds: int = 1
+    families: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
+
+    def check(self) -> None:
+        """Refuse what cannot be meant.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        from sinuous import checks  # noqa: PLC0415
+
+        if self.name not in BENCHMARKS:
+            raise InputError("NAME", "no such measurement", self.name, "one of " + ", ".join(BENCHMARKS))
+        checks.integer("--seed", self.seed, 0, 2**31 - 1)
+        checks.integer("--rounds", self.rounds, 1, 100)
+        for option, given, able in (
+            ("--family", list(self.families), ("clutter",)),
+            ("--method", list(self.methods), OF_METHODS),
+            ("--rounds", self.rounds if self.rounds > 1 else None, OF_LINES),
+        ):
+            if given and self.name not in able:
+                raise InputError(option, f"is not for {self.name}", given, "one of " + ", ".join(able))
+
+    def experiment(self) -> "Experiment":
+        """Prepare it; what it needs is imported now.
+
+        Raises
+        ------
+        InputError
+            When there is no such family or method.
+        """
+        from benchmarks.harness.plan import Plan  # noqa: PLC0415
+
+        plan = Plan(self.seed, self.quick, self.rounds)
+        if self.name == "speed":
+            from benchmarks.speed.experiment import Speed  # noqa: PLC0415
+
+            return Speed(plan)
+        if self.name == "clutter":
+            from benchmarks.clutter.experiment import Clutter  # noqa: PLC0415
+
+            return Clutter(plan, self.families)
+        made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
+            plan, self.methods
+        )
+        return made
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code; whatever is wrong with the input is one line on standard error.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Default: those of the process.
+    """
+    return execute(app, "python -m benchmarks", arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

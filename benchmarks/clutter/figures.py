@@ -1,0 +1,105 @@
+"""The figures of `clutter`: every family on the same lines, so that they can be compared."""
+
+from collections import Counter
+from collections.abc import Iterator
+from statistics import median
+
+from benchmarks.clutter.trials import ARC, IPOPT, RANDOM, Attempt, Task, Trial, examine
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
+from benchmarks.harness.times import Times
+from benchmarks.places import FAMILIES
+from benchmarks.solvers.parallel import in_processes
+
+COUNT, QUICK = 60, 2
+"""Places of a family: three times all robots; in a quick run."""
+
+PROTOCOL, PROTOCOL_QUICK = 400, 8
+"""Targets of a published protocol: a hundred in each of its four scenes."""
+
+SOLVED = "solved and proved within 1 s, and found right by the judges"
+FALSE = 'wrong claims: "solved" where a judge disagrees, or "impossible" where there is the hidden shape'
+MEDIAN = "median time (one core, warm; the goal is stricter where the single arc alone solves 99 %)"
+WORST = "worst time"
+PROOF = "one look and the proof, as a share of the solve in the kernel, median (50 %: as long as all the rest)"
+FIRST = "from robot and obstacles to the first answer, median"
+ALONE = {
+    ARC: "compared: newton from the single arc alone",
+    RANDOM: "compared: the single arc and 100 random initial configurations, no routes, on every third place",
+    IPOPT: "compared: IPOPT by casadi from the single arc, then from two random configurations, on a few places "
+    "(balls only: meshes and clouds lack the derivatives that it needs)",
+}
+TAIL = 2.0
+"""Noise of a worst time."""
+
+LIMIT = 1.0
+"""Seconds after which an answer comes too late."""
+
+
+def measure(plan: Plan, family: str) -> Iterator[Line]:
+    """Try all places of a family."""
+    tasks = tasks_of(plan, family)
+    return lines_of(family, list(plan.track(in_processes(examine, tasks, alone=plan.quick), family, len(tasks))))
+
+
+def tasks_of(plan: Plan, family: str) -> list[Task]:
+    """Return the places of a family, and what each is compared with: the slower, the fewer."""
+    published = FAMILIES[family].published
+    count = plan.count(PROTOCOL, PROTOCOL_QUICK) if published else plan.count(COUNT, QUICK)
+    rare = [0, 33, 66, 99] if published else [0, 6, 20, 26]
+    tasks = []
+    for i in range(count):
+        compared = [ARC] + [RANDOM] * (i % 3 == 0) + [IPOPT] * (i in rare)
+        tasks.append(Task(family, 1000 * plan.seed + i, tuple(compared)))
+    return tasks
+
+
+def lines_of(family: str, trials: list[Trial]) -> Iterator[Line]:
+    """Summarise one family."""
+    published = FAMILIES[family].published
+    ours = [trial.ours for trial in trials]
+    times = Times.of([attempt.seconds for attempt in ours])
+    good = [attempt.solved and attempt.seconds <= LIMIT for attempt in ours]
+    share = 100.0 * sum(good) / len(good)
+    goal = Goal(100.0 if published else 99.0, at_most=False)
+    failed = [trial for trial, well in zip(trials, good, strict=True) if not well]
+    note = "; ".join([FAMILIES[family].words, _winners(ours), *_listed("not solved", failed)])
+    yield Line(SOLVED, family, share, "%", goal, times, (sum(good), len(good)), note)
+    wrong = [trial for trial in trials if any(attempt.false for attempt in _claims(trial))]
+    note = "; ".join(_listed("wrong", wrong))
+    yield Line(FALSE, family, len(wrong), "", Goal(0, correctness=True), None, None, note)
+    others = {name: [trial.others[name] for trial in trials if name in trial.others] for name in ALONE}
+    local = sum(attempt.solved for attempt in others[ARC]) >= 0.99 * len(others[ARC])
+    fast = Goal(200e-6 if published else 100e-6 if local else 5e-3)
+    yield Line(MEDIAN, family, times.median, "us" if fast.value < 1e-3 else "ms", fast)
+    yield Line(WORST, family, times.worst, "ms", Goal(LIMIT), noise=TAIL)
+    proofs = [trial.proof for trial in trials if trial.proof is not None]
+    if proofs:
+        yield Line(PROOF, family, 100.0 * median(proofs), "%", Goal(50.0))
+    yield Line(FIRST, family, median(trial.prepare + trial.ours.first for trial in trials), "ms", noise=0.5)
+    for name, attempts in others.items():
+        if attempts:
+            yield _compared(ALONE[name], family, attempts)
+
+
+def _claims(trial: Trial) -> list[Attempt]:
+    """Attempts whose claims are this library's."""
+    return [trial.ours, *(attempt for name, attempt in trial.others.items() if name != IPOPT)]
+
+
+def _winners(attempts: list[Attempt]) -> str:
+    """Which kinds of starts won, the most frequent first."""
+    counts = Counter(attempt.start for attempt in attempts if attempt.solved)
+    return "won by " + (", ".join(f"{kind} {count}" for kind, count in counts.most_common()) or "none")
+
+
+def _listed(what: str, trials: list[Trial]) -> list[str]:
+    """Seeds and statuses, to begin a search with; nothing when there are none."""
+    some = ", ".join(f"{trial.seed} ({trial.ours.status})" for trial in trials[:8])
+    return [f"{what}: seeds {some}" + (" ..." if len(trials) > 8 else "")] if trials else []
+
+
+def _compared(section: str, family: str, attempts: list[Attempt]) -> Line:
+    solved = sum(attempt.solved for attempt in attempts)
+    times = Times.of([attempt.seconds for attempt in attempts])
+    return Line(section, family, 100.0 * solved / len(attempts), "%", None, times, (solved, len(attempts)))

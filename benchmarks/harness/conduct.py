@@ -1,0 +1,166 @@
+"""The frame around every experiment: packages, journal, progress, interrupt, baseline, and where the results go."""
+
+import sys
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from benchmarks.harness import machine
+from benchmarks.harness.baseline import Comparison, Figure, check, compare, load, save
+from benchmarks.harness.experiment import Experiment, Findings, Piece
+from benchmarks.harness.journal import Journal, code_version
+from benchmarks.harness.report import Report
+from sinuous.errors import InputError
+from sinuous.files.results import json_line
+
+INTERRUPTED = 130
+
+NEEDED = {"casadi": "casadi", "fcl": "python-fcl", "igl": "libigl", "matplotlib": "matplotlib", "trimesh": "trimesh"}
+"""Modules that a plain installation does not bring, and the packages that do."""
+
+DOUBTS = 2
+"""Times that pieces are measured again in which a figure seems worse than the baseline."""
+
+MOMENTARY = ("date", "sinuous", "casadi")
+"""Facts of a machine that may change while an experiment goes on; the hash of the sources stands for the version."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """What becomes of the results.
+
+    Attributes
+    ----------
+    folder : Path, optional
+        Of journal and results; default: `bench-` and the name of the experiment.
+    json : bool
+        Print JSON, one line, instead of Markdown.
+    anew : bool
+        Whether to throw away what the folder holds.
+    against : Path, optional
+        Baseline to compare with.
+    save_baseline : Path, optional
+        Where to keep the figures as a baseline.
+    whole : bool
+        Whether the experiment is measured with all of its parts, so that a figure of the baseline may not be missing.
+    """
+
+    folder: Path | None = None
+    json: bool = False
+    anew: bool = False
+    against: Path | None = None
+    save_baseline: Path | None = None
+    whole: bool = True
+
+
+def require() -> None:
+    """Refuse to begin without packages.
+
+    Raises
+    ------
+    InputError
+        That names all that are missing.
+    """
+    missing = [package for module, package in NEEDED.items() if find_spec(module) is None]
+    if missing:
+        raise InputError("benchmarks", "need packages that are not installed", missing, "pip install -e '.[bench]'")
+
+
+def conduct(experiment: Experiment, output: Output) -> int:
+    """Measure what the journal of the folder lacks, write the results, and print them.
+
+    Returns
+    -------
+    int
+        Exit code: 0 when all claims and every goal of correctness held, whatever the speed, and nothing is worse than
+        the baseline; 1 when not; 130 when interrupted.
+
+    Raises
+    ------
+    InputError
+        When the folder holds measurements under other settings, or the baseline does not fit.
+    """
+    folder = Path(f"bench-{experiment.name}") if output.folder is None else output.folder
+    facts = machine.describe()
+    before = None if output.against is None else _baseline(experiment, facts, output.against)
+    journal = Journal.open(folder, _settings(experiment, facts), anew=output.anew)
+    work = list(experiment.pieces())
+    try:
+        _measure(experiment, work, journal)
+        comparison = None if before is None else _compare(experiment, journal, before, output)
+        report = Report(experiment, facts, experiment.findings(journal.pieces))
+        _give(report, folder, output, comparison)
+    except BaseException as error:  # whatever ended it: what was measured until then took minutes
+        if experiment.divisible:
+            _give(Report(experiment, facts, experiment.findings(journal.pieces), interrupted=True), folder, output)
+        if not isinstance(error, KeyboardInterrupt):
+            raise
+        done = sum(name in journal.pieces for name, _ in work)
+        _say(f"interrupted after {done} of {len(work)} pieces; the same command goes on from there")
+        return INTERRUPTED
+    if output.save_baseline is not None:
+        save(output.save_baseline, report)
+    worse = comparison is not None and comparison.worse
+    return 0 if report.findings.correct and not worse else 1
+
+
+def _baseline(experiment: Experiment, facts: dict[str, str], file: Path) -> list[Figure]:
+    """Figures to compare with, refused before anything is measured where they do not fit."""
+    baseline = load(file, "--against")
+    check(baseline, Report(experiment, facts, Findings()).to_dict(), "--against")
+    figures: list[Figure] = baseline["figures"]
+    return figures
+
+
+def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> None:
+    """Measure what the journal lacks."""
+    lacking = sum(name not in journal.pieces for name, _ in work)
+    for name, measure in experiment.plan.track(work, experiment.name, len(work)):
+        if name not in journal.pieces:
+            journal.add(name, measure())
+    if lacking == 0:
+        _say("all of this was measured before; --anew measures it again")
+
+
+def _compare(experiment: Experiment, journal: Journal, before: list[Figure], output: Output) -> Comparison:
+    """Compare; what seems worse is measured again before it counts, for a busy machine slows one piece or another."""
+    for _ in range(DOUBTS):
+        found = compare(before, experiment.findings(journal.pieces).lines, whole=output.whole)
+        doubtful = {(change.section, change.what) for change in found.changes if change.worse}
+        for name, measure in experiment.again(journal.pieces, doubtful):
+            _say(f"{name}: measured again, for something seems worse")
+            journal.add(name, measure())
+    return compare(before, experiment.findings(journal.pieces).lines, whole=output.whole)
+
+
+def _settings(experiment: Experiment, facts: dict[str, str]) -> dict[str, Any]:
+    return {
+        "experiment": experiment.name,
+        "seed": experiment.plan.seed,
+        "quick": experiment.plan.quick,
+        **experiment.settings(),
+        **{key: value for key, value in facts.items() if key not in MOMENTARY},
+        "code": code_version(),
+    }
+
+
+def _give(report: Report, folder: Path, output: Output, comparison: Comparison | None = None) -> None:
+    """Write the results into the folder, and print them."""
+    name = report.experiment.name
+    for picture, drawn in report.findings.pictures.items():
+        drawn.savefig(folder / f"{picture}.png", bbox_inches="tight", pad_inches=0.15)
+    data, text = report.to_dict(), report.to_text()
+    if comparison is not None and output.against is not None:
+        data["against"] = comparison.to_dict()
+        text += "\n" + comparison.to_text(str(output.against))
+    line = json_line(data) + "\n"
+    (folder / f"{name}.json").write_text(line, encoding="utf-8")
+    (folder / f"{name}.md").write_text(text, encoding="utf-8")
+    sys.stdout.write(line if output.json else text)
+    sys.stdout.flush()
+    _say(f"results are in {folder}")
+
+
+def _say(message: str) -> None:
+    sys.stderr.write(f"benchmarks: {message}\n")

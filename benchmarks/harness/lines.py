@@ -1,0 +1,156 @@
+"""One figure: what it is, what it reached, what it is measured against, and how much it spreads."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from benchmarks.harness.times import Times
+
+UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6}
+"""Units of time, and how many of them a second has; other units are those of the number itself."""
+
+RATES = ("/s",)
+"""Units of what is the quicker the more of it there is."""
+
+NOISE = 0.25
+"""Relative change of a figure that means nothing by itself."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What a line is measured against.
+
+    Attributes
+    ----------
+    value : float
+        Bound, inclusive.
+    at_most : bool
+        Whether less is better.
+    correctness : bool
+        Whether missing it means that something is wrong, not merely slow.
+    """
+
+    value: float
+    at_most: bool = True
+    correctness: bool = False
+
+    def held(self, reached: float) -> bool:
+        """Whether a value is on the right side."""
+        return reached <= self.value if self.at_most else reached >= self.value
+
+
+@dataclass(frozen=True)
+class Line:
+    """One figure, its goal, and the times that it came from.
+
+    Attributes
+    ----------
+    section, what : str
+        Where it belongs, and what it is; together its name.
+    reached : float
+        In seconds where `unit` is one of time.
+    unit : str
+    goal : Goal, optional
+    times : Times, optional
+    solved : (int, int), optional
+        How many answers the judge confirmed, out of how many.
+    note : str
+        How it was measured, or seeds that reproduce what went wrong.
+    noise : float
+        Relative change that means nothing by itself: more for tails than for medians.
+    slack : float
+        Change that means nothing, in the unit of `reached`, for differences that may be zero.
+    rounds : tuple of float
+        What each round reached, where there were several; times and rates as they were if the reference workload had
+        taken as long in each.
+    reference : float or None
+        Seconds that the reference workload took around this measurement.
+    """
+
+    section: str
+    what: str
+    reached: float
+    unit: str = "us"
+    goal: Goal | None = None
+    times: Times | None = None
+    solved: tuple[int, int] | None = None
+    note: str = ""
+    noise: float = NOISE
+    slack: float = 0.0
+    rounds: tuple[float, ...] = ()
+    reference: float | None = None
+
+    @property
+    def held(self) -> bool | None:
+        """Whether the goal is held; `None` where there is none."""
+        return None if self.goal is None else self.goal.held(self.reached)
+
+    @property
+    def verdict(self) -> str:
+        """One word for the table."""
+        if self.goal is None or self.held is None:
+            return ""
+        return "held" if self.held else ("WRONG" if self.correctness else "missed")
+
+    @property
+    def correctness(self) -> bool:
+        """Whether the goal is one of correctness."""
+        return self.goal is not None and self.goal.correctness
+
+    @property
+    def less_is_better(self) -> bool:
+        """As the goal says; without one, times should be small, rates and ratios large."""
+        return self.unit not in ("x", *RATES) if self.goal is None else self.goal.at_most
+
+    @property
+    def spread(self) -> float | None:
+        """Range of the rounds, relative to the middle one; `None` where there was one round only."""
+        if len(self.rounds) < 2:
+            return None
+        extent = max(self.rounds) - min(self.rounds)
+        return 0.0 if extent == 0.0 else extent / abs(self.reached) if self.reached else math.inf
+
+    def at(self, reference: float | None) -> float:
+        """What it reaches where the reference workload takes so many seconds; only times and rates depend on that."""
+        slower = reference / self.reference if reference and self.reference else 1.0
+        return (
+            self.reached * slower
+            if self.unit in UNITS
+            else self.reached / slower
+            if self.unit in RATES
+            else self.reached
+        )
+
+    @classmethod
+    def of(cls, plain: dict[str, Any]) -> "Line":
+        """Return the line whose attributes a journal holds; NaN where JSON has null for a number."""
+        values = dict(plain)
+        values["reached"] = _number(plain["reached"])
+        values["goal"] = None if plain["goal"] is None else Goal(**plain["goal"])
+        times = plain["times"]
+        values["times"] = None if times is None else Times.of_plain(times)
+        values["solved"] = None if plain["solved"] is None else tuple(plain["solved"])
+        values["rounds"] = tuple(_number(value) for value in plain["rounds"])
+        return cls(**values)
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def together(lines: Sequence[Line]) -> Line:
+    """Return one line for the same figure of several rounds: the middle one, of correctness the worst."""
+    if len(lines) == 1:
+        return lines[0]
+    ranked = sorted(lines, key=lambda line: _badness(line, line.at(lines[0].reference)))
+    chosen = ranked[-1] if lines[0].correctness else ranked[len(ranked) // 2]
+    least = min((line.solved for line in lines if line.solved is not None), default=None)
+    return replace(chosen, solved=least, rounds=tuple(line.at(chosen.reference) for line in lines))
+
+
+def _badness(line: Line, reached: float) -> float:
+    """Sort the best first, what is no number last."""
+    if math.isnan(reached):
+        return math.inf
+    return reached if line.less_is_better else -reached

@@ -1,0 +1,1 @@
+"""Independent judges: kinematics, distances and collisions by code that shares nothing with the kernels."""

@@ -1,0 +1,153 @@
+"""How far is the body from everything? Distances that are independent of the kernels, at very many places.
+
+Meshes are asked of libigl (a tree of boxes for the distance, winding numbers for the side: whoever is inside a solid
+overlaps it, though the body may touch no triangle), clouds and occupied cells of SciPy's k-d tree, exact shapes of
+plain NumPy.
+"""
+
+import math
+from collections.abc import Callable
+from functools import singledispatch
+
+import igl
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from benchmarks.judges.kinematics import arc_poses, segment_ends
+from sinuous.checks import Floats
+from sinuous.measures.obstacles import measure
+from sinuous.robot.robot import Robot
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.scene import Scene
+
+Indices = NDArray[np.intp]
+
+COARSE, FINE = 50, 32
+"""Intervals of a segment, and how many places are looked at in each where the body may be closest."""
+
+Distance = Callable[[Floats], Floats]
+"""Signed distances (m,) of points (m, 3)."""
+
+
+class Clearances:
+    """A robot in a scene, prepared to measure many configurations.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+    """
+
+    def __init__(self, robot: Robot, scene: Scene) -> None:
+        self._robot = robot
+        self._measures = [distance_of(obstacle) for obstacle in scene.obstacles]
+
+    def least(self, q: Floats, enough: float = math.inf) -> Floats:
+        """Return the least clearance (m,) of configurations (m, n, 3) at `COARSE * FINE` places of every segment.
+
+        Distances change by no more than the place does, so intervals that cannot hold the least one are skipped, and
+        those that cannot hold less than `enough`: what is more than that is an upper bound only.
+        """
+        return np.array([self._least(one, enough) for one in q])
+
+    def _least(self, q: Floats, enough: float) -> float:
+        starts = segment_ends(self._robot, q[None])[0]
+        before = np.cumsum(q[:, 2]) - q[:, 2]
+        fractions = np.linspace(0.0, 1.0, COARSE + 1)
+        which = np.repeat(np.arange(len(q)), COARSE + 1)
+        gaps = self._gaps(q, starts, before, which, np.tile(fractions, len(q))).reshape(len(q), -1)
+        least = float(gaps.min())
+        sure = np.fmin(gaps[:, :-1], gaps[:, 1:]) - 0.5 * q[:, 2:] / COARSE  # infinite: in the mount
+        segment, interval = np.nonzero(sure < min(least, enough))
+        if len(segment) == 0:
+            return least
+        inner = (interval[:, None] + np.arange(1, FINE) / FINE) / COARSE
+        fine = self._gaps(q, starts, before, np.repeat(segment, FINE - 1), inner.ravel())
+        return min(least, float(fine.min()))
+
+    def _gaps(self, q: Floats, starts: Floats, before: Floats, which: Indices, fractions: Floats) -> Floats:
+        """Clearance (m,) of places given by segment and fraction; infinite in the mount, which nothing concerns."""
+        parts = q[which] * fractions[:, None]
+        local = arc_poses(parts[:, 0], parts[:, 1], parts[:, 2])[:, :3, 3]
+        points = np.einsum("mij,mj->mi", starts[which, :3, :3], local) + starts[which, :3, 3]
+        exposed = before[which] + parts[:, 2] >= self._robot.mount
+        gaps = np.full(len(points), math.inf)
+        radii = np.array(self._robot.radii)[which[exposed]]
+        for measured in self._measures:
+            gaps[exposed] = np.minimum(gaps[exposed], measured(points[exposed]) - radii)
+        return gaps
+
+
+def least_clearance(robot: Robot, scene: Scene, q: Floats, enough: float = math.inf) -> Floats:
+    """Return the least clearance (m,) of configurations (m, n, 3); see `Clearances.least`."""
+    return Clearances(robot, scene).least(q, enough)
+
+
+@singledispatch
+def distance_of(obstacle: Obstacle) -> Distance:
+    """Prepare the distance to one obstacle."""
+    return lambda points: measure(obstacle, points)
+
+
+@distance_of.register
+def _mesh(obstacle: Mesh) -> Distance:
+    vertices, faces = np.array(obstacle.vertices), np.array(obstacle.faces)
+    tree = igl.AABB()
+    tree.init(vertices, faces)
+
+    def unsigned(points: Floats) -> Floats:
+        if len(points) == 0:
+            return np.zeros(0)
+        distance: Floats = np.sqrt(np.asarray(tree.squared_distance(vertices, faces, points)[0]).reshape(-1))
+        return distance
+
+    def signed(points: Floats) -> Floats:
+        distance = unsigned(points)
+        if len(points) == 0:
+            return distance
+        within = np.asarray(igl.fast_winding_number(vertices, faces, points)).reshape(-1) > 0.5
+        return np.where(within == obstacle.inside, distance, -distance)
+
+    return signed if obstacle.watertight else lambda points: unsigned(points) - 0.5 * obstacle.thickness
+
+
+@distance_of.register
+def _cloud(obstacle: PointCloud) -> Distance:
+    groups = [
+        (cKDTree(obstacle.points[obstacle.radii == radius]), float(radius)) for radius in np.unique(obstacle.radii)
+    ]
+    return lambda points: np.min([np.asarray(tree.query(points)[0]) - radius for tree, radius in groups], axis=0)
+
+
+@distance_of.register
+def _grid(obstacle: Grid) -> Distance:
+    """Distance to occupied cubes: of those whose middle is near enough to be the nearest, exactly."""
+    if not obstacle.occupancy:
+        raise NotImplementedError("the judge does not know sampled distances")
+    half = 0.5 * obstacle.spacing
+    middles = obstacle.origin + obstacle.spacing * np.argwhere(obstacle.values)
+    tree = cKDTree(middles)
+
+    def distance(points: Floats) -> Floats:
+        reach = tree.query(points)[0] + (math.sqrt(3.0) - 1.0) * half * (1.0 + 1e-9)
+        near = tree.query_ball_point(points, reach)
+        return np.array([_cubes(point - middles[cubes], half) for point, cubes in zip(points, near, strict=True)])
+
+    return distance
+
+
+def _cubes(offsets: Floats, half: float) -> float:
+    """Least distance to cubes about the origin of every one of `offsets` (k, 3)."""
+    beyond = np.abs(offsets) - half
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+    return float(np.where(outside > 0.0, outside, beyond.max(axis=1)).min())
+
+
+@distance_of.register
+def _field(obstacle: Field) -> Distance:
+    return lambda points: np.asarray(obstacle.function(points), np.float64)

@@ -1,0 +1,179 @@
+"""Does the body touch anything? Asked of python-fcl, with the body as balls so close that little is left between.
+
+The balls are inside the body, so an overlap that is found is one. What fcl computes between a ball and a sphere, box,
+capsule or cylinder is a closed form, exact to rounding. Of a mesh it sees the triangles, not the solid, and of clouds,
+grids and fields nothing: there `benchmarks.clearances` is asked as well.
+"""
+
+from functools import singledispatch
+
+import fcl
+import numpy as np
+
+from benchmarks.judges.clearances import Clearances
+from benchmarks.judges.kinematics import body_points
+from sinuous.checks import Floats
+from sinuous.poses import least_rotation
+from sinuous.robot.robot import Robot
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.scene import Scene
+
+FEWEST_SAMPLES = 50
+"""Intervals between balls, a segment."""
+
+MOST_SAMPLES = 400
+
+GRACE = 1e-9
+"""By how much of its length a robot is made thinner, so that rounding accuses nobody."""
+
+
+class Body:
+    """The body of a robot in one scene, as fcl sees both.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+        Of obstacles to stay out of, and boxes and meshes to stay within.
+    thorough : bool
+        Whether to measure clearances from exact shapes, too, at very many places.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene, thorough: bool = False) -> None:
+        self._robot = robot
+        rich = [o for o in scene.obstacles if thorough or not isinstance(o, Primitive)]
+        self._clearances = Clearances(robot, Scene(rich)) if rich else None
+        self._grace = GRACE * robot.mean_length
+        self._samples = _samples_of(robot)
+        radii = np.array(robot.radii) - self._grace
+        self._balls = [
+            [fcl.CollisionObject(fcl.Sphere(max(radius, 0.0))) for _ in range(self._samples + 1)] for radius in radii
+        ]
+        size = 10.0 * _reach(robot, scene)
+        solids = [fcl.CollisionObject(*shape) for obstacle in scene.obstacles for shape in _shapes(obstacle, size)]
+        self._scene = _manager(solids)
+
+    def overlaps(self, q: Floats) -> list[bool]:
+        """Say for every configuration (m, n, 3) whether its body overlaps an obstacle."""
+        points, along = body_points(self._robot, q, self._samples)
+        touching = [self._overlaps(*one) for one in zip(points, along, strict=True)]
+        if self._clearances is None:
+            return touching
+        within = self._clearances.least(q, 0.0) < -self._grace
+        return [bool(one or other) for one, other in zip(touching, within, strict=True)]
+
+    def _overlaps(self, points: Floats, along: Floats) -> bool:
+        exposed = along >= self._robot.mount
+        balls = []
+        for k, row in enumerate(self._balls):
+            for ball, point, counts in zip(row, points[k], exposed[k], strict=True):
+                if counts:
+                    ball.setTranslation(point)
+                    balls.append(ball)
+        answer = fcl.CollisionData()
+        self._scene.collide(_manager(balls), answer, fcl.defaultCollisionCallback)
+        return bool(answer.result.is_collision)
+
+
+def _manager(objects: list[fcl.CollisionObject]) -> fcl.DynamicAABBTreeCollisionManager:
+    manager = fcl.DynamicAABBTreeCollisionManager()
+    manager.registerObjects(objects)
+    manager.setup()
+    return manager
+
+
+def _samples_of(robot: Robot) -> int:
+    """So many that neighbouring balls are at most half a radius apart, within reason."""
+    wanted = max(
+        2.0 * segment.length[1] / radius if radius > 0.0 else MOST_SAMPLES
+        for segment, radius in zip(robot.segments, robot.radii, strict=True)
+    )
+    return int(np.clip(np.ceil(wanted), FEWEST_SAMPLES, MOST_SAMPLES))
+
+
+def _reach(robot: Robot, scene: Scene) -> float:
+    """Return a length that neither the robot nor a room around it exceeds."""
+    longest = sum(segment.length[1] for segment in robot.segments) + max(robot.radii)
+    rooms = [float(np.linalg.norm(o.size)) for o in scene.obstacles if isinstance(o, Box) and o.inside]
+    return max([longest, *rooms])
+
+
+Shape = tuple[fcl.CollisionGeometry, fcl.Transform]
+
+
+@singledispatch
+def _shapes(obstacle: Obstacle, size: float) -> list[Shape]:
+    """Return the solids, in fcl, that an obstacle consists of; walls are `size` thick and twice as wide."""
+    raise NotImplementedError(f"the judge does not know {type(obstacle).__name__}")
+
+
+def _outside_only(obstacle: Sphere | Cylinder) -> None:
+    if obstacle.inside:
+        raise NotImplementedError(f"the judge does not know how to be inside a {type(obstacle).__name__}")
+
+
+@_shapes.register
+def _sphere(obstacle: Sphere, size: float) -> list[Shape]:
+    _outside_only(obstacle)
+    return [(fcl.Sphere(obstacle.radius), fcl.Transform(obstacle.center))]
+
+
+@_shapes.register
+def _box(obstacle: Box, size: float) -> list[Shape]:
+    if not obstacle.inside:
+        return [(fcl.Box(*obstacle.size), fcl.Transform(obstacle.rotation, obstacle.center))]
+    axes = [*obstacle.rotation.T, *-obstacle.rotation.T]
+    halves = [*(0.5 * obstacle.size), *(0.5 * obstacle.size)]
+    return [_wall(obstacle.center + half * axis, -axis, size) for axis, half in zip(axes, halves, strict=True)]
+
+
+@_shapes.register
+def _capsule(obstacle: Capsule, size: float) -> list[Shape]:
+    length, place = _along(obstacle.start, obstacle.end)
+    return [(fcl.Capsule(obstacle.radius, length), place)]
+
+
+@_shapes.register
+def _cylinder(obstacle: Cylinder, size: float) -> list[Shape]:
+    _outside_only(obstacle)
+    length, place = _along(obstacle.start, obstacle.end)
+    return [(fcl.Cylinder(obstacle.radius, length), place)]
+
+
+@_shapes.register
+def _half_space(obstacle: HalfSpace, size: float) -> list[Shape]:
+    return [_wall(obstacle.point, obstacle.normal, size)]
+
+
+@_shapes.register
+def _mesh(obstacle: Mesh, size: float) -> list[Shape]:
+    model = fcl.BVHModel()
+    model.beginModel(len(obstacle.vertices), len(obstacle.faces))
+    model.addSubModel(obstacle.vertices, obstacle.faces)
+    model.endModel()
+    return [(model, fcl.Transform())]
+
+
+@_shapes.register(PointCloud)
+@_shapes.register(Grid)
+@_shapes.register(Field)
+def _left_to_others(obstacle: Obstacle, size: float) -> list[Shape]:
+    return []
+
+
+def _wall(point: Floats, normal: Floats, size: float) -> Shape:
+    """Return a box with a face on a plane, so large that to the robot it is a half-space.
+
+    The tree of a manager cannot hold the infinite `fcl.Halfspace`: it crashes.
+    """
+    return fcl.Box(2.0 * size, 2.0 * size, size), fcl.Transform(least_rotation(normal), point - 0.5 * size * normal)
+
+
+def _along(start: Floats, end: Floats) -> tuple[float, fcl.Transform]:
+    length = float(np.linalg.norm(end - start))
+    rotation = least_rotation((end - start) / length) if length > 0.0 else np.eye(3)
+    return length, fcl.Transform(rotation, 0.5 * (start + end))

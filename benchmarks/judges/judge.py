@@ -1,0 +1,97 @@
+"""Independent judges: an answer counts only once it was found right here. Nothing in this file calls a kernel."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from benchmarks.judges.collisions import Body
+from benchmarks.judges.kinematics import bend_caps, segment_ends
+from sinuous.checks import Floats
+from sinuous.problem.problem import Tolerance
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+
+Flags = NDArray[np.bool_]
+
+LIMIT_SLACK = 1e-9
+"""How far outside its limits a configuration may be: rad, or of the robot's mean length."""
+
+ROUNDING = 1e-12
+"""What two computations of one error may differ by: rad, or of the robot's mean length."""
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What was found of m configurations, each a judgement on its own.
+
+    Attributes
+    ----------
+    at_target, within_limits, free : ndarray (m,) of bool
+    """
+
+    at_target: Flags
+    within_limits: Flags
+    free: Flags
+
+    @property
+    def right(self) -> Flags:
+        """Whether everything is as asked."""
+        result: Flags = self.at_target & self.within_limits & self.free
+        return result
+
+
+def judge(
+    robot: Robot, targets: Sequence[Target], q: Floats, tolerance: Tolerance, body: Body | None = None
+) -> Judgement:
+    """Judge one configuration a target.
+
+    Parameters
+    ----------
+    robot : Robot
+    targets : sequence of m Target
+    q : ndarray (m, n, 3)
+    tolerance : Tolerance
+        With its position filled in.
+    body : Body, optional
+        Robot and scene; without it there are no obstacles.
+    """
+    position, angle = target_errors(robot, targets, q)
+    allowed = tolerance.for_robot(robot).position or 0.0
+    at_target = (position <= allowed + ROUNDING * robot.mean_length) & (angle <= tolerance.angle + ROUNDING)
+    touching = np.zeros(len(q), bool) if body is None else np.array(body.overlaps(q), bool)
+    return Judgement(at_target, within_limits(robot, q), ~touching)
+
+
+def target_errors(robot: Robot, targets: Sequence[Target], q: Floats) -> tuple[Floats, Floats]:
+    """Distances (m,) and angles (m,) of configurations (m, n, 3) to one target each; 0 where nothing is asked."""
+    ends = segment_ends(robot, q)[:, 1:].copy()
+    ends[:, -1] = ends[:, -1] @ robot.tool
+    pairs = [(ends[i, -1 if t.segment is None else t.segment - 1], t) for i, t in enumerate(targets)]
+    position = [0.0 if t.position is None else float(np.linalg.norm(p[:3, 3] - t.position)) for p, t in pairs]
+    angle = [_angle(p[:3, :3], t) for p, t in pairs]
+    return np.array(position), np.array(angle)
+
+
+def _angle(rotation: Floats, target: Target) -> float:
+    if target.direction is not None:
+        tangent = rotation[:, 2]
+        apart, together = np.linalg.norm(tangent - target.direction), np.linalg.norm(tangent + target.direction)
+        return float(2.0 * np.arctan2(apart, together))
+    if target.rotation is not None:
+        return float(Rotation.from_matrix(rotation.T @ target.rotation).magnitude())
+    return 0.0
+
+
+def within_limits(robot: Robot, q: Floats) -> Flags:
+    """Say for every configuration (m, n, 3) whether lengths, bends and curvatures are within their limits."""
+    if len(robot.actuation):
+        raise NotImplementedError("the judge does not know limits of actuators")
+    lengths, bends = q[..., 2], np.hypot(q[..., 0], q[..., 1])
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    slack = LIMIT_SLACK * robot.mean_length
+    good = (lengths >= low - slack) & (lengths <= high + slack) & (bends <= bend_caps(robot, lengths) + LIMIT_SLACK)
+    result: Flags = good.all(axis=1) & np.isfinite(q).all(axis=(1, 2))
+    return result

@@ -1,0 +1,1 @@
+"""`python -m benchmarks methods`: all methods on common random problems."""

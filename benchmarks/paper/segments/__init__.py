@@ -1,0 +1,1 @@
+"""`python -m benchmarks segments`: how time grows with the number of segments."""

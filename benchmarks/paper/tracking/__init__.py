@@ -1,0 +1,1 @@
+"""`python -m benchmarks tracking`: a path of 180 points behind random spheres."""

@@ -1,0 +1,72 @@
+"""Arms as lines in space: what several methods made of one target, or of one waypoint among obstacles."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from benchmarks.pictures.style import INK, style
+from benchmarks.problems import ProblemSet
+from sinuous.checks import Floats
+from sinuous.kernels.tables import SOLVED, Outcome
+from sinuous.pictures.plot import TARGET, draw_shape, set_view
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.solution.solution import Solution
+
+ALONG = 24
+"""Points of a line, a segment."""
+
+
+def draw_arms(axes: Any, robot: Robot, arms: dict[str, Floats], target: Target, title: str) -> None:
+    """Draw the backbones of configurations (n, 3), one a method, with the ends of their segments, and the target."""
+    place = np.asarray(target.position)
+    lines = {label: robot.backbone(q, ALONG) for label, q in arms.items()}
+    points = np.concatenate([*lines.values(), place[None], robot.base[None, :3, 3]])
+    low, high = _roomy(points)
+    set_view(axes, low, high, place - robot.base[:3, 3])
+    _closer(axes, 1.15)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_ticklabels([])
+        axis.set_label_text("")
+    for label, line in lines.items():
+        look = style(label)
+        axes.plot(*line.T, color=look.color, linewidth=look.width, alpha=0.9, zorder=3)
+        axes.plot(*line[ALONG::ALONG].T, look.marker, color=look.color, markersize=3.0, zorder=4)
+    axes.scatter(*place, color=TARGET, s=26, depthshade=False, zorder=6)
+    if target.direction is not None:
+        arrow = 0.2 * float((high - low).max()) * target.direction
+        axes.quiver(*place, *arrow, color=TARGET, linewidth=2.0, arrow_length_ratio=0.3, zorder=6)
+    axes.set_title(title, fontsize=11, color=INK)
+
+
+def _roomy(points: Floats) -> tuple[Floats, Floats]:
+    """Corners of a box around points, no side of which is much shorter than the longest."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    half = np.maximum(0.5 * (high - low), 0.3 * float((high - low).max()))
+    return 0.5 * (low + high) - half, 0.5 * (low + high) + half
+
+
+def _closer(axes: Any, zoom: float) -> None:
+    """Fill the panel."""
+    sides = [high - low for low, high in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())]
+    axes.set_box_aspect(sides, zoom=zoom)
+
+
+def draw_track(axes: Any, problems: ProblemSet, records: Sequence[dict[str, Any]], title: str) -> None:
+    """Draw the motion that a method found through a scene: its last confirmed shape whole, some before as lines."""
+    solutions = [_as_solution(problems, i, record) for i, record in enumerate(records) if record["right"]]
+    draw_shape(axes, tuple(solutions))
+    _closer(axes, 1.2)
+    axes.set_title(title, fontsize=11, color=INK)
+
+
+def _as_solution(problems: ProblemSet, number: int, record: dict[str, Any]) -> Solution:
+    """Return a kept answer as it once was, as far as a picture shows it."""
+    problem = Problem(problems.robot, problems.targets[number], problems.scene, problems.tolerance)
+    errors = record["position"], record["angle"], record["clearance"]
+    outcome = Outcome(
+        np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, False, 0.0, 0.0
+    )
+    return Solution(problem, outcome, record["seconds"], "", 0)

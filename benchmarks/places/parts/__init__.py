@@ -1,0 +1,1 @@
+"""What places are made of: robots, hidden shapes, and closed surfaces."""

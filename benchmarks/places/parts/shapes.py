@@ -1,0 +1,116 @@
+"""Hidden shapes: smoothly bent, and nowhere near themselves, so that a wall fits around them."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.judges.kinematics import arc_poses
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot, Segment
+
+TURNING = 0.9
+"""Standard deviation of the change of the bending plane from one segment to the next, rad."""
+
+LEAST_BEND, MOST_BEND = 0.2, 0.8
+"""Range of hidden bends, of the largest that a segment has."""
+
+LEAST_INSERTION = 0.3
+"""Of its stroke: a stage that is all in would leave nothing of it in the place."""
+
+TRIES = 40
+"""Draws of one segment before the whole shape counts as caught in itself."""
+
+SAMPLES = 10
+"""Samples of a segment where its distance to the rest of the shape is looked at."""
+
+
+class Curve(NamedTuple):
+    """A backbone.
+
+    Attributes
+    ----------
+    poses : ndarray (m, 4, 4)
+        Frames along it, z the tangent; they do not turn about it.
+    along : ndarray (m,)
+        Arc length from the base.
+    """
+
+    poses: Floats
+    along: Floats
+
+    @property
+    def points(self) -> Floats:
+        """Positions (m, 3)."""
+        return self.poses[:, :3, 3]
+
+    @property
+    def tangents(self) -> Floats:
+        """Unit tangents (m, 3)."""
+        return self.poses[:, :3, 2]
+
+
+def arc(start: Floats, coordinates: Floats, samples: int) -> Floats:
+    """Poses (samples + 1, 4, 4) along one arc (bend_x, bend_y, length) that leaves from the pose `start`."""
+    parts = coordinates * np.linspace(0.0, 1.0, samples + 1)[:, None]
+    poses: Floats = start @ arc_poses(parts[:, 0], parts[:, 1], parts[:, 2])
+    return poses
+
+
+def curve_of(robot: Robot, q: Floats, samples: int) -> Curve:
+    """Return the backbone of a configuration (n, 3), with `samples` intervals a segment."""
+    pieces = [robot.base[None]]
+    for coordinates in q:
+        pieces.append(arc(pieces[-1][-1], coordinates, samples)[1:])
+    steps = np.repeat(q[:, 2] / samples, samples)
+    return Curve(np.concatenate(pieces), np.concatenate([[0.0], np.cumsum(steps)]))
+
+
+def draw_shape(robot: Robot, apart: float, rng: Generator, least_ahead: float = -1.0) -> Floats:
+    """Draw a configuration (n, 3) whose backbone keeps `apart` from itself.
+
+    Places count as apart from each other when they are farther along the backbone than half a circle of that diameter.
+    No tangent makes an angle with the base's whose cosine is less than `least_ahead`.
+    """
+    while True:
+        q = _grow(robot, apart, rng, least_ahead)
+        if q is not None:
+            return q
+
+
+def _grow(robot: Robot, apart: float, rng: Generator, least_ahead: float) -> Floats | None:
+    """Add one segment after the other, each free of those before; `None` where there is no way on."""
+    found: list[Floats] = []
+    pose = robot.base
+    points, along = robot.base[None, :3, 3], np.zeros(1)
+    plane = rng.uniform(0.0, 2.0 * math.pi)
+    for segment in robot.segments:
+        for _ in range(TRIES):
+            turned = plane + TURNING * rng.normal()
+            coordinates = _draw_segment(segment, turned, rng)
+            poses = arc(pose, coordinates, SAMPLES)
+            reached = along[-1] + np.linspace(0.0, coordinates[2], SAMPLES + 1)[1:]
+            ahead = poses[:, :3, 2] @ robot.base[:3, 2]
+            if ahead.min() >= least_ahead and _keeps_apart(points, along, poses[1:, :3, 3], reached, apart):
+                break
+        else:
+            return None
+        found.append(coordinates)
+        pose, plane = poses[-1], turned
+        points, along = np.concatenate([points, poses[1:, :3, 3]]), np.concatenate([along, reached])
+    return np.array(found)
+
+
+def _draw_segment(segment: Segment, plane: float, rng: Generator) -> Floats:
+    low, high = segment.length
+    stage = low == 0.0
+    length = rng.uniform(LEAST_INSERTION * high if stage else low, high)
+    bend = segment.max_bend * rng.uniform(LEAST_BEND, MOST_BEND)
+    return np.array([bend * math.cos(plane), bend * math.sin(plane), length])
+
+
+def _keeps_apart(points: Floats, along: Floats, others: Floats, reached: Floats, apart: float) -> bool:
+    gaps = np.linalg.norm(points[:, None] - others, axis=-1)
+    far = reached - along[:, None] > 0.5 * math.pi * apart
+    return bool(np.where(far, gaps, math.inf).min() > apart)

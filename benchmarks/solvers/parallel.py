@@ -1,0 +1,50 @@
+"""Work that is done in as many processes as there are cores."""
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import cache
+from multiprocessing.queues import SimpleQueue
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def in_processes(
+    work: Callable[[Item], Result], items: Iterable[Item], alone: bool = False, chunk: int = 1
+) -> Iterator[Result]:
+    """Yield results in the order of the items, made in as many processes as there are cores, or (`alone`) in this one.
+
+    Every process keeps to a core of its own, where the system lets it. An interrupt is left to the process that
+    gathers.
+    """
+    yield from map(work, items) if alone else _pool().map(work, items, chunksize=chunk)
+
+
+@cache
+def _pool() -> ProcessPoolExecutor:
+    """Return the processes, which stay until the end: each loads the kernels once."""
+    spawn = multiprocessing.get_context("spawn")
+    cores = _cores()
+    waiting = spawn.SimpleQueue()
+    for core in cores:
+        waiting.put(core)
+    return ProcessPoolExecutor(len(cores), spawn, _begin, (waiting,))
+
+
+def _cores() -> list[int]:
+    if hasattr(os, "sched_getaffinity"):
+        return sorted(os.sched_getaffinity(0))
+    return list(range(os.cpu_count() or 1))
+
+
+def _begin(cores: "SimpleQueue[int]") -> None:
+    """Take a core; threads that libraries start stay on it too."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    core = cores.get()
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {core})
+    os.environ.setdefault("IGL_NUM_THREADS", "1")  # else every process would use all cores

@@ -1,0 +1,1 @@
+"""`python -m benchmarks speed`: every file but `experiment` measures one thing, and yields its lines."""

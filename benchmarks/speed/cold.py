@@ -1,0 +1,61 @@
+"""Five segments, position and direction, from cold: what one answer costs, without and with obstacles."""
+
+from collections.abc import Iterator
+
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
+from benchmarks.harness.times import Times
+from benchmarks.problems import ProblemSet, among_spheres, arm, reachable, relative_tolerance
+from benchmarks.solvers.answers import right, solve_all
+from benchmarks.solvers.inner import inner_times
+
+SECTION = (
+    "cold start: 5 segments of 45-70 mm, bends to 2.4, position and direction "
+    "(1e-4 of the length and 1e-3 rad by default, or 1e-6 of both; with spheres the proof is included)"
+)
+LOOP = 20
+"""Times that a problem runs in the compiled loop; the mean counts."""
+SCENES = 10
+SPHERES = 40
+
+TOLERANCES = {"default tolerance": None, "1e-6": 1e-6}
+"""By default 1e-4 of the robot's mean length and 1e-3 rad; else relative to the length, and as many rad."""
+
+
+def measure(plan: Plan) -> Iterator[Line]:
+    """Through `Solver.solve` and inside the kernel, at the default tolerance and at 1e-6."""
+    count = plan.count(2000, 50)
+    free = reachable(arm(5, 2.4), count, plan.rng(1))
+    crowded = [
+        among_spheres(arm(5, 2.4, radius=4.0), SPHERES, count // SCENES, plan.rng(2, i))
+        for i in range(plan.count(SCENES, 2))
+    ]
+    for words, relative in TOLERANCES.items():
+        yield _called(plan, [_at(free, relative)], f"Solver.solve, {words}", Goal(15e-6))
+        yield _inside([_at(free, relative)], f"inside the kernel, {words}", Goal(6e-6))
+    for words, relative in TOLERANCES.items():
+        sets = [_at(problems, relative) for problems in crowded]
+        yield _called(plan, sets, f"{SPHERES} spheres, Solver.solve, {words}", Goal(35e-6))
+        yield _inside(sets, f"{SPHERES} spheres, inside the kernel, {words}", None)
+
+
+def _at(problems: ProblemSet, relative: float | None) -> ProblemSet:
+    if relative is None:
+        return problems
+    return problems.with_tolerance(relative_tolerance(problems.robot, relative))
+
+
+def _called(plan: Plan, sets: list[ProblemSet], what: str, goal: Goal) -> Line:
+    answers = [solve_all(plan, problems, what) for problems in sets]
+    times = Times.of([s for a in answers for s in a.seconds])
+    solved = sum(a.solved[0] for a in answers), sum(a.solved[1] for a in answers)
+    complaints = [f"scene {i}: {a.complaint}" for i, a in enumerate(answers) if a.complaint]
+    return Line(SECTION, what, times.median, "us", goal, times, solved, "; ".join(complaints))
+
+
+def _inside(sets: list[ProblemSet], what: str, goal: Goal | None) -> Line:
+    runs = [inner_times(problems, LOOP) for problems in sets]
+    times = Times.of([s for run in runs for s in run.seconds])
+    good = [run.solved & right(problems, run.q) for run, problems in zip(runs, sets, strict=True)]
+    solved = sum(int(flags.sum()) for flags in good), sum(len(flags) for flags in good)
+    return Line(SECTION, what, times.median, "us", goal, times, solved)

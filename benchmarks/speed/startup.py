@@ -1,0 +1,71 @@
+"""How long a fresh process takes: to import, to help, to solve, and to compile when nothing is in the cache."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+from typing import NamedTuple
+
+import sinuous
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
+from benchmarks.harness.times import Times
+
+SECTION = "fresh processes, from start to end, with the interpreter's own start"
+
+IMPORT = "import sinuous"
+HELP = "import sys; sys.argv = ['sinuous', '--help']; from sinuous.cli.app import main; main()"
+SOLVE = """
+import sinuous as sn
+robot = sn.Robot.uniform(5, (45, 70), 2.4, radius=4, base=sn.pose(direction=(0, 0, -1)))
+scene = sn.Scene([sn.Sphere((0, 80, -120), 25)])
+solution = sn.solve(robot, sn.Target((-10, 40, -260), direction=(0, 0.2169, -0.9762)), scene)
+assert solution.solved, solution
+"""
+
+
+def measure(plan: Plan) -> Iterator[Line]:
+    """Medians over a few processes; the compilation once, in a copy of the package without a cache."""
+    repeats = plan.count(5, 1)
+    yield _line("import sinuous", IMPORT, repeats, Goal(0.3))
+    yield _line("sinuous --help", HELP, repeats, Goal(0.3))
+    yield _line("first solve, compiled before", SOLVE, repeats, Goal(1.2))
+    if not plan.quick:
+        yield _compilation()
+
+
+def _line(what: str, code: str, repeats: int, goal: Goal) -> Line:
+    runs = [_run(code, dict(os.environ)) for _ in range(repeats + 1)][1:]  # the first one warms the disk
+    broken = next((run.complaint for run in runs if run.complaint), "")
+    times = Times.of([run.seconds for run in runs])
+    return Line(SECTION, what, float("inf") if broken else times.median, "s", goal, times, note=broken, noise=0.5)
+
+
+class _Run(NamedTuple):
+    """A process: how long it took, what it said on standard error, and its last words if it failed."""
+
+    seconds: float
+    said: str
+    complaint: str
+
+
+def _run(code: str, environment: dict[str, str]) -> _Run:
+    began = perf_counter()
+    run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    seconds = perf_counter() - began
+    return _Run(seconds, run.stderr, "" if run.returncode == 0 else (run.stderr.split("\n")[-2:-1] or ["failed"])[0])
+
+
+def _compilation() -> Line:
+    source = Path(sinuous.__file__).parent
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(source, Path(folder) / source.name, ignore=shutil.ignore_patterns("__pycache__"))
+        its_own = f"import sinuous; assert sinuous.__file__.startswith({folder!r}), sinuous.__file__"
+        run = _run(its_own + SOLVE, {**os.environ, "PYTHONPATH": folder})
+    note = run.complaint or ("" if "compiling" in run.said else "nothing was said of compiling")
+    reached = float("inf") if note else run.seconds
+    return Line(SECTION, "first solve ever, all compiled, and said so", reached, "s", Goal(30.0), note=note, noise=0.5)

@@ -1,0 +1,24 @@
+"""The picture of places."""
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.clutter import gallery
+from benchmarks.places import FAMILIES
+from sinuous.errors import InputError
+
+
+def test_families_are_drawn(tmp_path: Path) -> None:
+    file = tmp_path / "places.png"
+    gallery.draw(file, {"p3": 0, "shelf": 1})
+    assert file.stat().st_size > 10_000
+
+
+def test_what_is_shown_exists() -> None:
+    assert set(gallery.SHOWN) <= set(FAMILIES)
+
+
+def test_no_kind_of_picture_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no kind of picture"):
+        gallery.draw(tmp_path / "places.xyz")

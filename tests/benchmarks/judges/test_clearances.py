@@ -1,0 +1,127 @@
+"""The judge of clearances: a body that is inside is caught, one that is free is not, in every kind of obstacle."""
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+
+import sinuous as sn
+from benchmarks.judges import clearances
+from benchmarks.judges.clearances import Clearances, distance_of, least_clearance
+from benchmarks.judges.collisions import Body
+from benchmarks.judges.kinematics import body_points
+from sinuous.checks import Floats
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.field import Field
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Box, Obstacle, Sphere
+from sinuous.scene.scene import Scene
+
+ARM = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1)
+STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
+
+
+def box_mesh(low: tuple[float, ...], high: tuple[float, ...], inside: bool = False) -> Mesh:
+    solid = trimesh.creation.box(bounds=[low, high])
+    return Mesh(solid.vertices, solid.faces, inside=inside)
+
+
+def beside(gap: float) -> list[Obstacle]:
+    """Obstacles of all rich kinds, each `gap` away from the body of `ARM` when it is straight."""
+    x = 0.1 + gap
+    wall = np.array([[x, -1, 0.5], [x, 1, 0.5], [x, 0, 2.5]], float)
+    cells = np.zeros((3, 3, 3), bool)
+    cells[0, 1, 1] = True
+    return [
+        box_mesh((x, -1, 1), (x + 1, 1, 2)),
+        box_mesh((-1, -1, -1), (x, 1, 4), inside=True),
+        Mesh(wall + np.array([0.05, 0, 0]), [[0, 1, 2]], thickness=0.1),
+        PointCloud([[x + 0.3, 0, 1.5], [5, 5, 5]], 0.3),
+        PointCloud([[x + 0.3, 0, 1.5], [x + 0.9, 0, 1.5]], [0.3, 0.5]),
+        Grid(cells, (x + 0.2, -0.4, 1.1), 0.4),
+        Field(lambda p: p[:, 0] - x if gap > 1 else x - p[:, 0], (-1, -1, -1), (2, 2, 4), 0.5),
+        Sphere((x + 0.5, 0, 1.5), 0.5),
+    ]
+
+
+@pytest.mark.parametrize("which", range(8))
+def test_clearances_are_exact_either_side(which: int) -> None:
+    for gap in (-0.01, -1e-6, 1e-6, 0.04):
+        (least,) = least_clearance(ARM, Scene([beside(gap)[which]]), STRAIGHT)
+        assert least == pytest.approx(gap, abs=1e-9)
+
+
+def test_a_body_inside_a_solid_is_caught_though_it_touches_no_triangle() -> None:
+    scene = Scene([box_mesh((-5, -5, -5), (5, 5, 5))])
+    body = Body(ARM, scene)
+    assert not body._overlaps(*(part[0] for part in body_points(ARM, STRAIGHT, 50)))
+    assert body.overlaps(STRAIGHT) == [True]
+    (least,) = least_clearance(ARM, scene, STRAIGHT)
+    assert least == pytest.approx(-5.1)
+
+
+def test_the_hollow_of_a_wall_is_free() -> None:
+    outer, inner = trimesh.creation.box(extents=[10] * 3), trimesh.creation.box(extents=[9] * 3)
+    vertices = np.concatenate([outer.vertices, inner.vertices])
+    wall = Mesh(vertices, np.concatenate([outer.faces, inner.faces[:, ::-1] + 8]))
+    assert wall.watertight
+    (least,) = least_clearance(ARM, Scene([wall]), STRAIGHT)
+    assert least == pytest.approx(1.4)
+    through = np.array([[[0.0, 0.0, 2.0]] * 3])
+    assert least_clearance(ARM, Scene([wall]), through)[0] < 0.0
+
+
+def test_fcl_sees_the_triangles_of_meshes() -> None:
+    for gap, told in ((-1e-6, True), (1e-6, False)):
+        mesh = box_mesh((0.1 + gap, -1, 1.4), (1, 1, 1.6))
+        assert Body(ARM, Scene([mesh])).overlaps(STRAIGHT) == [told]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_skipping_what_cannot_matter_changes_nothing(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q = np.stack([rng.uniform(-1, 1, (4, 3)), rng.uniform(-1, 1, (4, 3)), np.ones((4, 3))], axis=-1)
+    robot = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1, mount=0.4)
+    scene = Scene([Box(rng.normal(size=3), (0.3, 0.4, 0.5)), *(Sphere(3 * rng.normal(size=3), 0.3) for _ in range(5))])
+    points, along = body_points(robot, q, clearances.COARSE * clearances.FINE)
+    gaps = np.min([distance_of(o)(points.reshape(-1, 3)) for o in scene.obstacles], axis=0).reshape(along.shape) - 0.1
+    dense = np.where(along >= robot.mount, gaps, math.inf).min(axis=(1, 2))
+    judged = Clearances(robot, scene)
+    np.testing.assert_allclose(judged.least(q), dense, atol=1e-12)
+    assert ((judged.least(q, 0.0) < 0.0) == (dense < 0.0)).all()
+
+
+@pytest.mark.parametrize("which", range(8))
+def test_bodies_overlap_rich_obstacles_or_do_not(which: int) -> None:
+    assert Body(ARM, Scene([beside(-1e-6)[which]]), thorough=True).overlaps(STRAIGHT) == [True]
+    assert Body(ARM, Scene([beside(1e-6)[which]]), thorough=True).overlaps(STRAIGHT) == [False]
+
+
+def test_thorough_judges_look_between_the_balls_of_fcl() -> None:
+    thin = sn.Robot.uniform(3, 1.0, 2.0, radius=1e-4)
+    speck = Scene([Sphere((1.2e-4, 0, 1.0 + 0.5 / 400), 1e-4)])
+    assert Body(thin, speck).overlaps(STRAIGHT) == [False]
+    assert Body(thin, speck, thorough=True).overlaps(STRAIGHT) == [True]
+
+
+def test_what_is_in_the_mount_counts_for_nothing() -> None:
+    robot = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1, mount=0.5)
+    assert least_clearance(robot, Scene([Sphere((0, 0, 0), 0.3)]), STRAIGHT)[0] == pytest.approx(0.1, abs=1e-3)
+    assert least_clearance(robot, Scene([Sphere((0, 0, 0.2), 0.3)]), STRAIGHT)[0] < 0.0
+
+
+def test_occupied_cubes_have_corners() -> None:
+    """The nearest cube is not always the one with the nearest middle."""
+    cells = np.zeros((3, 3, 2), bool)
+    cells[0, 0, 0] = cells[2, 1, 1] = True
+    grid, rng = Grid(cells, (0, 0, 0), 1.0), np.random.default_rng(0)
+    points: Floats = rng.uniform(-2, 4, (300, 3))
+    boxes = np.min([distance_of(Box(place, (1, 1, 1)))(points) for place in ((0, 0, 0), (2, 1, 1))], axis=0)
+    np.testing.assert_allclose(distance_of(grid)(points), boxes, atol=1e-12)
+
+
+def test_sampled_distances_are_not_judged_in_silence() -> None:
+    with pytest.raises(NotImplementedError):
+        distance_of(Grid(np.zeros((2, 2, 2)), (0, 0, 0), 1.0))

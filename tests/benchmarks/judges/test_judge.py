@@ -1,0 +1,207 @@
+"""A judge that cannot fail is a defect: each is shown what is wrong, and what is only just right."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm, logm
+
+import sinuous as sn
+from benchmarks import problems
+from benchmarks.judges.collisions import Body
+from benchmarks.judges.judge import judge, within_limits
+from benchmarks.judges.kinematics import arc_poses, body_points, segment_ends, tip_poses, twist_norm
+from sinuous.checks import Floats
+from sinuous.problem.problem import Tolerance
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.scene import Scene
+
+STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
+"""One configuration of `ARM`, from the origin to (0, 0, 3)."""
+
+ARM = sn.Robot.uniform(3, (0.8, 1.2), 2.0, max_curvature=2.2, radius=0.1)
+TIP = sn.Target((0, 0, 3), direction=(0, 0, 1))
+TOLERANCE = Tolerance(1e-6, 1e-6)
+
+
+def changed(segment: int, coordinate: int, by: float) -> Floats:
+    q = STRAIGHT.copy()
+    q[0, segment, coordinate] += by
+    return q
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-12, 1e-6, 0.3, 1.7, math.pi, 5.0])
+def test_arcs_are_the_exponential_of_their_twist(bend: float) -> None:
+    x, y, length = bend * math.cos(0.7), bend * math.sin(0.7), 1.3
+    twist = np.array([[0, 0, x, 0], [0, 0, y, 0], [-x, -y, 0, length], [0, 0, 0, 0]])
+    np.testing.assert_allclose(arc_poses(np.array(x), np.array(y), np.array(length)), expm(twist), atol=1e-14)
+
+
+def test_reference_agrees_with_the_library() -> None:
+    robot = sn.Robot.uniform(4, (0.5, 1.0), 2.5, base=sn.pose((1, 2, 3), direction=(0, 1, 1)), tool=sn.pose((0, 0, 1)))
+    q = problems.random_configurations(robot, 20, np.random.default_rng(0))
+    np.testing.assert_allclose(segment_ends(robot, q)[:, 1:], robot.forward(q), atol=1e-13)
+    np.testing.assert_allclose(tip_poses(robot, q), robot.tip(q), atol=1e-13)
+    points, along = body_points(robot, q, 8)
+    np.testing.assert_allclose(points[:, :, 1:].reshape(20, -1, 3), robot.backbone(q, 8)[:, 1:], atol=1e-13)
+    np.testing.assert_allclose(along[:, -1, -1], q[..., 2].sum(axis=1))
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-6, 1e-2, 1.0])
+def test_twist_norm_is_that_of_the_logarithm(size: float) -> None:
+    rng = np.random.default_rng(0)
+    have = expm(_twist(rng.normal(size=6)))
+    want = have @ expm(_twist(size * rng.normal(size=6)))
+    log = np.real(logm(np.linalg.inv(have) @ want))
+    expected = np.linalg.norm([log[2, 1], log[0, 2], log[1, 0], *log[:3, 3]])
+    assert twist_norm(have[None], want[None])[0] == pytest.approx(expected, rel=1e-6)
+
+
+def _twist(v: Floats) -> Floats:
+    matrix = np.zeros((4, 4))
+    matrix[:3, :3] = np.cross(np.eye(3), v[:3])
+    matrix[:3, 3] = v[3:]
+    return matrix
+
+
+def test_a_right_answer_is_right() -> None:
+    assert judge(ARM, [TIP], STRAIGHT, TOLERANCE).right.all()
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        sn.Target((0, 0, 3 + 2e-6), direction=(0, 0, 1)),
+        sn.Target((2e-6, 0, 3), direction=(0, 0, 1)),
+        sn.Target((0, 0, 3), direction=(2e-6, 0, 1)),
+        sn.Target((0, 0, 3), direction=(0, 0, -1)),
+        sn.Target((0, 0, 3), rotation=(1, 0, 0, 2e-6)),
+        sn.Target((0, 0, 1 + 2e-6), segment=1),
+        sn.Target(direction=(0, 1, 0)),
+    ],
+)
+def test_a_missed_target_is_seen(target: sn.Target) -> None:
+    assert not judge(ARM, [target], STRAIGHT, TOLERANCE).at_target.any()
+
+
+@pytest.mark.parametrize(
+    "target",
+    [
+        sn.Target((0, 0, 3 + 0.9e-6), direction=(0.9e-6, 0, 1)),
+        sn.Target((0, 0, 3), rotation=(1, 0, 0, 0.4e-6)),
+        sn.Target((0, 0, 1), segment=1),
+    ],
+)
+def test_within_tolerance_is_met(target: sn.Target) -> None:
+    assert judge(ARM, [target], STRAIGHT, TOLERANCE).at_target.all()
+
+
+@pytest.mark.parametrize(
+    ("segment", "coordinate", "by"),
+    [(0, 2, 0.2 + 1e-7), (2, 2, -0.2 - 1e-7), (1, 0, 2.0 + 1e-7), (1, 1, -2.0 - 1e-7), (0, 0, math.nan)],
+)
+def test_a_broken_limit_is_seen(segment: int, coordinate: int, by: float) -> None:
+    assert not within_limits(ARM, changed(segment, coordinate, by)).any()
+
+
+def test_too_much_curvature_is_seen() -> None:
+    short = np.array([[[1.9, 0.0, 0.8], [0, 0, 1], [0, 0, 1]]])
+    assert not within_limits(ARM, short).any()
+    short[0, 0, 0] = 2.2 * 0.8
+    assert within_limits(ARM, short).all()
+
+
+def test_a_segment_that_vanished_may_keep_its_bend() -> None:
+    stage = sn.Robot([sn.Segment((0, 1), 1.5), sn.Segment(1, 1.5)])
+    assert within_limits(stage, np.array([[[1.0, 0.0, 0.0], [0, 0, 1]]])).all()
+
+
+def test_limits_are_reached_exactly() -> None:
+    assert within_limits(ARM, changed(0, 2, 0.2)).all()
+    assert within_limits(ARM, changed(0, 0, 2.0)).all()
+
+
+def test_actuators_are_not_judged_in_silence() -> None:
+    tendons = sn.Tendons(count=3, radius=0.05, displacement=(-0.01, 0.01))
+    robot = sn.Robot.uniform(2, 1.0, tendons=tendons)
+    with pytest.raises(NotImplementedError):
+        within_limits(robot, np.array([[[0.0, 0.0, 1.0]] * 2]))
+
+
+Z = np.array([0.0, 0.0, 1.0])
+
+
+def beside(gap: float) -> list[Obstacle]:
+    """Obstacles of all kinds, each `gap` away from the body of `ARM` when it is straight."""
+    x = 0.1 + gap
+    half_turn = (math.sqrt(0.5), 0, 0, math.sqrt(0.5))
+    return [
+        Sphere((x + 0.2, 0, 1.5), 0.2),
+        Sphere((0, 0, 3 + x + 0.2), 0.2),
+        Box((0, x + 0.5, 1.5), (0.4, 1, 0.4), (1, 0, 0, 0)),
+        Box((x + 0.5, 0, 1.5), (0.4, 1, 0.4), half_turn),
+        Capsule((-x - 0.3, -1, 1.5), (-x - 0.3, 1, 1.5), 0.3),
+        Cylinder((0, 0, 3 + x), (0, 0, 4), 0.5),
+        Cylinder((x + 0.3, -1, 1.5), (x + 0.3, 1, 1.5), 0.3),
+        HalfSpace((0, -x, 0), (0, 1, 0)),
+        HalfSpace((0, 0, 3 + x), (0, 0, -1)),
+        Box((0, 0, 1.5), (2 * x, 5, 5), inside=True),
+        Box((0, 0, 0.5 * (3 + x - 1)), (5, 5, 3 + x + 1), inside=True),
+    ]
+
+
+@pytest.mark.parametrize("which", range(11))
+def test_overlap_is_seen_and_distance_is_not(which: int) -> None:
+    # A ball lies at 1.5, the middle of the arm, and at its tip: there the judge is exact.
+    assert Body(ARM, Scene([beside(-1e-6)[which]])).overlaps(STRAIGHT) == [True]
+    assert Body(ARM, Scene([beside(1e-6)[which]])).overlaps(STRAIGHT) == [False]
+
+
+def test_all_together_are_told_apart() -> None:
+    """The tree of the manager must not lose anybody."""
+    assert Body(ARM, Scene(beside(1e-6))).overlaps(STRAIGHT) == [False]
+    for which in range(11):
+        obstacles = beside(1e-6)
+        obstacles[which] = beside(-1e-6)[which]
+        assert Body(ARM, Scene(obstacles)).overlaps(STRAIGHT) == [True]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_collisions_agree_with_distances_of_samples(seed: int) -> None:
+    """Clearly free and clearly touching bodies, as told by the library's own distances, are told so by fcl."""
+    asked = problems.clutter(seed, 60)
+    robot, scene = asked.robot, asked.scene
+    q = problems.random_configurations(robot, 60, np.random.default_rng(seed))
+    points, along = body_points(robot, q, 400)
+    gaps = scene.distance(points) - np.array(robot.radii)[:, None]
+    clearance = np.where(along >= robot.mount, gaps, np.inf).min(axis=(1, 2))
+    told = np.array(Body(robot, scene).overlaps(q))
+    slack = 0.02 * robot.mean_length
+    assert not told[clearance > 0.0].any()
+    assert told[clearance < -slack].all()
+
+
+def test_some_of_these_bodies_overlap_and_some_do_not() -> None:
+    told: list[bool] = []
+    for seed in range(8):
+        asked = problems.clutter(seed, 1)
+        q = problems.random_configurations(asked.robot, 20, np.random.default_rng(seed))
+        told += Body(asked.robot, asked.scene).overlaps(q)
+    assert 20 < sum(told) < 140
+
+
+def test_what_sits_in_the_mount_may_touch() -> None:
+    robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1, mount=0.5)
+    assert Body(robot, Scene([Sphere((0, 0, 0), 0.3)])).overlaps(STRAIGHT) == [False]
+    assert Body(robot, Scene([Sphere((0, 0, 0.2), 0.3)])).overlaps(STRAIGHT) == [True]
+
+
+@pytest.mark.parametrize(
+    "room",
+    [Sphere((0, 0, 0), 5, inside=True), Cylinder((0, 0, -5), (0, 0, 5), 3, inside=True)],
+    ids=["sphere", "cylinder"],
+)
+def test_rooms_that_fcl_does_not_know_are_refused(room: Any) -> None:
+    with pytest.raises(NotImplementedError):
+        Body(ARM, Scene([room]))

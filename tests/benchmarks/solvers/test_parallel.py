@@ -1,0 +1,22 @@
+"""Work in processes: every item once, in order, and each process on a core of its own."""
+
+import os
+
+from benchmarks.solvers.parallel import in_processes
+
+
+def square(number: int) -> int:
+    return number * number
+
+
+def cores_of(_: int) -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+
+
+def test_results_come_in_order() -> None:
+    assert list(in_processes(square, range(7), chunk=2)) == [n * n for n in range(7)]
+    assert list(in_processes(square, range(3), alone=True)) == [0, 1, 4]
+
+
+def test_processes_keep_to_their_cores() -> None:
+    assert set(in_processes(cores_of, range(3))) == {1}

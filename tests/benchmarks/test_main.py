@@ -1,0 +1,128 @@
+"""`python -m benchmarks NAME`: what may be typed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks import __main__ as command
+from benchmarks.__main__ import BENCHMARKS, OF_LINES, OF_METHODS, Chosen, main
+from benchmarks.harness import conduct as harness
+from benchmarks.harness.conduct import Output
+
+Given = list[tuple[Chosen, Output]]
+
+
+@pytest.fixture
+def given(monkeypatch: pytest.MonkeyPatch) -> Given:
+    """What would be measured, and what would become of it; the exit code is 130."""
+    seen: Given = []
+
+    def conduct(experiment: Any, output: Output) -> int:
+        seen.append((experiment, output))
+        return 130
+
+    monkeypatch.setattr(harness, "conduct", conduct)
+    monkeypatch.setattr(Chosen, "experiment", lambda self: self)
+    return seen
+
+
+def test_options_reach_the_measurement(given: Given, tmp_path: Path) -> None:
+    out, before, after = tmp_path / "speed", tmp_path / "before.json", tmp_path / "after.json"
+    line = ["speed", "--json", "--quick", "--seed", "3", "--rounds", "2", "--out", str(out), "--anew"]
+    assert main([*line, "--against", str(before), "--save-baseline", str(after)]) == 130
+    assert given == [(Chosen("speed", 3, True, 2), Output(out, True, True, before, after))]
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_nothing_needs_to_be_said_but_the_name(given: Given, name: str) -> None:
+    assert main([name]) == 130
+    assert given == [(Chosen(name), Output())]
+
+
+def test_families_reach_the_benchmark_of_places_alone(given: Given, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["clutter", "--family", "p3", "--family", "drum scan"]) == 130
+    assert given == [(Chosen("clutter", families=("p3", "drum scan")), Output(whole=False))]
+    assert main(["speed", "--family", "p3"]) == 2
+    assert "--family" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["table1", "tracking", "segments", "methods"])
+def test_options_reach_the_experiments(given: Given, tmp_path: Path, name: str) -> None:
+    line = [name, "--quick", "--anew", "--out", str(tmp_path), "--method", "dls", "--method", "newton"]
+    assert main(line) == 130
+    assert given == [(Chosen(name, quick=True, methods=("dls", "newton")), Output(tmp_path, anew=True))]
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
+    made = Chosen(name, seed=5).experiment()
+    assert (made.name, made.plan.seed) == (name, 5)
+    assert made.divisible is (name in OF_LINES)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["nothing"], "NAME: no such measurement (got 'nothing'), expected one of speed, clutter, table1"),
+        (["speed", "--method", "dls"], "--method: is not for speed"),
+        (["clutter", "--method", "dls"], "--method: is not for clutter"),
+        (["table1", "--family", "p3"], "--family: is not for table1"),
+        (["table1", "--rounds", "2"], "--rounds: is not for table1"),
+        (["table1", "--against", "a.json"], "--against: is not for table1"),
+        (["table1", "--save-baseline", "a.json"], "--save-baseline: is not for table1"),
+        (["speed", "--rounds", "0"], "--rounds"),
+        (["speed", "--against", "nowhere.json"], "--against: cannot be read"),
+        (["speed", "--save-baseline", "/nowhere/speed.json"], "--save-baseline: cannot be written"),
+        (["table1", "--seed", "-1"], "--seed"),
+        (["table1", "--method", "magic"], "method: is not known (got 'magic')"),
+        (["clutter", "--family", "labyrinth"], "--family: is not known (got 'labyrinth')"),
+        (["speed", "--fast"], "python -m benchmarks: No such option: --fast"),
+        ([], "python -m benchmarks: Missing argument 'NAME'"),
+    ],
+)
+def test_what_cannot_be_meant_is_said(
+    arguments: list[str], complaint: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith(complaint)
+    assert captured.err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_is_a_file_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "speed.json").touch()
+    assert main(["speed", "--out", str(tmp_path / "speed.json")]) == 2
+    assert capsys.readouterr().err.startswith("--out: is a file")
+
+
+def test_an_interrupt_before_anything_was_measured_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(_: Chosen) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Chosen, "experiment", interrupted)
+    assert main(["speed"]) == command.INTERRUPTED
+    assert "interrupted before anything was measured" in capsys.readouterr().err
+
+
+def test_help_names_every_benchmark_and_threads_are_set_before_numpy_looks() -> None:
+    code = """
+import os, runpy, sys
+from benchmarks.__main__ import Chosen, main
+assert main(["--help"]) == 0
+assert "numpy" not in sys.modules
+Chosen.check = lambda self: print(os.environ["OMP_NUM_THREADS"], "numpy" in sys.modules) or sys.exit(7)
+main(["speed"])
+"""
+    environment = {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 7, done.stderr
+    assert done.stdout.splitlines()[-1] == "1 False"
+    assert all(name in done.stdout for name in (*OF_LINES, *OF_METHODS))

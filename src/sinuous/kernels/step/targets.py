@@ -49,6 +49,17 @@ def end_segment(targets: Array, i: int, segments: int) -> int:
 
 
 @kernel
+def distal_target(targets: Array, segments: int) -> int:
+    """Number of the most distal target that has a position; of several, the last; -1: none has."""
+    found = tip = -1
+    for i in range(targets.shape[0]):
+        k = end_segment(targets, i, segments)
+        if targets[i, HAS_POSITION] != 0.0 and k >= tip:
+            found, tip = i, k
+    return found
+
+
+@kernel
 def tangent_back(targets: Array, i: int) -> Vec:
     """Where the backbone comes from at the target; zero where it may come from anywhere."""
     if targets[i, ORIENTATION] == FREE:

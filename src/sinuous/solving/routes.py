@@ -9,12 +9,11 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.fitting.fit import fit_route
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
-from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import PROVED_CLOSED, QUERY_WIDTH, ROUTE, SOURCES
 from sinuous.problem.problem import Problem, Tolerance
 from sinuous.problem.target import Target
@@ -163,7 +162,7 @@ class Router:
         """Return configurations (m, n, 3) along the routes, but for the first `known` ones."""
         robot = self._robot
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
-        workspace = np.empty(workspace_size(*sizes))
+        workspace = np.empty(fit_workspace_size(*sizes))
         fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
         groups = self._group, problem.scene.group, self._settings, problem.rows
         for route, spacing, q in zip(found.routes[known:], found.spacings[known:], fits, strict=True):

@@ -9,13 +9,12 @@ bound is what keeps a piece from being decided.
 
 import math
 
+from sinuous.kernels.body.rows import INNER, SOFT, Rows, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene, look, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, norm, scale
-from sinuous.kernels.step.rows import put_body_row
-from sinuous.kernels.step.sweeps import INNER, SOFT, Rows
 from sinuous.kernels.tables import RADIUS
 
 PER_SEGMENT = 32

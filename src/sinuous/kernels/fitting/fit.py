@@ -1,5 +1,6 @@
 """The chain laid along a route: segment after segment, the body is drawn to it by Newton steps."""
 
+from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fitting.curve import Curve, closest_on, length_of, point_at
@@ -7,9 +8,7 @@ from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
 from sinuous.kernels.step.newton import add_targets, close, enter, move, rest, step
-from sinuous.kernels.step.rows import put_body_row
-from sinuous.kernels.step.states import State, Work, carve, pick
-from sinuous.kernels.step.sweeps import INNER
+from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
 from sinuous.kernels.step.targets import X, Y, Z
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
@@ -29,6 +28,11 @@ MU = 1e-5
 Stretch = tuple[float, float, float]
 """The part of the route that belongs to a segment: where it begins, its length, and the length of all parts, in any
 unit."""
+
+
+def fit_workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
+    """Numbers (float64) that laying a chain needs as workspace: there are rows along the body in any scene."""
+    return workspace_size(segments, actuators, max(1, obstacles), targets)
 
 
 @kernel
@@ -149,11 +153,11 @@ def fit_route(
     spacing : float
         Distance between neighbours along the route.
     workspace : ndarray (w,)
-        Scratch, see `states.workspace_size`.
+        Scratch, see `fit_workspace_size`.
     q : ndarray (n, 3)
         Filled with the configuration.
     """
     problem = read_problem(robot, scene, settings, targets)
-    states, work = carve(workspace, problem)
+    states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
     at = lay(problem, states, work, Curve(route, spacing))
     copy(pick(states, at).q, q)

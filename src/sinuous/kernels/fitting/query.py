@@ -6,8 +6,7 @@ from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.solve.verdicts import backbone_end
-from sinuous.kernels.step.targets import distal_target, end_segment, tangent_back
+from sinuous.kernels.step.targets import backbone_end, distal_target, end_segment, tangent_back
 from sinuous.kernels.tables import (
     MAX_BEND,
     MAX_LENGTH,

@@ -33,7 +33,7 @@ Grid = namedtuple(
         "inflation",
         "clearance_weight",
         "longest",
-        "how",
+        "mode",
     ],
 )
 """What one search is about; lengths in the length unit.
@@ -44,8 +44,8 @@ from within `start_radius` of `start`, where they leave along the unit vector `a
 where the unit vector `back` points to where they come from (zero: from anywhere); within `turn` of both nothing passes
 behind them. From `origin` to `goal` no route is longer than `reach`, from `start` to `goal` none than `longest`. The
 search is a weighted A*: with `inflation` 1 the cheapest route is found; with more, one that costs at most so many times
-as much, after fewer cells. `clearance_weight` says how much dearer narrow places are. Distances are asked for as `how`
-says (see `solids`); a proof asks for upper bounds, because what can be passed must not be taken for a wall."""
+as much, after fewer cells. `clearance_weight` says how much dearer narrow places are. Distances are asked
+for in a mode of `solids`; a proof asks for upper bounds, because what can be passed must not be taken for a wall."""
 
 
 @kernel
@@ -80,7 +80,7 @@ def free_distance(grid: Grid, scene: Scene, p: Vec) -> float:
     far = norm(sub(p, grid.origin)) + max(0.0, norm(sub(p, grid.goal)) - grid.goal_radius)
     if far > grid.reach + 2.0 * HALF_DIAGONAL * h:
         return -math.inf
-    d, _ = closest(scene, p, max(grid.radius + grid.room, 2.0 * h), grid.how)
+    d, _ = closest(scene, p, max(grid.radius + grid.room, 2.0 * h), grid.mode)
     barred = _behind(grid, p, grid.start, grid.axis) or _behind(grid, p, grid.goal, grid.back)
     return -math.inf if barred or d < grid.clearance else d
 
@@ -96,7 +96,7 @@ def walled(grid: Grid, scene: Scene, one: int, other: int) -> bool:
     length = norm(line)
     gone = 0.0
     while gone < length:
-        d, _ = closest(scene, add_scaled(a, gone / length, line), 2.0 * length, grid.how)
+        d, _ = closest(scene, add_scaled(a, gone / length, line), 2.0 * length, grid.mode)
         if d < grid.clearance:
             return True
         gone += max(d - grid.clearance, FINEST * length)

@@ -3,6 +3,7 @@
 import math
 
 from sinuous.kernels.body.body import CLEAR, SOFTNESS, contacts, prove
+from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import inline, kernel
@@ -12,7 +13,6 @@ from sinuous.kernels.maths.vectors import ZERO, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, WISH, State, Work, pick
-from sinuous.kernels.step.sweeps import SOFT
 from sinuous.kernels.step.targets import add_rows, end_segment
 
 MISSED = -1

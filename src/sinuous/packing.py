@@ -129,3 +129,13 @@ def settings_group(
         t.WISHED_CLEARANCE: prefer.clearance if prefer else 0.0,
     }
     return np.array([*(values[i] for i in range(t.METHOD_OPTIONS)), *options], np.float64)
+
+
+def plan_search(
+    query: Floats, *, cell: float, clearance: float, room: float, slots: int, exact: bool, prove: bool
+) -> Floats:
+    """Return the query (27,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
+    planned = query.copy()
+    planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_ROOM] = cell, clearance, room
+    planned[t.QUERY_SLOTS], planned[t.QUERY_EXACT], planned[t.QUERY_PROVE] = slots, exact, prove
+    return planned

@@ -1,5 +1,6 @@
-"""Ways as starts: narrow places that a local solver does not get into, and rooms without a door."""
+"""Routes as starts: narrow places that a local solver does not get into, and rooms without a door."""
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -7,8 +8,10 @@ import pytest
 
 import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
+from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routes import Router
+from sinuous.solving.routes import MEMORY, SLOTS, Found, Plan, Router
+from sinuous.solving.sources import Question
 from tests.helpers import Floats
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
@@ -46,41 +49,76 @@ def router(robot: Robot, scene: Scene) -> Router:
     return Router(robot, scene, sn.Tolerance().for_robot(robot))
 
 
-def test_a_way_leads_where_starts_at_random_do_not(narrow: Scene, target: Target) -> None:
-    solution = Solver(ROBOT, narrow, time=60.0, starts=40).solve(target)
+def question(asked: Problem, seconds: float = 60.0) -> Question:
+    return Question(asked, np.empty((0, len(asked.robot), 3)), lambda: seconds)
+
+
+def first(finder: Router, asked: Problem) -> Found:
+    """What the quickest plan finds."""
+    query = finder.query(asked)
+    assert query is not None
+    return finder.find(asked, query, finder.plans[0], 60.0)
+
+
+def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Target) -> None:
+    solution = Solver(ROBOT, narrow, time=60.0, max_starts=40).solve(target)
     assert solution.status is Status.SOLVED
     assert solution.start == "route"
     assert solution.verify().ok
-    assert not Solver(ROBOT, narrow, time=60.0, starts=12, routes=False).solve(target).solved
+    assert not Solver(ROBOT, narrow, time=60.0, max_starts=12, routes=False).solve(target).solved
 
 
-def test_ways_go_from_base_to_target_and_starts_lie_in_them(narrow: Scene, target: Target) -> None:
-    routes = next(router(ROBOT, narrow).search(problem(ROBOT, target, narrow), lambda: 60.0))
-    assert len(routes.ways) == len(routes.starts) == 1
-    way = routes.ways[0]
-    assert np.allclose(way[0], 0.0)
-    assert np.allclose(way[-1], ROBOT.tip(HIDDEN)[:3, 3])
-    assert narrow.distance(way).min() > 0.09
-    body = ROBOT.backbone(routes.starts[0], 20)
-    assert np.linalg.norm(body[:, None] - way[None], axis=-1).min(axis=1).max() < 0.1
-    assert not routes.closed
+def test_routes_go_from_base_to_target_and_configurations_lie_in_them(narrow: Scene, target: Target) -> None:
+    finder, asked = router(ROBOT, narrow), problem(ROBOT, target, narrow)
+    found = first(finder, asked)
+    batch = next(finder.batches(question(asked)))
+    assert len(found.routes) == len(batch.initial) == 1
+    route = found.routes[0]
+    assert np.allclose(route[0], 0.0)
+    assert np.allclose(route[-1], ROBOT.tip(HIDDEN)[:3, 3])
+    assert narrow.distance(route).min() > 0.09
+    body = ROBOT.backbone(batch.initial[0], 20)
+    assert np.linalg.norm(body[:, None] - route[None], axis=-1).min(axis=1).max() < 0.1
+    assert batch.source == "route"
+    assert batch.closed is None
 
 
-def test_the_same_search_gives_the_same_ways(narrow: Scene, target: Target) -> None:
+def test_the_same_search_gives_the_same_routes(narrow: Scene, target: Target) -> None:
     asked = problem(ROBOT, target, narrow)
     finder = router(ROBOT, narrow)
-    first, again = (next(finder.search(asked, lambda: 60.0)) for _ in range(2))
-    other = next(router(ROBOT, narrow).search(asked, lambda: 60.0))
-    assert np.array_equal(first.starts, again.starts)
-    assert np.array_equal(first.starts, other.starts)
+    one, again = (next(finder.batches(question(asked))) for _ in range(2))
+    other = next(router(ROBOT, narrow).batches(question(asked)))
+    assert np.array_equal(one.initial, again.initial)
+    assert np.array_equal(one.initial, other.initial)
 
 
-def test_ways_differ_in_the_side_on_which_they_pass() -> None:
+def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target) -> None:
+    asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
+    alone = next(finder.batches(question(asked))).initial
+
+    def search(_: int) -> Any:
+        return next(finder.batches(question(asked))).initial
+
+    with ThreadPoolExecutor(4) as threads:
+        assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
+    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(SLOTS[2])
+
+
+def test_routes_differ_in_the_side_on_which_they_pass() -> None:
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
-    asked = problem(ROBOT, Target((0, 0, 4.4)), scene)
-    ways = [way for routes in router(ROBOT, scene).search(asked, lambda: 60.0) for way in routes.ways]
-    sides = {tuple(np.sign(np.round(way[np.abs(way[:, 2] - 2.2).argmin(), :2], 1))) for way in ways}
+    asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
+    query = finder.query(asked)
+    assert query is not None
+    routes = [route for plan in finder.plans for route in finder.find(asked, query, plan, 60.0).routes]
+    sides = {tuple(np.sign(np.round(route[np.abs(route[:, 2] - 2.2).argmin(), :2], 1))) for route in routes}
     assert len(sides) >= 3
+
+
+def test_no_route_is_handed_over_twice() -> None:
+    scene = Scene([Sphere((0, 0, 2.2), 0.7)])
+    asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
+    given = [q.tobytes() for batch in finder.batches(question(asked)) for q in batch.initial]
+    assert len(given) == len(set(given)) >= 4
 
 
 def box_room(center: Floats, half: float, wall: float, door: float = 0.0) -> Scene:
@@ -130,19 +168,20 @@ def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
     assert solution.status is not Status.NO_ROUTE
 
 
-def test_without_a_position_there_is_no_way() -> None:
+def test_without_a_position_there_is_no_route() -> None:
     scene = Scene([Sphere((0, 0, 3), 0.3)])
     asked = problem(ROBOT, Target(direction=(0, 0, 1)), scene)
-    assert list(router(ROBOT, scene).search(asked, lambda: 60.0)) == []
+    assert router(ROBOT, scene).query(asked) is None
+    assert list(router(ROBOT, scene).batches(question(asked))) == []
 
 
-def test_no_time_no_way(narrow: Scene, target: Target) -> None:
-    assert list(router(ROBOT, narrow).search(problem(ROBOT, target, narrow), lambda: 0.0)) == []
+def test_no_time_no_route(narrow: Scene, target: Target) -> None:
+    assert list(router(ROBOT, narrow).batches(question(problem(ROBOT, target, narrow), 0.0))) == []
 
 
-def test_all_solutions_come_from_different_ways() -> None:
+def test_all_solutions_come_from_different_routes() -> None:
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
-    solver = Solver(ROBOT, scene, time=60.0, starts=30)
+    solver = Solver(ROBOT, scene, time=60.0, max_starts=30)
     found = solver.solve_all(Target((0, 0, 4.4), direction=(0, 0, 1)), count=8)
     assert len(found) >= 3
     assert "route" in {solution.start for solution in found}
@@ -151,25 +190,25 @@ def test_all_solutions_come_from_different_ways() -> None:
 
 
 @pytest.fixture
-def without_ways(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fail where a way is looked for, once a `Solver` is made."""
-    find = Router._find
+def without_routes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fail where a route is searched for, once a `Solver` is made."""
+    find = Router.find
 
-    def only_loading(self: Router, problem: Problem, which: int, plan: Any, seconds: float) -> Any:
-        assert seconds == 0.0, "looked for a way"
-        return find(self, problem, which, plan, seconds)
+    def only_loading(self: Router, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+        assert seconds == 0.0, "searched for a route"
+        return find(self, problem, query, plan, seconds)
 
-    monkeypatch.setattr(Router, "_find", only_loading)
+    monkeypatch.setattr(Router, "find", only_loading)
 
 
-@pytest.mark.usefixtures("without_ways")
-def test_what_is_decided_needs_no_way(narrow: Scene, target: Target) -> None:
+@pytest.mark.usefixtures("without_routes")
+def test_what_is_decided_needs_no_route(narrow: Scene, target: Target) -> None:
     ball = [Sphere((0, 0, 2.2), 0.7)]
     assert Solver(ROBOT, ball).solve(Target((0, 0, 50))).status is Status.OUT_OF_REACH
     assert Solver(ROBOT, ball).solve(Target((0, 0, 2.2))).status is Status.TARGET_BLOCKED
-    assert Solver(ROBOT, narrow, starts=1).solve(target).starts == 1
+    assert Solver(ROBOT, narrow, max_starts=1).solve(target).starts == 1
 
 
 def test_all_solutions_come_from_no_more_starts_than_allowed(narrow: Scene, target: Target) -> None:
-    solver = Solver(ROBOT, narrow, time=60.0, starts=2)
+    solver = Solver(ROBOT, narrow, time=60.0, max_starts=2)
     assert solver.solve_all(target) == []

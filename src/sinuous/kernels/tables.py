@@ -127,6 +127,42 @@ bends, and the clearance that is wished for."""
 METHOD_OPTIONS = 11
 """Place of the first option of the method."""
 
+# --- the query of a route search ------------------------------------------------------------------------------------
+
+QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK = 0, 3, 6, 9
+"""Where routes begin, and the unit tangent there; where they end, and the unit vector to where they come from there
+(zero: from anywhere)."""
+
+(
+    QUERY_GOAL_RADIUS,
+    QUERY_GOAL_SLACK,
+    QUERY_RADIUS,
+    QUERY_LONGEST,
+    QUERY_TURN,
+    QUERY_FREE_LENGTH,
+    QUERY_STRAIGHT_MIN,
+    QUERY_STRAIGHT_MAX,
+    QUERY_OTHER_LENGTH,
+    QUERY_CELL,
+    QUERY_CLEARANCE,
+    QUERY_ROOM,
+    QUERY_SLOTS,
+    QUERY_EXACT,
+    QUERY_PROVE,
+) = range(12, 27)
+"""How far from the goal a route may end, and how much farther a proof has to grant; radius of what moves along the
+route; the longest route; the radius of its tightest turn; length from the origin that obstacles do not concern. A route
+of length x leaves straight for `x - OTHER_LENGTH`, no less than STRAIGHT_MIN and no more than STRAIGHT_MAX. Edge of the
+cells; distance from obstacles with which a cell can be passed; room beyond the radius that costs nothing; slots of the
+table of cells, a power of two; whether to ask for exact distances; whether to prove that there is no route where none
+is found."""
+
+QUERY_WIDTH = 27
+
+FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED = range(5)
+"""How a route search ended: with a route; without; its table was full; its time was up; without, and it is proved that
+there is none for any body of this radius, whatever its tangents."""
+
 # --- the outcome -----------------------------------------------------------------------------------------------------
 
 SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE = range(8)

@@ -1,8 +1,7 @@
-"""Starts for narrow places: ways through free space from the base to the target, and the chain laid into them."""
+"""The start source for narrow places: routes through free space from the base to a target, and the chain along them."""
 
-import threading
 from collections.abc import Iterator
-from dataclasses import replace
+from time import monotonic
 from typing import NamedTuple
 
 import numpy as np
@@ -10,27 +9,34 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.fitting.routes import PROVED_CLOSED, find
-from sinuous.kernels.freespace.grid_astar import HALF_DIAGONAL, lattice_size
-from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import ROUTE, SOURCES
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.kernels.fitting.query import route_query
+from sinuous.kernels.freespace.cells import memory_size
+from sinuous.kernels.freespace.find import find_routes
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL
+from sinuous.kernels.tables import PROVED_CLOSED, QUERY_WIDTH, ROUTE, SOURCES
 from sinuous.problem.problem import Problem, Tolerance
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
+from sinuous.solving.buffers import BufferPool
 from sinuous.solving.sources import Batch, Question
 
 COARSE, FINE = 64, 1000
-"""Cubes in the length of the longest robot: most of them at first, and most at all."""
+"""Cells in the length of the longest robot: most of them at first, and most at all."""
 
 ALTERNATIVES = 4
-"""Ways to one target that differ."""
+"""Routes to one target that differ."""
 
 SLOTS = (1 << 13, 1 << 15, 1 << 18, 1 << 20)
-"""Sizes of the table of cubes."""
+"""Sizes of the table of cells."""
 
-POINTS, CROSSED = 256, 8192
-"""Most points of a way, and most cubes that it leads through."""
+POINTS = 256
+"""Most points of a route."""
+
+MEMORY = BufferPool(most=2, largest=memory_size(SLOTS[2]))
+"""What all searches of this process work in. A search takes 46 bytes a slot and 0.2 MB: 12 MB for the last but one
+size of the table, 48 MB for the largest. The largest is not kept after the search; of the others two are."""
 
 
 class Plan(NamedTuple):
@@ -39,15 +45,15 @@ class Plan(NamedTuple):
     Attributes
     ----------
     cell : float
-        Edge of the cubes.
-    least : float
-        Distance to the obstacles with which a cube can be passed.
+        Edge of the cells.
+    clearance : float
+        Distance from the obstacles with which a cell can be passed.
     slots : int
-        Size of the table of cubes; half of it is the most that are looked at.
-    ways : int
-        Most ways to find.
+        Size of the table of cells; half of it is the most that are looked at.
+    routes : int
+        Most routes to find.
     then : int
-        Starts at random that come before the next search.
+        Scattered starts that come before the next search.
     exact : bool
         Whether to ask for exact distances, not for samples.
     prove : bool
@@ -55,12 +61,33 @@ class Plan(NamedTuple):
     """
 
     cell: float
-    least: float
+    clearance: float
     slots: int
-    ways: int
+    routes: int
     then: int
     exact: bool
     prove: bool
+
+
+class Found(NamedTuple):
+    """What came of one search.
+
+    Attributes
+    ----------
+    routes : list of ndarray (K, 3)
+        Points from the base to the target, evenly spaced, in the length unit.
+    spacings : list of float
+        Distance between neighbours along every route.
+    ended : int
+        How the last search ended: FOUND, CLOSED, FULL, TIMED_OUT or PROVED_CLOSED of `sinuous.kernels.tables`.
+    cells : int
+        How many cells it looked at.
+    """
+
+    routes: list[Floats]
+    spacings: list[float]
+    ended: int
+    cells: int
 
 
 class Router:
@@ -71,79 +98,93 @@ class Router:
     robot : Robot
     scene : Scene
     tolerance : Tolerance
+
+    Attributes
+    ----------
+    plans : tuple of Plan
+        The searches for one target, from the quickest to the most thorough.
     """
+
+    name = SOURCES[ROUTE]
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self._robot = robot
         self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
-        self._plans = _plans(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
-        self._local = threading.local()
-        announce(find)
-        nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
-        self._find(nowhere, 0, self._plans[0]._replace(slots=256), 0.0)  # compiles, or loads from the cache
-
-    name = SOURCES[ROUTE]
+        self.plans = _plans(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
+        self._load(Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance))
 
     def batches(self, question: Question) -> Iterator[Batch]:
-        """Yield routes to the target of a problem, from coarse to fine, while time is left."""
+        """Yield configurations along routes to the most distal target, from coarse to fine, while time is left."""
         problem = question.problem
-        which = _goal(problem)
+        query = self.query(problem)
         told: dict[tuple[float, bool], int] = {}
-        for plan in self._plans if which >= 0 else ():
-            if question.seconds_left() <= 0.0:
+        for plan in () if query is None else self.plans:
+            seconds = question.seconds_left()
+            if query is None or seconds <= 0.0:
                 return
-            batch = self._find(problem, which, plan, question.seconds_left())
+            began = monotonic()
+            found = self.find(problem, query, plan, seconds)
             known = told.get((plan.cell, plan.exact), 0)
-            told[plan.cell, plan.exact] = max(known, batch.size)
-            yield replace(batch, initial=batch.initial[known:])
-            if batch.closed is not None:
+            told[plan.cell, plan.exact] = max(known, len(found.routes))
+            initial = self.fit(problem, found, known)
+            closed = plan.cell if found.ended == PROVED_CLOSED else None
+            yield Batch(self.name, initial, seconds=monotonic() - began, then=plan.then, closed=closed)
+            if closed is not None:
                 return
 
-    def _find(self, problem: Problem, which: int, plan: Plan, seconds: float) -> Batch:
-        workspace = np.empty(
-            workspace_size(len(self._robot), len(self._robot.actuation), len(problem.scene), len(problem.targets))
+    def query(self, problem: Problem) -> Floats | None:
+        """Return what a route has to keep (27,), see `sinuous.kernels.tables`; `None`: no target has a position."""
+        query = np.zeros(QUERY_WIDTH)
+        asked = route_query(self._group, problem.scene.group, self._settings, problem.rows, query)
+        return query if asked else None
+
+    def find(self, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+        """Search for routes, as one plan says, for at most so many seconds."""
+        planned = packing.plan_search(
+            query,
+            cell=plan.cell,
+            clearance=plan.clearance,
+            room=max(min(self._robot.radii), 0.5 * plan.cell),
+            slots=plan.slots,
+            exact=plan.exact,
+            prove=plan.prove,
         )
-        raw, lattice = self._scratch(plan.slots)
-        starts = np.empty((plan.ways, len(self._robot), 3))
-        ways, counts = np.empty((plan.ways, POINTS, 3)), np.zeros(plan.ways, np.int64)
-        room = max(min(self._robot.radii), 0.5 * plan.cell)
-        found, ended, _, spent = find(
-            self._group,
-            problem.scene.group,
-            self._settings,
-            problem.rows,
-            which,
-            plan.cell,
-            plan.least,
-            room,
-            plan.exact,
-            plan.prove,
-            seconds,
-            workspace,
-            plan.slots,
-            lattice,
-            raw,
-            ways,
-            counts,
-            starts,
-        )
-        closed = plan.cell if ended == PROVED_CLOSED else None
-        return Batch(self.name, starts[:found].copy(), seconds=spent, then=plan.then, closed=closed)
+        routes = np.empty((plan.routes, POINTS, 3))
+        counts, spacings = np.zeros(plan.routes, np.int64), np.zeros(plan.routes)
+        with MEMORY.borrow(memory_size(plan.slots)) as memory:
+            found, ended, cells, _ = find_routes(
+                problem.scene.group, planned, seconds, memory, routes, counts, spacings
+            )
+        lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
+        return Found(lines, spacings[:found].tolist(), ended, cells)
 
-    def _scratch(self, slots: int) -> tuple[Floats, Floats]:
-        """Points of a way, and the largest lattice that this thread has needed."""
-        if getattr(self._local, "slots", 0) < slots:
-            self._local.slots = slots
-            self._local.lattice = np.empty(lattice_size(slots))
-            self._local.raw = np.empty((CROSSED, 3))
-        return self._local.raw, self._local.lattice
+    def fit(self, problem: Problem, found: Found, known: int = 0) -> Floats:
+        """Return configurations (m, n, 3) along the routes, but for the first `known` ones."""
+        robot = self._robot
+        sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
+        workspace = np.empty(fit_workspace_size(*sizes))
+        fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
+        groups = self._group, problem.scene.group, self._settings, problem.rows
+        for route, spacing, q in zip(found.routes[known:], found.spacings[known:], fits, strict=True):
+            fit_route(*groups, route, spacing, workspace, q)
+        return fits
+
+    def _load(self, problem: Problem) -> None:
+        """Compile the entries, or load them from the cache."""
+        announce(route_query)
+        query = self.query(problem)
+        announce(find_routes)
+        if query is not None:
+            self.find(problem, query, self.plans[0]._replace(slots=256), 0.0)
+        announce(fit_route)
+        self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], [1.0], 0, 0))
 
 
-def _plans(radius: float, length: float) -> list[Plan]:
+def _plans(radius: float, length: float) -> tuple[Plan, ...]:
     """Searches for a body of this radius and a robot of this length, from the quickest to the most thorough.
 
-    Cubes of half the radius and less cannot leak through a wall, however thin it is, and prove that a room is closed.
-    Coarser ones pass by what is narrow.
+    Cells of half the radius and less cannot leak through a wall, however thin it is, and prove that a room is closed.
+    Coarser ones miss narrow passages.
     """
     fine = max(0.5 * radius, length / FINE)
     coarse = max(fine, length / COARSE)
@@ -153,18 +194,11 @@ def _plans(radius: float, length: float) -> list[Plan]:
     least, few, many, most = SLOTS
     first = [Plan(coarse, wide, least, 1, 0, False, False)] if coarse > fine else []
     second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False, False)] if coarse > fine else []
-    return [
+    return (
         *first,
         Plan(fine, through, few, 1, 20, False, False),
         *second,
         Plan(fine, through, few, 1, 40, True, proves),
         Plan(fine, through, many, ALTERNATIVES, 160, False, False),
         Plan(fine, through, most, ALTERNATIVES, 0, True, proves),
-    ]
-
-
-def _goal(problem: Problem) -> int:
-    """Number of the most distal target that has a position; -1: none has."""
-    placed = [i for i, target in enumerate(problem.targets) if target.position is not None]
-    ends = len(problem.robot)
-    return max(placed, key=lambda i: problem.targets[i].segment or ends, default=-1)
+    )

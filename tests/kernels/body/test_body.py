@@ -8,8 +8,8 @@ import pytest
 
 from sinuous.kernels.body import body
 from sinuous.kernels.body.body import CLEAR, PER_SEGMENT, TOUCHING, UNDECIDED
+from sinuous.kernels.body.rows import INNER, SOFT
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.kernels.step.sweeps import INNER, SOFT
 from sinuous.robot.robot import Robot, Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
@@ -180,11 +180,9 @@ def contacts(
     k: int,
     margins: tuple[float, float],
     depth: int,
-    case: Case | None = None,
     mount: float = 0.0,
 ) -> tuple[Any, int, float]:
     rows: Any = make_rows(len(q), PER_SEGMENT)
-    origin = (0.0, 0.0, 0.0) if case is None else case.origin
     among = np.empty(len(scene), np.int64)
     at, least = body.contacts(
         ROBOT.limits,
@@ -196,7 +194,6 @@ def contacts(
         *margins,
         depth,
         EXACT,
-        origin,
         2.0,
         among,
         rows,
@@ -278,7 +275,7 @@ def test_contact_rows_are_the_derivative_of_the_distance(seed: int) -> None:
     at = place(q)
     offset = random_rotation(case.rng)
     scene = Scene([Sphere(at + 0.3 * offset[0], 0.2), Capsule(at + 0.4 * offset[1], at + 0.5 * offset[2], 0.3)])
-    rows, count, _ = contacts(q, frames, scene, k, (0.5, 0.0), 0, case, mount)
+    rows, count, _ = contacts(q, frames, scene, k, (0.5, 0.0), 0, mount)
     assert count == 2
     for i in range(2):
         single = Scene(scene.obstacles[i : i + 1])

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sinuous.kernels.body.rows import END, HARD, IDLE
 from sinuous.kernels.step import actuation, limits, sweeps
-from sinuous.kernels.step.sweeps import END, HARD, IDLE
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot, Segment
 from tests.helpers import Floats, columns_of, make_rows

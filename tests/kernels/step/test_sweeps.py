@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT, Rows
 from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.sweeps import END, HARD, HARD_SHARE, IDLE, INNER, SOFT, Rows
+from sinuous.kernels.step.sweeps import HARD_SHARE
 from tests.helpers import Floats, columns_of, configurations, make_rows
 
 SIZES = (1, 2, 5, 9)

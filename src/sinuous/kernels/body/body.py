@@ -9,12 +9,12 @@ bound is what keeps a piece from being decided.
 
 import math
 
-from sinuous.kernels.chain.kinematics import body_columns, body_point, frame
+from sinuous.kernels.body.rows import INNER, SOFT, Rows, put_body_row
+from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene, look, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
-from sinuous.kernels.maths.vectors import Array, Vec, cross, dot, norm, put_vec, scale, sub
-from sinuous.kernels.step.sweeps import INNER, SOFT, Rows
+from sinuous.kernels.maths.vectors import Array, Vec, norm, scale
 from sinuous.kernels.tables import RADIUS
 
 PER_SEGMENT = 32
@@ -98,7 +98,6 @@ def contacts(
     wish: float,
     depth: int,
     mode: int,
-    origin: Vec,
     unit: float,
     among: Array,
     rows: Rows,
@@ -134,9 +133,7 @@ def contacts(
         if d < near_by:
             for j in range(count):
                 if at < last:
-                    at = _contact(
-                        q, frames, scene, among[j], k, s, p, radius + margin, near_by, mode, origin, unit, rows, at
-                    )
+                    at = _contact(q, frames, scene, among[j], k, s, p, radius + margin, near_by, mode, unit, rows, at)
     return at, least
 
 
@@ -152,7 +149,6 @@ def _contact(
     needed: float,
     wished: float,
     mode: int,
-    origin: Vec,
     unit: float,
     rows: Rows,
     at: int,
@@ -162,18 +158,8 @@ def _contact(
         return at
     soft = d >= needed
     weight = (SOFTNESS if soft else 1.0) / unit
-    force = scale(weight, g)
-    torque = cross(sub(p, origin), force)
-    x, y, z = body_columns(q, frames, origin, k, s)
-    end = body_columns(q, frames, origin, k, 1.0)
-    put_vec(rows.twist, at, 0, torque)
-    put_vec(rows.twist, at, 3, force)
-    rows.inner[at, 0] = s * (dot(torque, x[0]) + dot(force, x[1])) - dot(torque, end[0][0]) - dot(force, end[0][1])
-    rows.inner[at, 1] = s * (dot(torque, y[0]) + dot(force, y[1])) - dot(torque, end[1][0]) - dot(force, end[1][1])
-    rows.inner[at, 2] = s * dot(force, z[1]) - dot(force, end[2][1])
-    rows.kind[at] = SOFT if soft else INNER
-    rows.value[at] = weight * ((wished if soft else needed) - d)
-    return at + 1
+    value = weight * ((wished if soft else needed) - d)
+    return put_body_row(rows, at, q, frames, (k, s, p), scale(weight, g), SOFT if soft else INNER, value)
 
 
 @kernel

@@ -1,1 +1,4 @@
-"""The chain laid along a curve."""
+"""The chain laid along a route, and what a robot and its target ask of a route.
+
+The doors are `query.route_query` and `fit.fit_route`.
+"""

@@ -9,20 +9,17 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap, retract
-from sinuous.kernels.step.targets import end_pose, end_segment
-from sinuous.kernels.tables import HAS_POSITION, MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
+from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
+from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
 
 
 @kernel
 def most_distal(problem: Problem) -> tuple[int, Vec]:
-    """Segment and position of the most distal target that has one (-1: none has)."""
-    tip = -1
-    goal = (0.0, 0.0, 0.0)
-    for i in range(problem.targets.shape[0]):
-        k = end_segment(problem.targets, i, problem.limits.shape[0])
-        if problem.targets[i, HAS_POSITION] != 0.0 and k >= tip:
-            tip, goal = k, get_vec(problem.targets, i, TARGET_POSITION)
-    return tip, goal
+    """Segment and position of the most distal target that has a position (-1: none has)."""
+    i = distal_target(problem.targets, problem.limits.shape[0])
+    if i < 0:
+        return -1, (0.0, 0.0, 0.0)
+    return end_segment(problem.targets, i, problem.limits.shape[0]), get_vec(problem.targets, i, TARGET_POSITION)
 
 
 @kernel

@@ -5,10 +5,10 @@ import math
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import at_most
-from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, mat_vec, norm, scale, sub, transpose
+from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, norm, scale, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
-from sinuous.kernels.step.targets import end_segment, tangent_back
+from sinuous.kernels.step.targets import backbone_end, end_segment, tangent_back
 from sinuous.kernels.tables import (
     DIRECTION,
     FREE,
@@ -18,28 +18,9 @@ from sinuous.kernels.tables import (
     MIN_LENGTH,
     ORIENTATION,
     RADIUS,
-    ROTATION,
-    TARGET_POSITION,
 )
 
 POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
-
-
-@kernel
-def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
-    """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
-    place = get_vec(problem.targets, i, TARGET_POSITION)
-    if k < problem.limits.shape[0] - 1:
-        return place, 0.0
-    offset, shift = frame(problem.tool, 0)
-    if norm(shift) == 0.0:
-        return place, 0.0
-    if problem.targets[i, ORIENTATION] != ROTATION:
-        return place, norm(shift)
-    row = problem.targets
-    goal = (get_vec(row, i, GOAL), get_vec(row, i, GOAL + 3), get_vec(row, i, GOAL + 6))
-    turned = mat_vec(goal, mat_vec(transpose(offset), shift))
-    return sub(place, turned), min(2.0, problem.angle_tolerance) * norm(shift)
 
 
 @kernel

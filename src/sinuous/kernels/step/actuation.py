@@ -8,9 +8,9 @@ convex set.
 
 import math
 
+from sinuous.kernels.body.rows import HARD, IDLE, Rows
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, dot, get_vec, put_vec, scale, sub
-from sinuous.kernels.step.sweeps import HARD, IDLE, Rows
 from sinuous.kernels.tables import LAST_SEGMENT, MAX_VALUE, MIN_VALUE, WEIGHTS
 
 

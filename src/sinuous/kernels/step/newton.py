@@ -3,6 +3,7 @@
 import math
 
 from sinuous.kernels.body.body import CLEAR, SOFTNESS, contacts, prove
+from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import inline, kernel
@@ -12,7 +13,6 @@ from sinuous.kernels.maths.vectors import ZERO, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, WISH, State, Work, pick
-from sinuous.kernels.step.sweeps import SOFT
 from sinuous.kernels.step.targets import add_rows, end_segment
 
 MISSED = -1
@@ -36,6 +36,39 @@ ROUNDS = 3
 
 
 @kernel
+def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, float, float]:
+    """Write the rows of all targets of the end of segment `k`, from row `at` on.
+
+    Returns the next free row, and the largest position error (length) and angle error (rad) of these targets.
+    """
+    origin = frame(state.frames, 0)[1]
+    off = turn = 0.0
+    for i in range(problem.targets.shape[0]):
+        if end_segment(problem.targets, i, state.q.shape[0]) == k:
+            at, miss, angle = add_rows(
+                problem.targets, i, state.frames, problem.tool, origin, problem.unit, state.rows, at
+            )
+            off, turn = max(off, miss), max(turn, angle)
+    return at, off, turn
+
+
+@kernel
+def close(state: State, count: int) -> None:
+    """Finish a linearisation with `count` rows: where they end, and the norms of their values."""
+    rows = state.rows
+    rows.start[state.q.shape[0]] = count
+    merit = wished = 0.0
+    for i in range(count):
+        square = rows.value[i] * rows.value[i]  # idle rows hold 0
+        if rows.kind[i] == SOFT:
+            wished += square
+        else:
+            merit += square
+    state.norms[MERIT] = merit
+    state.norms[WISH] = wished / (SOFTNESS * SOFTNESS)
+
+
+@kernel
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
@@ -43,7 +76,6 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
-    origin = frame(frames, 0)[1]
     off = turn = 0.0
     seen = math.inf
     mount = problem.mount
@@ -63,7 +95,6 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
                 wish,
                 depth,
                 mode,
-                origin,
                 problem.unit,
                 work.among,
                 rows,
@@ -71,21 +102,10 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
             )
             seen = min(seen, least)
             mount -= q[k, 2]
-        for i in range(problem.targets.shape[0]):
-            if end_segment(problem.targets, i, q.shape[0]) == k:
-                at, miss, angle = add_rows(problem.targets, i, frames, problem.tool, origin, problem.unit, rows, at)
-                off, turn = max(off, miss), max(turn, angle)
-    rows.start[q.shape[0]] = at
-    merit = wished = 0.0
-    for i in range(at):
-        square = rows.value[i] * rows.value[i]  # idle rows hold 0
-        if rows.kind[i] == SOFT:
-            wished += square
-        else:
-            merit += square
-    norms = state.norms
-    norms[MERIT], norms[POSITION], norms[ANGLE], norms[SEEN] = merit, off, turn, seen
-    norms[WISH] = wished / (SOFTNESS * SOFTNESS)
+        at, miss, angle = add_targets(problem, state, k, at)
+        off, turn = max(off, miss), max(turn, angle)
+    close(state, at)
+    state.norms[POSITION], state.norms[ANGLE], state.norms[SEEN] = off, turn, seen
 
 
 @kernel

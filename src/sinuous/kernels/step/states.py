@@ -5,11 +5,11 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.body.body import PER_SEGMENT
+from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.sweeps import carve_rows, pick_rows, rows_size
 
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
@@ -33,7 +33,13 @@ def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) 
 @kernel
 def carve(buffer: Array, problem: Problem) -> tuple[State, Work]:
     """Lay out workspace: several states, as arrays with one more axis in front (see `pick`), and scratch."""
-    n, m, c = problem.limits.shape[0], problem.scene.table.shape[0], STATES
+    return carve_for(buffer, problem, problem.scene.table.shape[0])
+
+
+@kernel
+def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, Work]:
+    """Lay out workspace as for so many obstacles: with one there is a place for rows along the body."""
+    n, m, c = problem.limits.shape[0], obstacles, STATES
     capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
     size = c * (33 * n + 17)
     frames = buffer[3 * n * c : (15 * n + 12) * c].reshape((c, n + 1, 12))

@@ -15,10 +15,7 @@ rows are then met exactly, with the least motion that does so.
 it, and `mean_k` is a motion decided beforehand: up to a bound, or towards a preference.
 """
 
-from collections import namedtuple
-
-import numpy as np
-
+from sinuous.kernels.body.rows import END, HARD, IDLE, Rows
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     IDENTITY,
@@ -40,18 +37,6 @@ from sinuous.kernels.maths.vectors import (
     vec_mat,
 )
 
-Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", "gain", "innovation"])
-"""The constraints of a step, in the order of their segments.
-
-`start` (n + 1,): rows `start[k]` to `start[k + 1]` belong to segment k. `kind` (m,): END, at the end of the segment
-(these come last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE,
-left out. `twist` (m, 6) is `a`, seen from the end of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`,
-for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up to this segment, for HARD: actuators that run through
-several segments see no more than that. `value` (m,). The sweeps fill `gain` (m, 12) and `innovation` (m,).
-"""
-
-END, INNER, HARD, IDLE, SOFT = 0, 1, 2, 3, 4
-
 Reach = tuple[Mat, Mat, Mat, Vec, Vec]
 """What the robot can still do up to here: covariance of (omega, omega), (omega, v), (v, v), and mean of omega and v."""
 
@@ -63,44 +48,6 @@ Own = tuple[Mat, Mat, Mat, Mat, Vec]
 
 HARD_SHARE = 1e-10
 """Variance of HARD rows, relative to their weights: small, yet enough for two that say the same."""
-
-
-@kernel
-def rows_size(segments: int, capacity: int) -> int:
-    """Numbers that one set of rows takes from a buffer."""
-    return segments + 1 + 27 * capacity
-
-
-@kernel
-def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
-    """Lay out `count` sets of rows in the beginning of `buffer`; every array has one more axis in front."""
-    c, n, m = count, segments + 1, capacity
-    at = c * n
-    return Rows(
-        buffer[:at].view(np.int64).reshape((c, n)),
-        buffer[at : at + c * m].view(np.int64).reshape((c, m)),
-        buffer[at + c * m : at + c * 7 * m].reshape((c, m, 6)),
-        buffer[at + c * 7 * m : at + c * 10 * m].reshape((c, m, 3)),
-        buffer[at + c * 10 * m : at + c * 13 * m].reshape((c, m, 3)),
-        buffer[at + c * 13 * m : at + c * 14 * m].reshape((c, m)),
-        buffer[at + c * 14 * m : at + c * 26 * m].reshape((c, m, 12)),
-        buffer[at + c * 26 * m : at + c * 27 * m].reshape((c, m)),
-    )
-
-
-@kernel
-def pick_rows(rows: Rows, i: int) -> Rows:
-    """Set number `i` of several."""
-    return Rows(
-        rows.start[i],
-        rows.kind[i],
-        rows.twist[i],
-        rows.inner[i],
-        rows.total[i],
-        rows.value[i],
-        rows.gain[i],
-        rows.innovation[i],
-    )
 
 
 @kernel

@@ -7,6 +7,7 @@ then six unused) or rotation (9).
 
 import math
 
+from sinuous.kernels.body.rows import END, Rows
 from sinuous.kernels.chain.kinematics import compose, frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
@@ -19,13 +20,14 @@ from sinuous.kernels.maths.vectors import (
     get_mat,
     get_vec,
     mat_mat,
+    mat_vec,
     norm,
     put_vec,
     scale,
     sub,
     transpose,
 )
-from sinuous.kernels.step.sweeps import END, Rows
+from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import (
     DIRECTION,
     FREE,
@@ -49,6 +51,17 @@ def end_segment(targets: Array, i: int, segments: int) -> int:
 
 
 @kernel
+def distal_target(targets: Array, segments: int) -> int:
+    """Number of the most distal target that has a position; of several, the last; -1: none has."""
+    found = tip = -1
+    for i in range(targets.shape[0]):
+        k = end_segment(targets, i, segments)
+        if targets[i, HAS_POSITION] != 0.0 and k >= tip:
+            found, tip = i, k
+    return found
+
+
+@kernel
 def tangent_back(targets: Array, i: int) -> Vec:
     """Where the backbone comes from at the target; zero where it may come from anywhere."""
     if targets[i, ORIENTATION] == FREE:
@@ -56,6 +69,23 @@ def tangent_back(targets: Array, i: int) -> Vec:
     if targets[i, ORIENTATION] == DIRECTION:
         return scale(-1.0, get_vec(targets, i, GOAL))
     return (-targets[i, GOAL + 2], -targets[i, GOAL + 5], -targets[i, GOAL + 8])
+
+
+@kernel
+def backbone_end(problem: Problem, i: int, k: int) -> tuple[Vec, float]:
+    """Where target `i` puts the end of its segment, and how far it may be from there because the tool can turn."""
+    place = get_vec(problem.targets, i, TARGET_POSITION)
+    if k < problem.limits.shape[0] - 1:
+        return place, 0.0
+    offset, shift = frame(problem.tool, 0)
+    if norm(shift) == 0.0:
+        return place, 0.0
+    if problem.targets[i, ORIENTATION] != ROTATION:
+        return place, norm(shift)
+    row = problem.targets
+    goal = (get_vec(row, i, GOAL), get_vec(row, i, GOAL + 3), get_vec(row, i, GOAL + 6))
+    turned = mat_vec(goal, mat_vec(transpose(offset), shift))
+    return sub(place, turned), min(2.0, problem.angle_tolerance) * norm(shift)
 
 
 @kernel

@@ -9,6 +9,7 @@ of Chan & Lawrence 1988, so the last steps are Newton's); an error longer than a
 import math
 from collections import namedtuple
 
+from sinuous.kernels.body.rows import Rows, carve_rows, pick_rows
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
@@ -16,7 +17,6 @@ from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.judge import Check, begin, begin_from, carve_check, check_size, end, offer
 from sinuous.kernels.step.limits import retract
-from sinuous.kernels.step.sweeps import Rows, carve_rows, pick_rows
 from sinuous.kernels.step.targets import add_rows
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, METHOD_OPTIONS
 

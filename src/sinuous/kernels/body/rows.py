@@ -1,0 +1,85 @@
+"""The rows of a step: linear constraints on the motion of the body, and the one that a single place of it has."""
+
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.chain.kinematics import body_columns, frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, Vec, cross, dot, put_vec, sub
+
+Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", "gain", "innovation"])
+"""The constraints `a . x + b . z = value` of a step, see `step.sweeps`, in the order of their segments.
+
+`start` (n + 1,): rows `start[k]` to `start[k + 1]` belong to segment k. `kind` (m,): END, at the end of the segment
+(these come last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE,
+left out. `twist` (m, 6) is `a`, seen from the end of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`,
+for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up to this segment, for HARD: actuators that run through
+several segments see no more than that. `value` (m,). The sweeps fill `gain` (m, 12) and `innovation` (m,).
+"""
+
+END, INNER, HARD, IDLE, SOFT = 0, 1, 2, 3, 4
+
+Place = tuple[int, float, Vec]
+"""A place of the backbone: segment, fraction of it, and where that is."""
+
+
+@kernel
+def rows_size(segments: int, capacity: int) -> int:
+    """Numbers that one set of rows takes from a buffer."""
+    return segments + 1 + 27 * capacity
+
+
+@kernel
+def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
+    """Lay out `count` sets of rows in the beginning of `buffer`; every array has one more axis in front."""
+    c, n, m = count, segments + 1, capacity
+    at = c * n
+    return Rows(
+        buffer[:at].view(np.int64).reshape((c, n)),
+        buffer[at : at + c * m].view(np.int64).reshape((c, m)),
+        buffer[at + c * m : at + c * 7 * m].reshape((c, m, 6)),
+        buffer[at + c * 7 * m : at + c * 10 * m].reshape((c, m, 3)),
+        buffer[at + c * 10 * m : at + c * 13 * m].reshape((c, m, 3)),
+        buffer[at + c * 13 * m : at + c * 14 * m].reshape((c, m)),
+        buffer[at + c * 14 * m : at + c * 26 * m].reshape((c, m, 12)),
+        buffer[at + c * 26 * m : at + c * 27 * m].reshape((c, m)),
+    )
+
+
+@kernel
+def pick_rows(rows: Rows, i: int) -> Rows:
+    """Set number `i` of several."""
+    return Rows(
+        rows.start[i],
+        rows.kind[i],
+        rows.twist[i],
+        rows.inner[i],
+        rows.total[i],
+        rows.value[i],
+        rows.gain[i],
+        rows.innovation[i],
+    )
+
+
+@kernel
+def put_body_row(
+    rows: Rows, at: int, q: Array, frames: Array, place: Place, force: Vec, kind: int, value: float
+) -> int:
+    """Write row `at`, of kind INNER or SOFT: `force . (motion of the place) = value`; returns the next free row.
+
+    The place moves with the world beyond its segment, but for what the rest of the segment adds to that.
+    """
+    k, s, p = place
+    origin = frame(frames, 0)[1]
+    torque = cross(sub(p, origin), force)
+    x, y, z = body_columns(q, frames, origin, k, s)
+    end = body_columns(q, frames, origin, k, 1.0)
+    put_vec(rows.twist, at, 0, torque)
+    put_vec(rows.twist, at, 3, force)
+    rows.inner[at, 0] = s * (dot(torque, x[0]) + dot(force, x[1])) - dot(torque, end[0][0]) - dot(force, end[0][1])
+    rows.inner[at, 1] = s * (dot(torque, y[0]) + dot(force, y[1])) - dot(torque, end[1][0]) - dot(force, end[1][1])
+    rows.inner[at, 2] = s * dot(force, z[1]) - dot(force, end[2][1])
+    rows.kind[at] = kind
+    rows.value[at] = value
+    return at + 1

@@ -1,0 +1,87 @@
+"""What a route for a robot and its most distal target has to keep: the query that `freespace` answers."""
+
+import math
+
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec
+from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.step.targets import backbone_end, distal_target, end_segment, tangent_back
+from sinuous.kernels.tables import (
+    MAX_BEND,
+    MAX_LENGTH,
+    MIN_LENGTH,
+    QUERY_AXIS,
+    QUERY_BACK,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_GOAL_RADIUS,
+    QUERY_GOAL_SLACK,
+    QUERY_LONGEST,
+    QUERY_ORIGIN,
+    QUERY_OTHER_LENGTH,
+    QUERY_RADIUS,
+    QUERY_STRAIGHT_MAX,
+    QUERY_STRAIGHT_MIN,
+    QUERY_TURN,
+    RADIUS,
+)
+
+
+@kernel
+def _body(problem: Problem, last: int) -> tuple[float, float, float]:
+    """Of the segments up to `last`: the smallest radius, the greatest length, and the radius of the tightest turn."""
+    radius, longest, turn = math.inf, 0.0, math.inf
+    for k in range(last + 1):
+        radius = min(radius, problem.limits[k, RADIUS])
+        low, high, bend = problem.limits[k, MIN_LENGTH], problem.limits[k, MAX_LENGTH], problem.limits[k, MAX_BEND]
+        longest += high
+        if bend > 0.0 and high > 0.0:
+            turn = min(turn, (low if low > 0.0 else high) / bend)
+    return radius, longest, min(turn, 0.25 * longest)
+
+
+@kernel
+def _straight(problem: Problem, last: int) -> tuple[float, float, float]:
+    """Of the first segments that cannot bend: least and greatest length; and the mean length of all others."""
+    low = high = others = 0.0
+    leading = True
+    for k in range(last + 1):
+        leading = leading and problem.limits[k, MAX_BEND] == 0.0
+        if leading:
+            low += problem.limits[k, MIN_LENGTH]
+            high += problem.limits[k, MAX_LENGTH]
+        else:
+            others += 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])
+    return low, high, others
+
+
+@kernel
+def _put(query: Array, at: int, vector: Vec) -> None:
+    query[at], query[at + 1], query[at + 2] = vector
+
+
+@entry
+def route_query(robot: Array, scene: Array, settings: Array, targets: Array, query: Array) -> bool:
+    """Fill what robot and targets ask of a route into `query` (27,); the plan's numbers are left as they are.
+
+    `robot`, `scene` and `settings` are groups and `targets` (t, 15) a table, laid out as `sinuous.kernels.tables` says.
+    Returns False, and fills nothing, when no target has a position.
+    """
+    problem = read_problem(robot, scene, settings, targets)
+    which = distal_target(targets, problem.limits.shape[0])
+    if which < 0:
+        return False
+    last = end_segment(targets, which, problem.limits.shape[0])
+    rotation, base = frame(problem.base, 0)
+    goal, around = backbone_end(problem, which, last)
+    _put(query, QUERY_ORIGIN, base)
+    _put(query, QUERY_AXIS, (rotation[0][2], rotation[1][2], rotation[2][2]))
+    _put(query, QUERY_GOAL, goal)
+    _put(query, QUERY_BACK, tangent_back(targets, which) if around == 0.0 else ZERO)
+    query[QUERY_GOAL_RADIUS] = around
+    query[QUERY_GOAL_SLACK] = problem.position_tolerance + 1e-9 * problem.unit
+    query[QUERY_RADIUS], query[QUERY_LONGEST], query[QUERY_TURN] = _body(problem, last)
+    query[QUERY_FREE_LENGTH] = problem.mount
+    query[QUERY_STRAIGHT_MIN], query[QUERY_STRAIGHT_MAX], query[QUERY_OTHER_LENGTH] = _straight(problem, last)
+    return True

@@ -1,0 +1,174 @@
+"""What is asked of a route search, and the grids that answer it."""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import Scene, closest
+from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, norm, sub
+from sinuous.kernels.tables import (
+    QUERY_AXIS,
+    QUERY_BACK,
+    QUERY_CELL,
+    QUERY_CLEARANCE,
+    QUERY_EXACT,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_GOAL_RADIUS,
+    QUERY_GOAL_SLACK,
+    QUERY_LONGEST,
+    QUERY_ORIGIN,
+    QUERY_OTHER_LENGTH,
+    QUERY_PROVE,
+    QUERY_RADIUS,
+    QUERY_ROOM,
+    QUERY_SLOTS,
+    QUERY_STRAIGHT_MAX,
+    QUERY_STRAIGHT_MIN,
+    QUERY_TURN,
+)
+
+INFLATION = 2.0
+"""See `grid.Grid`: among obstacles a route costs more than its length, and an exact search looks at far more cells."""
+
+CLEARANCE_WEIGHT = 0.2
+"""See `grid.Grid`: little, because with more the search looks at all the room around a narrow place first."""
+
+STRAIGHT_STEPS = 16
+"""Steps in which it is looked how far a route can leave straight."""
+
+Query = namedtuple(
+    "Query",
+    [
+        "origin",
+        "axis",
+        "goal",
+        "back",
+        "goal_radius",
+        "goal_slack",
+        "radius",
+        "longest",
+        "turn",
+        "free_length",
+        "straight_min",
+        "straight_max",
+        "other_length",
+        "cell",
+        "clearance",
+        "room",
+        "slots",
+        "exact",
+        "prove",
+    ],
+)
+"""The numbers of a query by their names, see `sinuous.kernels.tables`."""
+
+
+@kernel
+def _vector(query: Array, at: int) -> Vec:
+    return query[at], query[at + 1], query[at + 2]
+
+
+@kernel
+def read_query(query: Array) -> Query:
+    """Take a query (27,) apart."""
+    return Query(
+        _vector(query, QUERY_ORIGIN),
+        _vector(query, QUERY_AXIS),
+        _vector(query, QUERY_GOAL),
+        _vector(query, QUERY_BACK),
+        query[QUERY_GOAL_RADIUS],
+        query[QUERY_GOAL_SLACK],
+        query[QUERY_RADIUS],
+        query[QUERY_LONGEST],
+        query[QUERY_TURN],
+        query[QUERY_FREE_LENGTH],
+        query[QUERY_STRAIGHT_MIN],
+        query[QUERY_STRAIGHT_MAX],
+        query[QUERY_OTHER_LENGTH],
+        query[QUERY_CELL],
+        query[QUERY_CLEARANCE],
+        query[QUERY_ROOM],
+        int(query[QUERY_SLOTS]),
+        query[QUERY_EXACT] != 0.0,
+        query[QUERY_PROVE] != 0.0,
+    )
+
+
+@kernel
+def straight_length(query: Query, length: float) -> float:
+    """How far a route of this length leaves straight."""
+    return min(query.straight_max, max(query.straight_min, length - query.other_length))
+
+
+@kernel
+def _end_of_straight(scene: Scene, place: Vec, axis: Vec, past: float, most: float, radius: float) -> Vec:
+    """The point farthest along `axis`, from `past` up to `most`, that a ball can reach straight."""
+    reached = past
+    for i in range(1, STRAIGHT_STEPS + 1):
+        further = past + (most - past) * i / STRAIGHT_STEPS
+        d, _ = closest(scene, add_scaled(place, further, axis), radius, STEP)
+        if d < radius:
+            break
+        reached = further
+    return add_scaled(place, reached, axis)
+
+
+@kernel
+def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Grid:
+    """The grid for routes that leave straight for so long, and with `barred` pass behind neither end.
+
+    The search is from the end of a straight piece at one end to that at the other.
+    """
+    turn = 0.5 * query.turn
+    most = max(query.free_length, straight) + turn
+    start = _end_of_straight(scene, query.origin, query.axis, query.free_length, most, query.radius)
+    goal = query.goal
+    if norm(query.back) > 0.0:
+        goal = _end_of_straight(scene, query.goal, query.back, 0.0, turn, query.radius)
+    pieces = norm(sub(start, query.origin)) + norm(sub(goal, query.goal))
+    return Grid(
+        query.origin,
+        query.cell,
+        query.clearance,
+        query.radius,
+        query.room,
+        query.longest,
+        start,
+        0.9 * query.cell,
+        query.axis,
+        goal,
+        query.goal_radius,
+        query.back,
+        turn if barred else 0.0,
+        INFLATION,
+        CLEARANCE_WEIGHT,
+        query.longest - pieces + query.goal_radius + query.cell,
+        EXACT if query.exact else STEP,
+    )
+
+
+@kernel
+def proof_grid(query: Query) -> Grid:
+    """The grid for the proof that there is no route: whatever any body of this radius can pass, can be passed."""
+    return Grid(
+        query.origin,
+        query.cell,
+        query.radius - HALF_DIAGONAL * query.cell,
+        query.radius,
+        query.radius,
+        query.longest,
+        query.origin,
+        query.free_length + HALF_DIAGONAL * query.cell,
+        ZERO,
+        query.goal,
+        query.goal_radius + query.goal_slack,
+        ZERO,
+        0.0,
+        1.0,
+        1.0,
+        math.inf,
+        ABOVE,
+    )

@@ -1,0 +1,106 @@
+"""What a robot and its targets ask of a route."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous import packing, pose
+from sinuous.kernels.fitting.query import route_query
+from sinuous.kernels.freespace.query import read_query
+from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.problem.problem import Problem, Tolerance
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot, Segment
+from tests.helpers import Floats, as_matrix, random_pose
+
+ROBOT = Robot(
+    [
+        Segment((0.2, 1.5), 0.0, radius=0.2),
+        Segment(0.5, 0.0, radius=0.2),
+        Segment((0.8, 1.2), 2.0, radius=0.15),
+        Segment(1.0, 2.5, radius=0.1),
+    ],
+    mount=0.3,
+)
+
+
+def asked(robot: Robot, targets: Any) -> tuple[bool, Floats]:
+    problem = Problem(robot, targets, tolerance=Tolerance(1e-3, 1e-2))
+    query = np.full(QUERY_WIDTH, 7.0)
+    groups = packing.robot_group(robot), problem.scene.group, packing.settings_group(robot, problem.tolerance)
+    return route_query(*groups, problem.rows, query), query
+
+
+def read(robot: Robot, targets: Any) -> Any:
+    found, query = asked(robot, targets)
+    assert found
+    return read_query(query)
+
+
+def test_the_numbers_of_a_robot_are_those_of_its_segments() -> None:
+    query = read(ROBOT, Target((0.1, 0.2, 2.5)))
+    assert query.radius == 0.1
+    assert query.longest == pytest.approx(1.5 + 0.5 + 1.2 + 1.0)
+    assert query.turn == pytest.approx(min(0.8 / 2.0, 1.0 / 2.5, query.longest / 4.0))
+    assert query.free_length == 0.3
+    assert (query.straight_min, query.straight_max) == pytest.approx((0.7, 2.0))
+    assert query.other_length == pytest.approx(2.0)
+    assert query.goal == (0.1, 0.2, 2.5)
+    assert query.goal_slack == pytest.approx(1e-3, rel=1e-4)
+    assert (query.goal_radius, query.back) == (0.0, (0.0, 0.0, 0.0))
+
+
+def test_only_segments_up_to_the_target_count() -> None:
+    query = read(ROBOT, [Target((0.0, 0.0, 2.0), segment=3), Target(direction=(0, 0, 1))])
+    assert query.radius == 0.15
+    assert query.longest == pytest.approx(3.2)
+    assert query.other_length == pytest.approx(1.0)
+
+
+def test_the_plan_is_left_alone() -> None:
+    _, query = asked(ROBOT, Target((0.0, 0.0, 2.0)))
+    assert (query[-6:] == 7.0).all()
+
+
+def test_without_a_position_nothing_is_asked() -> None:
+    found, query = asked(ROBOT, Target(direction=(0, 0, 1)))
+    assert not found
+    assert (query == 7.0).all()
+
+
+def test_the_most_distal_position_is_the_goal() -> None:
+    targets = [Target((0.0, 0.0, 1.0), segment=2), Target((0.0, 0.1, 2.0)), Target((0.0, 0.0, 1.5), segment=3)]
+    assert read(ROBOT, targets).goal == (0.0, 0.1, 2.0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_origin_and_axis_are_those_of_the_base(seed: int) -> None:
+    base = random_pose(np.random.default_rng(seed))
+    query = read(Robot.uniform(2, length=1.0, max_bend=1.0, base=base), Target((0.0, 0.0, 2.0), direction=(0, 3, 4)))
+    assert query.origin == pytest.approx(base[:3, 3])
+    assert query.axis == pytest.approx(base[:3, 2])
+    assert query.back == pytest.approx((0.0, -0.6, -0.8))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_tool_moves_the_goal_and_leaves_it_room(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tool, goal = random_pose(rng, 0.2), random_pose(rng)
+    robot = Robot.uniform(2, length=1.0, max_bend=1.0, tool=tool)
+    length = float(np.linalg.norm(tool[:3, 3]))
+    free = read(robot, Target(goal[:3, 3]))
+    assert free.goal_radius == pytest.approx(length)
+    assert free.goal == pytest.approx(goal[:3, 3])
+    fixed = read(robot, Target(goal[:3, 3], rotation=goal[:3, :3]))
+    end = as_matrix(goal[:3, :3], goal[:3, 3]) @ np.linalg.inv(tool)
+    assert fixed.goal == pytest.approx(end[:3, 3])
+    assert fixed.goal_radius == pytest.approx(1e-2 * length)
+
+
+def test_a_robot_that_cannot_bend_has_a_turn_that_fits() -> None:
+    stiff = Robot([Segment((0.0, 2.0), 0.0)], base=pose((0, 0, 0)))
+    query = read(stiff, Target((0.0, 0.0, 1.0)))
+    assert query.turn == pytest.approx(0.5)
+    assert math.isfinite(query.turn)

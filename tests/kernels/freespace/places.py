@@ -1,0 +1,113 @@
+"""Grids, memories and scenes that the tests of the route search share."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sinuous import packing
+from sinuous.kernels import tables as t
+from sinuous.kernels.fields.solids import EXACT
+from sinuous.kernels.freespace.cells import HEAP_SHARE, LINE_POINTS, CellTable, Memory, Side
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
+from sinuous.scene.obstacles import Box, Sphere
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats
+
+CELL, RADIUS, REACH = 0.2, 0.25, 1.8
+GOAL = (0.8, 0.4, 0.6)
+
+
+def memory(slots: int = 1 << 15) -> Memory:
+    """An empty table, and arrays of their own."""
+    places = HEAP_SHARE * slots
+    side = Side(
+        np.zeros(slots, np.int32),
+        np.zeros(slots),
+        np.zeros(slots, np.float32),
+        np.zeros(slots, np.uint8),
+        np.zeros(places),
+        np.zeros(places, np.int32),
+    )
+    table = CellTable(np.zeros(slots, np.int64), np.zeros(slots), np.zeros(slots, np.uint8))
+    return Memory(table, side, np.zeros((LINE_POINTS, 3)), np.zeros(2, np.int64))
+
+
+def grid(**changed: Any) -> Grid:
+    values: dict[str, Any] = {
+        "origin": (0.0, 0.0, 0.0),
+        "cell": CELL,
+        "clearance": RADIUS - HALF_DIAGONAL * CELL,
+        "radius": RADIUS,
+        "room": 0.3,
+        "reach": REACH,
+        "start": (0.0, 0.0, 0.0),
+        "start_radius": 0.5 * CELL,
+        "axis": (0.0, 0.0, 0.0),
+        "goal": GOAL,
+        "goal_radius": 0.0,
+        "back": (0.0, 0.0, 0.0),
+        "turn": 0.0,
+        "inflation": 1.0,
+        "clearance_weight": 1.0,
+        "longest": math.inf,
+        "mode": EXACT,
+    }
+    return Grid(**(values | changed))
+
+
+def query(**changed: Any) -> Floats:
+    """A query for routes straight up, from the origin to (0, 0, 2); names as in `freespace.query.Query`."""
+    values: dict[str, Any] = {
+        "origin": (0.0, 0.0, 0.0),
+        "axis": (0.0, 0.0, 1.0),
+        "goal": (0.0, 0.0, 2.0),
+        "back": (0.0, 0.0, 0.0),
+        "goal_radius": 0.0,
+        "goal_slack": 1e-4,
+        "radius": 0.1,
+        "longest": 3.0,
+        "turn": 0.2,
+        "free_length": 0.0,
+        "straight_min": 0.0,
+        "straight_max": 0.0,
+        "other_length": 2.5,
+        "cell": 0.05,
+        "clearance": 0.1 - HALF_DIAGONAL * 0.05,
+        "room": 0.1,
+        "slots": 1 << 15,
+        "exact": True,
+        "prove": True,
+    }
+    out = np.zeros(t.QUERY_WIDTH)
+    for name, value in (values | changed).items():
+        at = getattr(t, f"QUERY_{name.upper()}")
+        out[at : at + np.size(value)] = value
+    return packing.plan_search(
+        out,
+        **{name: (values | changed)[name] for name in ("cell", "clearance", "room", "slots", "exact", "prove")},
+    )
+
+
+def spheres(seed: int) -> Scene:
+    """Balls that leave origin and goal free."""
+    rng = np.random.default_rng(seed)
+    found: list[Sphere] = []
+    while len(found) < 12:
+        center, radius = rng.uniform(-1.0, 1.0, 3), rng.uniform(0.1, 0.3)
+        if min(np.linalg.norm(center), np.linalg.norm(center - GOAL)) > radius + RADIUS + 0.05:
+            found.append(Sphere(center, radius))
+    return Scene(found)
+
+
+def room(wall: float, half: float = 0.6, center: Any = GOAL) -> Scene:
+    """Six thin walls about the goal."""
+    goal, full = np.array(center, np.float64), 2.0 * half + wall
+    walls = []
+    for axis in range(3):
+        for side in (-half, half):
+            middle, size = goal.copy(), np.full(3, full)
+            middle[axis] += side
+            size[axis] = wall
+            walls.append(Box(middle, size))
+    return Scene(walls)

@@ -27,8 +27,8 @@ def test_a_method_is_chosen_by_name_or_by_options(name: str) -> None:
     assert set(methods.capabilities(name).limits) <= set(LIMITS)
     if METHODS[name].options:
         assert methods.name_of(chosen()) == name
-        assert chosen.__name__ == METHODS[name].options
-        assert getattr(sn, METHODS[name].options) is chosen
+        assert chosen.__name__ == METHODS[name].options.rpartition(".")[2]
+        assert getattr(sn, chosen.__name__) is chosen
         assert chosen.__doc__
         for key in inspect.signature(chosen).parameters:
             assert key in chosen.__doc__, f"{key} is not documented"

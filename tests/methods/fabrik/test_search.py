@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from sinuous.kernels.step.states import Problem
+from sinuous.kernels.problem import Problem
 from sinuous.methods.fabrik import search as reaching
 from sinuous.methods.fabrik.links import STEEPEST
-from sinuous.poses import as_row
+from sinuous.packing import pose_row
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from tests.helpers import Floats, as_matrix, expm_chain, frames_of, random_pose, skew, vec
@@ -77,7 +77,7 @@ def test_a_rotation_vector_is_the_exponential_of_its_matrix() -> None:
 def problem_of(target: Target, tool: Floats) -> Any:
     """Give as much of a problem as the goal of the tip needs."""
     values = dict.fromkeys(Problem._fields, 0.0)
-    return Problem(**{**values, "tool": as_row(tool), "targets": target.table})
+    return Problem(**{**values, "tool": pose_row(tool), "targets": target.table})
 
 
 @pytest.mark.parametrize("seed", range(10))

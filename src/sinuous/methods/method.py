@@ -7,10 +7,21 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import Outcome
 
 if TYPE_CHECKING:
-    from sinuous.problem.problem import Problem
+    from sinuous.problem.problem import Preferences, Problem, Tolerance
+    from sinuous.robot.robot import Robot
+    from sinuous.scene.scene import Scene
 
 Budget = tuple[int, int, int, float]
 """Numbers of the own starts to try, from the first up to, without it, the last; a seed; and seconds."""
+
+
+class Case(NamedTuple):
+    """What a method is prepared for."""
+
+    robot: "Robot"
+    scene: "Scene"
+    tolerance: "Tolerance"
+    preferences: "Preferences"
 
 
 class Call(NamedTuple):
@@ -39,8 +50,9 @@ class Method(Protocol):
         """Solve a problem from the configurations `initial` (g, n, 3), then from own starts.
 
         `budget` holds the numbers of the own starts to try, from the first up to, without it, the last; a seed; and
-        seconds. `reference` (n, 3) is what preferences mean by the initial configuration. The run ends at the first
-        start that is solved; `Outcome.starts` is 0 when the method has no starts of these numbers.
+        seconds. `reference` (n, 3) is what preferences mean by the initial configuration; by default the first of
+        `initial`. The run ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
+        of these numbers.
         """
         ...
 

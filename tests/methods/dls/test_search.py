@@ -9,8 +9,8 @@ from sinuous.packing import pose_row
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from tests.helpers import columns_of, frames_of, make_rows, random_pose, vec
+from tests.methods.fabrik.test_conversion import within
 from tests.methods.fabrik.test_links import MIXED
-from tests.methods.fabrik.test_search import within
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -7,14 +7,16 @@ import pytest
 
 import sinuous as sn
 from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_configurations
-from sinuous.methods.opti_path import costs as path_costs
+from sinuous.methods.opti_path import gradient as path_gradient
+from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path import starts as path_starts
 from sinuous.methods.opti_path import steps as path_steps
-from sinuous.methods.opti_path.costs import Aim, Setting, Weights
+from sinuous.methods.opti_path.costs import Setting, Weights
+from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, refused, vec
-from tests.methods.opti_path.test_costs import make_path
+from tests.methods.opti_path.test_path import make_path
 
 EXACT = sn.Tolerance(1e-9, 0.0175)
 DOWN = (0.0, 0.0, -1.0)
@@ -74,10 +76,10 @@ def lengths_after(target: sn.Target, iterations: int, exponent: str) -> Floats:
     nothing = Potential(np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.0, 1.0, 0.0)
     seen = []
     for _ in range(iterations):
-        path_costs.trace(path)
+        paths.trace(path)
         seen.append(path.arcs[:, 14].max())
         weights = Weights(chosen.length_weight, chosen.orientation_weight, 0.0, 0.0)
-        path_costs.gradient_backwards(kernel_scene(Scene()), nothing, setting, weights, aim, path, False)
+        path_gradient.gradient_backwards(kernel_scene(Scene()), nothing, setting, weights, aim, path, False)
         path_steps.move(setting, path, 57.5)
     return np.array(seen)
 

@@ -31,9 +31,9 @@ def test_the_table_of_methods_is_true() -> None:
     assert list(rows) == list(METHODS)
     for name, registered in METHODS.items():
         can = registered.capabilities
-        flags = can.direction, can.rotation, can.alone, can.elbows, can.tool
+        flags = can.direction, can.rotation, can.orientation_alone, can.elbows, can.tool
         limits = "all" if can.limits == LIMITS else ", ".join(can.limits)
-        rest = can.obstacles, can.preferences, can.given, can.starts
+        rest = can.obstacles, can.preferences, can.initial, can.own_starts
         assert rows[name] == [*map(word, flags), limits, *map(word, rest)]
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from sinuous.methods.fabrik.fabrikx import Fabrikx as Fabrikx
     from sinuous.methods.fabrik_avoid.options import FabrikAvoid as FabrikAvoid
     from sinuous.methods.monte_carlo.options import MonteCarlo as MonteCarlo
+    from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath
     from sinuous.methods.slinki.options import Slinki as Slinki
     from sinuous.motion.track import Track as Track
@@ -56,6 +57,7 @@ _HOMES = {
     "methods.fabrik.fabrikc": ("Fabrikc",),
     "methods.fabrik.fabrikx": ("Fabrikx",),
     "methods.monte_carlo.options": ("MonteCarlo",),
+    "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
     "pictures.plot": ("plot_solution",),

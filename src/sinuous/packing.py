@@ -128,7 +128,8 @@ def settings_group(
         t.BENDS_WEIGHT: prefer.bends if prefer else 0.0,
         t.WISHED_CLEARANCE: prefer.clearance if prefer else 0.0,
     }
-    return np.array([*(values[i] for i in range(t.METHOD_OPTIONS)), *options], np.float64)
+    own = np.array([values[i] for i in range(t.METHOD_OPTIONS)], np.float64)
+    return np.concatenate([own, np.asarray(options, np.float64)])
 
 
 def plan_search(

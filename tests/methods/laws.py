@@ -64,7 +64,7 @@ def many_are_as_one(solver: sn.Solver, targets: Any) -> None:
 
 def keeps_its_limits(method: methods.Choice, robot: sn.Robot) -> None:
     """Demand that answers to what cannot be reached keep the limits as well."""
-    solver = sn.Solver(robot, method=method, starts=3)
+    solver = sn.Solver(robot, method=method, max_starts=3)
     rng = np.random.default_rng(0)
     for _ in range(20):
         aim = rng.normal(size=3)
@@ -87,11 +87,11 @@ LIMITED = sn.Robot(
 """An insertion stage, a limit of curvature, an inextensible segment."""
 
 
-def begins_from_a_given_start(method: methods.Choice) -> None:
-    """Demand that a start that meets the target is given back as it is."""
+def begins_from_an_initial_configuration(method: methods.Choice) -> None:
+    """Demand that an initial configuration that meets the target is given back as it is."""
     solver = sn.Solver(ARM, method=method)
     for q, target in zip(shapes(ARM, 10, 1.2, 5), tip_targets(ARM, 10, 1.2, 5), strict=True):
-        solution = solver.solve(target, start=q)
+        solution = solver.solve(target, initial=q)
         assert solution.start == "given"
         assert solution.starts == 1
         assert np.abs(ARM.backbone(solution.q) - ARM.backbone(q)).max() < 1e-3 * ARM.mean_length
@@ -100,7 +100,7 @@ def begins_from_a_given_start(method: methods.Choice) -> None:
 def does_not_pretend(method: methods.Choice) -> None:
     """Demand that an answer through an obstacle is not called solved."""
     wall = sn.Scene([sn.Sphere((0, 0, -150), radius=40, name="ball")])
-    solver = sn.Solver(ARM, wall, method=method, starts=2, tolerance=sn.Tolerance(1.0, 0.01))
+    solver = sn.Solver(ARM, wall, method=method, max_starts=2, tolerance=sn.Tolerance(1.0, 0.01))
     ahead = sn.Target((0, 0, -290))
     solution = solver.solve(ahead)
     if not solution.solved:

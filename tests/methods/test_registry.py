@@ -25,13 +25,12 @@ def test_a_method_is_chosen_by_name_or_by_options(name: str) -> None:
     assert methods.name_of(name) == name
     assert methods.with_options(name, []) == name
     assert set(methods.capabilities(name).limits) <= set(LIMITS)
-    if METHODS[name].options:
-        assert methods.name_of(chosen()) == name
-        assert chosen.__name__ == METHODS[name].options
-        assert getattr(sn, METHODS[name].options) is chosen
-        assert chosen.__doc__
-        for key in inspect.signature(chosen).parameters:
-            assert key in chosen.__doc__, f"{key} is not documented"
+    assert methods.name_of(chosen()) == name
+    assert chosen.__name__ == METHODS[name].options.rpartition(".")[2]
+    assert getattr(sn, chosen.__name__) is chosen
+    assert chosen.__doc__
+    for key in inspect.signature(chosen).parameters:
+        assert key in chosen.__doc__, f"{key} is not documented"
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -63,7 +62,7 @@ def test_what_a_method_does_not_handle_is_refused(name: str) -> None:
     cases: tuple[tuple[bool, str, Any], ...] = (
         (can.direction, "target.direction", sn.Target((60, 20, 240), direction=(0, 0, 1))),
         (can.rotation, "target.rotation", sn.Target((60, 20, 240), rotation=upright)),
-        (can.alone and can.direction, "target.position", sn.Target(direction=(0, 0, 1))),
+        (can.orientation_alone and can.direction, "target.position", sn.Target(direction=(0, 0, 1))),
         (can.elbows, "target.segment", sn.Target((10, 0, 100), segment=2)),
         (can.elbows, "targets", [EASY, sn.Target((10, 0, 100), segment=2)]),
     )

@@ -84,6 +84,17 @@ def inline(compiled: Function) -> Function:
     return copied
 
 
+def closure(function: Function) -> Function:
+    """Compile a kernel that is made around another kernel, as a function within a function.
+
+    It is copied into the entries that call it, before they are compiled, and cached with them. By itself it cannot be
+    cached: another process would not recognise the kernel that it was made around.
+    """
+    options: dict[str, Any] = {**OPTIONS, **NO_WRAPPERS, "inline": "always"}
+    compiled: Function = numba.njit(**options)(function)
+    return compiled
+
+
 def announce(compiled: Callable[..., Any]) -> None:
     """Say on standard error that the kernels are about to be compiled, when an entry is not in the cache yet."""
     loaded: bool = bool(compiled.signatures)  # type: ignore[attr-defined]

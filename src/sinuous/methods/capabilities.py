@@ -1,4 +1,4 @@
-"""What methods can be asked for, and what they keep."""
+"""What methods can be asked for, and which limits they keep."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import ROTATION
+from sinuous.kernels.tables import GOAL, HAS_POSITION, ORIENTATION, ROTATION, TARGET_SEGMENT
 
 if TYPE_CHECKING:
     from sinuous.robot.robot import Robot
@@ -28,7 +28,7 @@ class Capabilities:
     ----------
     direction, rotation : bool
         Whether a target's position may come with a direction of the tangent, with a whole rotation.
-    alone : bool
+    orientation_alone : bool
         Whether an orientation may be asked for without a position.
     elbows : bool
         Whether targets may concern other segments than the last, and several be met at once.
@@ -40,13 +40,13 @@ class Capabilities:
         Whether it avoids obstacles.
     preferences : bool
         Whether it minimises what is preferred among solutions.
-    given : bool
-        Whether it begins from a given start.
-    starts : bool
+    initial : bool
+        Whether it begins from an initial configuration.
+    own_starts : bool
         Whether it has further starts of its own when the first fails.
     routes : bool
-        Whether routes through free space may serve it as starts, when its own fail. Published methods are to be seen as
-        they are.
+        Whether routes through free space may serve it as initial configurations when its own starts fail. Published
+        methods are shown as they are.
     compiled : str
         Which part is compiled.
     source : str
@@ -55,20 +55,25 @@ class Capabilities:
 
     direction: bool
     rotation: bool
-    alone: bool
+    orientation_alone: bool
     elbows: bool
     tool: bool
     limits: tuple[str, ...]
     obstacles: bool
     preferences: bool
-    given: bool
-    starts: bool
+    initial: bool
+    own_starts: bool
     routes: bool
     compiled: str
     source: str
 
+    @property
+    def any_target(self) -> bool:
+        """Whether there is no target that is refused."""
+        return self.direction and self.rotation and self.orientation_alone and self.elbows
+
     def refuse_robot(self, method: str, robot: "Robot") -> None:
-        """Refuse a robot that the method cannot mean.
+        """Refuse a robot that the method does not handle.
 
         Raises
         ------
@@ -78,21 +83,23 @@ class Capabilities:
             raise InputError("robot.tool", f"not handled by the method {method}", robot.tool.tolist(), "no tool")
 
     def refuse_targets(self, method: str, rows: Floats, segments: int) -> None:
-        """Refuse targets `rows` (t, 15) that the method cannot mean, for a robot of so many segments.
+        """Refuse targets `rows` (t, 15) that the method does not handle, for a robot of so many segments.
 
         Raises
         ------
         InputError
         """
+        if self.any_target:
+            return
         problem = f"not handled by the method {method}"
         if len(rows) > 1 and not self.elbows:
             raise InputError("targets", problem, f"{len(rows)} targets at once", "one target")
         for row in rows:
-            segment, placed, orientation = int(row[0]), row[1], int(row[5])
+            segment, placed, orientation = int(row[TARGET_SEGMENT]), row[HAS_POSITION], int(row[ORIENTATION])
             if not self.elbows and segment not in (-1, segments - 1):
                 raise InputError("target.segment", problem, segment + 1, "a target of the last segment")
-            if not self.alone and not placed:
+            if not self.orientation_alone and not placed:
                 raise InputError("target.position", problem, None, "a target with a position")
             if orientation and not (self.rotation if orientation == ROTATION else self.direction):
                 asked = "rotation" if orientation == ROTATION else "direction"
-                raise InputError(f"target.{asked}", problem, row[6:].tolist(), f"a target without {asked}")
+                raise InputError(f"target.{asked}", problem, row[GOAL:].tolist(), f"a target without {asked}")

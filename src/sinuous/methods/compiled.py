@@ -1,8 +1,8 @@
-"""A method whose whole solve is one compiled call: its groups, a workspace a thread, and its outcomes."""
+"""A method whose whole solve is one compiled call: its groups, a workspace for each thread, and its outcomes."""
 
 import threading
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,52 +11,55 @@ from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
 from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.method import Budget, Call
-from sinuous.problem.problem import Problem, Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
+from sinuous.methods.method import Budget, Call, Case
+from sinuous.problem.problem import Problem
 from sinuous.scene.snapshot import Snapshot
 
 
+class Entry(NamedTuple):
+    """A compiled search, and what it needs besides the groups of robot and scene.
+
+    Attributes
+    ----------
+    search : callable
+        Takes groups of robot, scene and settings, then targets (m, t, 15), initial configurations (m, g, n, 3), budget,
+        workspace, and the answers (m, 10 + 3 n) that it fills; see `sinuous.kernels.tables`.
+    size : callable
+        Numbers (float64) of workspace for this many targets at once.
+    options : ndarray
+        Options of the method, as the kernel reads them from the end of the settings.
+    """
+
+    search: Callable[..., Any]
+    size: Callable[[int], int]
+    options: Floats | tuple[()] = ()
+
+
 class Compiled:
-    """A prepared method, behind an entry with the arguments of `sinuous.kernels.solve.search.search_many`.
+    """A prepared method behind one entry.
 
     Parameters
     ----------
     name : str
     capabilities : Capabilities
-    search : callable
-        The entry: groups of robot and scene, settings with the options of the method, groups of its own, then targets
-        (m, t, 15), initial configurations (m, g, n, 3), budget, workspace, and the answers (m, 10 + 3 n) that it fills.
-    size : int
-        Numbers (float64) that it needs as workspace.
-    options : ndarray
-        Its options, as the kernel reads them.
-    own : tuple of ndarray
-        Groups of its own, writable.
+    entry : Entry
+    case : Case
     """
 
-    def __init__(
-        self,
-        name: str,
-        capabilities: Capabilities,
-        search: Callable[..., Any],
-        size: int,
-        robot: Robot,
-        scene: Scene,
-        tolerance: Tolerance,
-        options: Floats,
-        *own: Floats,
-    ) -> None:
-        self._robot = packing.robot_group(robot)
-        self._settings = packing.settings_group(robot, tolerance, options=options)
-        self._own = own
-        self._name, self._capabilities, self._search = name, capabilities, search
-        self._segments, self._size = len(robot), size
+    def __init__(self, name: str, capabilities: Capabilities, entry: Entry, case: Case) -> None:
+        self._name, self._capabilities, self._entry = name, capabilities, entry
+        self._robot = packing.robot_group(case.robot)
+        self._settings = packing.settings_group(case.robot, case.tolerance, case.preferences, entry.options)
+        self._segments = len(case.robot)
         self._local = threading.local()
-        announce(search)
-        nothing = np.zeros((0, 1, TARGET_WIDTH)), np.empty((0, 0, len(robot), 3))
-        search(*self._call(scene.snapshot(), *nothing, (0, 0, 0, 0.0)).arguments)  # compiles, or loads from the cache
+        self._load(case)
+
+    def _load(self, case: Case) -> None:
+        """Compile the entry, or load it from the cache: it is called for no problem at all."""
+        announce(self._entry.search)
+        nothing = np.zeros((0, 1, TARGET_WIDTH)), np.empty((0, 0, self._segments, 3))
+        call = self._call(case.scene.snapshot(), *nothing, (0, 0, 0, 0.0))
+        call.entry(*call.arguments)
 
     def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
         """Return what `run` would call; see `Method.build`."""
@@ -69,20 +72,23 @@ class Compiled:
 
     def run_many(self, problems: Sequence[Problem], initial: Floats, budget: Budget) -> list[Outcome]:
         """Solve many problems; see `Method.run_many`."""
-        for each in problems:
-            self._capabilities.refuse_targets(self._name, each.rows, self._segments)
+        announce(self._entry.search)
+        if not self._capabilities.any_target:
+            for each in problems:
+                self._capabilities.refuse_targets(self._name, each.rows, self._segments)
         rows = np.stack([each.rows for each in problems])
         return _answered(self._call(problems[0].scene, rows, initial, budget))
 
     def _call(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget) -> Call:
         answers = np.empty((len(rows), answer_size(self._segments)))
-        groups = self._robot, scene.group, self._settings, *self._own
-        return Call(self._search, (*groups, rows, initial, budget, self._workspace(), answers))
+        groups = self._robot, scene.group, self._settings
+        return Call(self._entry.search, (*groups, rows, initial, budget, self._workspace(rows.shape[1]), answers))
 
-    def _workspace(self) -> Floats:
-        """Scratch of this thread."""
-        if not hasattr(self._local, "workspace"):
-            self._local.workspace = np.empty(self._size)
+    def _workspace(self, targets: int) -> Floats:
+        """Scratch of this thread, for so many targets at once."""
+        if getattr(self._local, "targets", -1) < targets:
+            self._local.targets = targets
+            self._local.workspace = np.empty(self._entry.size(targets))
         workspace: Floats = self._local.workspace
         return workspace
 

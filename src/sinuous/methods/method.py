@@ -7,10 +7,21 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import Outcome
 
 if TYPE_CHECKING:
-    from sinuous.problem.problem import Problem
+    from sinuous.problem.problem import Preferences, Problem, Tolerance
+    from sinuous.robot.robot import Robot
+    from sinuous.scene.scene import Scene
 
 Budget = tuple[int, int, int, float]
 """Numbers of the own starts to try, from the first up to, without it, the last; a seed; and seconds."""
+
+
+class Case(NamedTuple):
+    """What a method is prepared for."""
+
+    robot: "Robot"
+    scene: "Scene"
+    tolerance: "Tolerance"
+    preferences: "Preferences"
 
 
 class Call(NamedTuple):

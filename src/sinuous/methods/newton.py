@@ -1,40 +1,54 @@
 """Our own method: a damped Newton step of the whole robot in two sweeps (see `sinuous.kernels.step.sweeps`)."""
 
-import threading
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
-from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import SOLVED, Outcome, answer_size
-from sinuous.methods.compiled import as_outcomes
-from sinuous.methods.method import Budget, Call
-from sinuous.problem.problem import Preferences, Problem, Tolerance
+from sinuous.kernels.tables import SOLVED, Outcome
+from sinuous.methods.capabilities import Capabilities
+from sinuous.methods.compiled import Compiled, Entry
+from sinuous.methods.method import Budget, Call, Case
+from sinuous.methods.options import Options
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
 
 
-class Newton:
-    """The method `newton`, prepared: groups for the kernels, and one workspace a thread."""
+@dataclass(frozen=True)
+class Newton(Options):
+    """The method `newton`, which has no options."""
 
-    def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> None:
-        self._robot = packing.robot_group(robot)
-        self._settings = packing.settings_group(robot, tolerance, preferences)
-        self._sizes = len(robot), len(robot.actuation), len(scene)
-        self._shape = len(robot), 3
-        self._preferences = preferences
-        self._local = threading.local()
+    method: ClassVar[str] = "newton"
+
+    def prepare(self, case: Case, capabilities: Capabilities) -> "PreparedNewton":
+        """Prepare the method; see `Options.prepare`."""
+        return PreparedNewton(self.method, capabilities, self.entry(case), case)
+
+    def entry(self, case: Case) -> Entry:
+        """Return the entry for many problems; see `Options.entry`."""
+        sizes = len(case.robot), len(case.robot.actuation), len(case.scene)
+        return Entry(search_many, lambda targets: workspace_size(*sizes, targets))
+
+
+class PreparedNewton(Compiled):
+    """The method `newton`, prepared. One problem has an entry of its own, and what is solved is then improved.
+
+    That entry returns its record as numbers, not in an array: the quickest way out of compiled code.
+    """
+
+    def _load(self, case: Case) -> None:
+        """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
+        self._preferences, self._shape = case.preferences, (self._segments, 3)
         announce(search)
-        nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
-        outcome = self.run(nowhere, np.empty((0, len(robot), 3)), (0, 0, 0, 0.0))  # compiles, or loads from the cache
-        if preferences:
+        nowhere = Problem.prepared(case.robot, (Target((0.0, 0.0, 0.0)),), case.scene.snapshot(), case.tolerance)
+        outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
+        if self._preferences:
             announce(prefer)
             outcome.q[:] = 0.0
             self._prefer(outcome, nowhere, None, 0.0)
@@ -59,12 +73,7 @@ class Newton:
 
     def run_many(self, problems: Sequence[Problem], initial: Floats, budget: Budget) -> list[Outcome]:
         """Solve many problems; see `Method.run_many`."""
-        announce(search_many)
-        rows = np.stack([each.rows for each in problems])
-        answers = np.empty((len(rows), answer_size(self._sizes[0])))
-        group, workspace = problems[0].scene.group, self._workspace(rows.shape[1])
-        search_many(self._robot, group, self._settings, rows, initial, budget, workspace, answers)
-        outcomes = as_outcomes(answers)
+        outcomes = super().run_many(problems, initial, budget)
         if not self._preferences:
             return outcomes
         given = initial if initial.shape[1] else [[None]] * len(outcomes)
@@ -86,11 +95,3 @@ class Newton:
             angle_error=angle_error,
             clearance=clearance,
         )
-
-    def _workspace(self, targets: int) -> Floats:
-        """Scratch of this thread, for so many targets."""
-        if getattr(self._local, "targets", -1) < targets:
-            self._local.targets = targets
-            self._local.workspace = np.empty(workspace_size(*self._sizes, targets))
-        workspace: Floats = self._local.workspace
-        return workspace

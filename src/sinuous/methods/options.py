@@ -12,10 +12,9 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 
 if TYPE_CHECKING:
-    from sinuous.methods.method import Method
-    from sinuous.problem.problem import Tolerance
-    from sinuous.robot.robot import Robot
-    from sinuous.scene.scene import Scene
+    from sinuous.methods.capabilities import Capabilities
+    from sinuous.methods.compiled import Entry
+    from sinuous.methods.method import Case, Method
 
 
 @dataclass(frozen=True)
@@ -137,6 +136,12 @@ class Options:
         """All values in the order of the fields, as the kernel of the method reads them."""
         return np.array([each.metadata["kind"].encode(getattr(self, each.name)) for each in fields(self)], np.float64)
 
-    def prepare(self, robot: "Robot", scene: "Scene", tolerance: "Tolerance") -> "Method":
-        """Prepare the method for a robot in a scene."""
+    def prepare(self, case: "Case", capabilities: "Capabilities") -> "Method":
+        """Prepare the method for a robot in a scene: compile or load its kernels."""
+        from sinuous.methods.compiled import Compiled  # noqa: PLC0415
+
+        return Compiled(self.method, capabilities, self.entry(case), case)
+
+    def entry(self, case: "Case") -> "Entry":
+        """Return the compiled search of the method, and what it needs for this case."""
         raise NotImplementedError

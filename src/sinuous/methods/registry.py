@@ -1,7 +1,8 @@
 """The registry of all algorithms for inverse kinematics.
 
-A method is prepared once for a robot, a scene and tolerances; `run` then tries a range of starts on one table of
-targets and returns the best that it found. A method is chosen by its name, or by its options (`OptiPath(...)`).
+A method is prepared once for a robot, a scene and tolerances; `run` then follows a range of starts to the targets of a
+problem, and returns the best configuration that it found. A method is chosen by its name, or by its options
+(`OptiPath(...)`).
 """
 
 from collections.abc import Iterable
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import LIMITS, Capabilities
-from sinuous.methods.method import Method
+from sinuous.methods.method import Case, Method
 from sinuous.methods.options import Options
 
 if TYPE_CHECKING:
@@ -26,7 +27,15 @@ Choice = str | Options
 
 @dataclass(frozen=True)
 class Registered:
-    """A method in the registry: the class of its options in `sinuous.methods.registry.NAME`, and what it handles."""
+    """A method in the registry.
+
+    Attributes
+    ----------
+    options : str
+        Where the class of its options lives, within `sinuous.methods`.
+    capabilities : Capabilities
+        What it handles.
+    """
 
     options: str
     capabilities: Capabilities
@@ -35,35 +44,35 @@ class Registered:
 _OF_THE_TIP = Capabilities(
     direction=True,
     rotation=False,
-    alone=False,
+    orientation_alone=False,
     elbows=False,
     tool=True,
     limits=("length", "bend", "curvature"),
     obstacles=False,
     preferences=False,
-    given=True,
-    starts=True,
+    initial=True,
+    own_starts=True,
     routes=False,
     compiled="everything, in one call",
     source="",
 )
-"""Of a method that looks at the tip alone."""
+"""Of a method that looks at the tip alone, and at no obstacles."""
 
 
 METHODS: dict[str, Registered] = {
     "newton": Registered(
-        "",
+        "newton.Newton",
         Capabilities(
             direction=True,
             rotation=True,
-            alone=True,
+            orientation_alone=True,
             elbows=True,
             tool=True,
             limits=LIMITS,
             obstacles=True,
             preferences=True,
-            given=True,
-            starts=True,
+            initial=True,
+            own_starts=True,
             routes=True,
             compiled="everything, in one call",
             source="this library; docs/design.md",
@@ -74,14 +83,14 @@ METHODS: dict[str, Registered] = {
         Capabilities(
             direction=True,
             rotation=False,
-            alone=False,
+            orientation_alone=False,
             elbows=False,
             tool=False,
             limits=("length", "bend", "curvature"),
             obstacles=True,
             preferences=False,
-            given=True,
-            starts=True,
+            initial=True,
+            own_starts=True,
             routes=False,
             compiled="everything, in one call; the potential is sampled once, compiled too",
             source="Sun & Wang, An Optimization-Based Inverse Kinematics Solver for Continuum Manipulators in "
@@ -90,11 +99,11 @@ METHODS: dict[str, Registered] = {
     ),
     "dls": Registered(
         "dls.options.Dls",
-        replace(_OF_THE_TIP, rotation=True, alone=True, source="Wampler 1986, Nakamura & Hanafusa 1986"),
+        replace(_OF_THE_TIP, rotation=True, orientation_alone=True, source="Wampler 1986, Nakamura & Hanafusa 1986"),
     ),
     "fabrikc": Registered("fabrik.fabrikc.Fabrikc", replace(_OF_THE_TIP, source="Zhang et al. 2018")),
     "slinki": Registered(
-        "slinki.options.Slinki", replace(_OF_THE_TIP, obstacles=True, given=False, source="Chiang et al. 2021")
+        "slinki.options.Slinki", replace(_OF_THE_TIP, obstacles=True, initial=False, source="Chiang et al. 2021")
     ),
     "fabrikx": Registered("fabrik.fabrikx.Fabrikx", replace(_OF_THE_TIP, source="Kolpashchikov et al. 2022")),
     "fabrik_avoid": Registered(
@@ -105,7 +114,7 @@ METHODS: dict[str, Registered] = {
         replace(
             _OF_THE_TIP,
             rotation=True,
-            alone=True,
+            orientation_alone=True,
             elbows=True,
             limits=LIMITS,
             obstacles=True,
@@ -126,10 +135,7 @@ def options_class(name: str) -> type[Options]:
     """
     if not isinstance(name, str) or name not in METHODS:
         raise InputError("method", "is not known", name, "one of " + ", ".join(METHODS))
-    registered = METHODS[name]
-    if not registered.options:
-        return Options
-    home, _, class_name = registered.options.rpartition(".")
+    home, _, class_name = METHODS[name].options.rpartition(".")
     return cast(type[Options], getattr(import_module(f"sinuous.methods.{home}"), class_name))
 
 
@@ -173,16 +179,12 @@ def prepare(
     Raises
     ------
     InputError
-        When there is no such method, or it cannot mean this robot or these preferences.
+        When there is no such method, or it does not handle this robot or these preferences.
     """
     name = name_of(method)
     can = METHODS[name].capabilities
     can.refuse_robot(name, robot)
     if preferences and not can.preferences:
         raise InputError("prefer", f"not handled by the method {name}", preferences, "no preferences")
-    if name == "newton":
-        from sinuous.methods.newton import Newton  # noqa: PLC0415
-
-        return Newton(robot, scene, tolerance, preferences)
     chosen = method if isinstance(method, Options) else options_class(name)()
-    return chosen.prepare(robot, scene, tolerance)
+    return chosen.prepare(Case(robot, scene, tolerance, preferences), can)

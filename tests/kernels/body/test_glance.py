@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.body import glance as places
-from sinuous.kernels.step.states import Problem
+from sinuous.kernels.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene

@@ -5,26 +5,11 @@ import numpy as np
 import pytest
 
 from benchmarks.problems import clutter, random_configurations
+from sinuous.kernels.problem import Problem as KernelProblem
 from sinuous.kernels.solve import judge as common
-from sinuous.kernels.step.states import Problem as KernelProblem
-from sinuous.kernels.tables import (
-    ANGLE_ERROR,
-    ARC,
-    CODE,
-    FAILED,
-    GIVEN,
-    ITERATIONS,
-    LATE,
-    MERIT,
-    OUT_OF_REACH,
-    POSITION_ERROR,
-    RANDOM,
-    SECONDS,
-    SOLVED,
-    STARTS,
-    TARGET_BLOCKED,
-)
-from sinuous.problem.problem import Problem, Tolerance
+from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, OUT_OF_REACH, RECORD_WIDTH, SOLVED, SOURCE
+from sinuous.packing import pose_row
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
@@ -39,8 +24,8 @@ def kernel_problem(problem: Problem) -> KernelProblem:
     return KernelProblem(
         robot.limits.copy(),
         robot.actuation.copy(),
-        robot.base_row.copy(),
-        robot.tool_row.copy(),
+        pose_row(robot.base),
+        pose_row(robot.tool),
         kernel_scene(problem.scene),
         problem.rows,
         robot.mount,
@@ -55,7 +40,7 @@ def kernel_problem(problem: Problem) -> KernelProblem:
 
 def checker(problem: Problem) -> tuple[Any, Any]:
     frames = np.zeros((len(problem.robot) + 1, 12))
-    frames[0] = problem.robot.base_row
+    frames[0] = pose_row(problem.robot.base)
     obstacles = np.zeros(len(problem.scene), np.int64)
     return kernel_problem(problem), common.Check(frames, obstacles, np.zeros(2, np.int64))
 
@@ -130,66 +115,36 @@ def test_curvature_and_actuators_are_limits_too() -> None:
         assert judged(Problem(robot, Target(robot.tip(straight)[:3, 3])), straight)[0] == SOLVED
 
 
+def empty_answer(segments: int) -> common.Answer:
+    """An answer to which nothing was offered yet."""
+    record = np.zeros(RECORD_WIDTH)
+    record[CODE], record[MERIT] = FAILED, math.inf
+    return common.Answer(np.zeros((segments, 3)), record)
+
+
 def test_the_best_offer_is_kept() -> None:
     robot = Robot.uniform(2, (0.8, 1.2), 2.0)
     right = np.array([[0.5, 0.2, 1.0]] * 2)
     problem = Problem(robot, Target(robot.tip(right)[:3, 3]), Scene([Sphere((5.0, 0.0, 0.0), 1.0)]))
     inner, check = checker(problem)
-    best, record = np.zeros((2, 3)), np.zeros(10)
-    deadline, most = common.begin(inner, check, np.empty((0, 2, 3)), 3, 9, 1.0, best, record)
-    assert most == 9
-    assert deadline > record[SECONDS]
-    np.testing.assert_array_equal(best[:, 2], 1.0)
+    answer = empty_answer(2)
     broken, far, near = right.copy(), right.copy(), right.copy()
     broken[0, 0], far[0, 0], near[0, 0] = np.nan, 1.0, 0.6
-    offers = ((broken, False), (far, False), (near, False), (far, False), (right, True))
-    for (q, accepted), kept in zip(offers, (None, far, near, near, right), strict=True):
-        assert common.offer(inner, check, q, ARC, best, record) == accepted
+    offers = ((broken, False), (far, False), (near, False), (far, False), (right, True), (near, False))
+    for (q, accepted), kept in zip(offers, (None, far, near, near, right, right), strict=True):
+        assert common.offer(inner, check, q, ARC, answer) == accepted
         if kept is not None:
-            np.testing.assert_array_equal(best, kept)
-    common.end(inner, check, 7, 2, True, best, record)
-    assert (record[CODE], record[ITERATIONS], record[STARTS]) == (SOLVED, 7, 2)
-    assert 0.0 <= record[SECONDS] < 60.0
+            np.testing.assert_array_equal(answer.best, kept)
+    assert (answer.record[CODE], answer.record[SOURCE]) == (SOLVED, ARC)
 
 
-def test_nothing_offered_is_the_straight_robot_and_a_failure() -> None:
+def test_what_is_proved_impossible_stays_so_until_something_is_solved() -> None:
     robot = Robot.uniform(2, (0.8, 1.2), 2.0)
-    inner, check = checker(Problem(robot, Target((0.0, 0.0, 2.0))))
-    for late, code in ((False, FAILED), (True, LATE)):
-        best, record = np.zeros((2, 3)), np.zeros(10)
-        common.begin(inner, check, np.empty((0, 2, 3)), 0, 0, 1.0, best, record)
-        common.end(inner, check, 0, 0, late, best, record)
-        assert record[CODE] == code
-        assert np.isfinite(record[[POSITION_ERROR, ANGLE_ERROR, MERIT]]).all()
-
-
-def test_the_impossible_is_said_and_hardly_tried() -> None:
-    robot = Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.1)
-    for target, scene, code in (
-        (Target((0.0, 0.0, 3.0)), Scene(), OUT_OF_REACH),
-        (Target((0.0, 1.0, 1.0)), Scene([Sphere((0.0, 1.0, 1.0), 0.3)]), TARGET_BLOCKED),
-    ):
-        inner, check = checker(Problem(robot, target, scene, Tolerance(1e-3, 1e-3)))
-        best, record = np.zeros((2, 3)), np.zeros(10)
-        _, most = common.begin(inner, check, np.empty((1, 2, 3)), 0, 50, 1.0, best, record)
-        assert most == 2
-        common.offer(inner, check, np.array([[0.1, 0.0, 1.0]] * 2), ARC, best, record)
-        common.end(inner, check, 0, 0, False, best, record)
-        assert record[CODE] == code
-
-
-def test_starts_are_given_then_the_arc_then_scattered_within_limits() -> None:
-    robot = Robot.uniform(3, (0.8, 1.2), 2.0)
-    inner, check = checker(Problem(robot, Target((0.5, 1.0, 2.0))))
-    given = np.array([[[0.1, 0.2, 1.1]] * 3])
-    q = np.zeros((3, 3))
-    kinds = []
-    for index in range(6):
-        kinds.append(common.begin_from(inner, check, given, index, 0, q))
-        assert robot.excess(q) <= 1e-12
-        if index == 0:
-            np.testing.assert_array_equal(q, given[0])
-        if index > 1:  # turned about the base to the target's side
-            tip = robot.tip(q)[:3, 3]
-            assert math.atan2(tip[1], tip[0]) == pytest.approx(math.atan2(1.0, 0.5), abs=1e-9)
-    assert kinds == [GIVEN, ARC, *[RANDOM] * 4]
+    right = np.array([[0.5, 0.2, 1.0]] * 2)
+    inner, check = checker(Problem(robot, Target(robot.tip(right)[:3, 3])))
+    answer = empty_answer(2)
+    answer.record[CODE] = OUT_OF_REACH
+    assert not common.offer(inner, check, right * 0.9, ARC, answer)
+    assert answer.record[CODE] == OUT_OF_REACH
+    assert common.offer(inner, check, right, ARC, answer)
+    assert answer.record[CODE] == SOLVED

@@ -32,7 +32,7 @@ def test_a_batch_is_a_loop() -> None:
 
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits("dls", laws.LIMITED)
-    laws.begins_from_a_given_start("dls")
+    laws.begins_from_an_initial_configuration("dls")
     laws.does_not_pretend("dls")
 
 
@@ -42,8 +42,8 @@ def test_a_step_goes_no_farther_than_its_clamp() -> None:
     target = sn.Target((200, 0, 0))
     moved = []
     for clamp in (0.01, 0.1):
-        solver = sn.Solver(laws.ARM, method=Dls(iterations=1, clamp=clamp, damping=0.0), starts=1)
-        solution = solver.solve(target, start=start)
+        solver = sn.Solver(laws.ARM, method=Dls(iterations=1, clamp=clamp, damping=0.0), max_starts=1)
+        solution = solver.solve(target, initial=start)
         moved.append(abs(laws.ARM.tip(solution.q)[:3, 3] - laws.ARM.tip(start)[:3, 3]).max())
     assert 0.0 < moved[0] < 0.02 * laws.ARM.mean_length
     assert moved[1] > 5.0 * moved[0]

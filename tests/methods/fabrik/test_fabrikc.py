@@ -18,7 +18,7 @@ def test_the_papers_poses_better_than_published() -> None:
 @pytest.mark.parametrize("kind", ["position", "direction"])
 @pytest.mark.parametrize("max_bend", [1.2, 2.4])
 def test_reachable_targets(kind: str, max_bend: float) -> None:
-    solver = sn.Solver(laws.ARM, method="fabrikc", starts=1)
+    solver = sn.Solver(laws.ARM, method="fabrikc", max_starts=1)
     assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 100, max_bend, kind=kind)) >= 98
 
 
@@ -26,9 +26,9 @@ def test_fixed_lengths() -> None:
     robot = sn.Robot.uniform(5, 57.5)
     solver = sn.Solver(robot, method="fabrikc")
     assert laws.solved_and_verified(solver, laws.tip_targets(robot, 50)) >= 48
-    still = sn.Solver(laws.ARM, method=Fabrikc(stretch=False), starts=1)
+    still = sn.Solver(laws.ARM, method=Fabrikc(stretch=False), max_starts=1)
     start = laws.shapes(laws.ARM, 1, 1.0, 3)[0]
-    solution = still.solve(sn.Target(laws.ARM.tip(start)[:3, 3] + [3, 4, 5]), start=start)
+    solution = still.solve(sn.Target(laws.ARM.tip(start)[:3, 3] + [3, 4, 5]), initial=start)
     assert solution.solved
     np.testing.assert_allclose(solution.q[:, 2], start[:, 2], rtol=1e-14)
     assert np.abs(solution.q[:, :2] - start[:, :2]).max() > 1e-3
@@ -48,7 +48,7 @@ def test_a_batch_is_a_loop() -> None:
 
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits("fabrikc", laws.LIMITED)
-    laws.begins_from_a_given_start("fabrikc")
+    laws.begins_from_an_initial_configuration("fabrikc")
     laws.does_not_pretend("fabrikc")
 
 

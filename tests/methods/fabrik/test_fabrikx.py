@@ -49,7 +49,7 @@ def test_a_batch_is_a_loop() -> None:
 
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits(Fabrikx(pieces=2), laws.LIMITED)
-    laws.begins_from_a_given_start("fabrikx")
+    laws.begins_from_an_initial_configuration("fabrikx")
     laws.does_not_pretend("fabrikx")
 
 

@@ -37,19 +37,19 @@ def test_it_steps_aside_where_fabrikc_runs_into_obstacles() -> None:
         targets = [sn.Target(pose[:3, 3], direction=pose[:3, 2]) for pose in free]
         assert len(targets) > 5
         for method in solved:
-            solver = sn.Solver(ARM, scene, method=method, starts=1)
+            solver = sn.Solver(ARM, scene, method=method, max_starts=1)
             solved[method] += laws.solved_and_verified(solver, targets)
     assert solved["fabrik_avoid"] > solved["fabrikc"] + 10
 
 
 def test_a_batch_is_a_loop() -> None:
-    solver = sn.Solver(ARM, scenes()[0], method="fabrik_avoid", starts=3)
+    solver = sn.Solver(ARM, scenes()[0], method="fabrik_avoid", max_starts=3)
     laws.many_are_as_one(solver, laws.tip_targets(ARM, 10))
 
 
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits("fabrik_avoid", laws.LIMITED)
-    laws.begins_from_a_given_start("fabrik_avoid")
+    laws.begins_from_an_initial_configuration("fabrik_avoid")
     laws.does_not_pretend("fabrik_avoid")
 
 

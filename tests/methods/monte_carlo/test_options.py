@@ -43,7 +43,7 @@ def test_the_same_seed_gives_the_same_answer() -> None:
 
 def test_limits_and_starts_and_obstacles() -> None:
     laws.keeps_its_limits(MonteCarlo(rounds=5), laws.LIMITED)
-    laws.begins_from_a_given_start("monte_carlo")
+    laws.begins_from_an_initial_configuration("monte_carlo")
     laws.does_not_pretend(MonteCarlo(rounds=50))
 
 

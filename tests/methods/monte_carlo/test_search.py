@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.kernels.step.states import Problem
+from sinuous.kernels.problem import Problem
 from sinuous.methods.monte_carlo import search as monte_carlo
 from sinuous.robot.actuators import Tendons
 from sinuous.robot.robot import Robot

@@ -1,3 +1,5 @@
+"""The costs of arcs are those of the paper."""
+
 import dataclasses
 import math
 from typing import Any
@@ -6,16 +8,15 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import costs as path_costs
-from sinuous.methods.opti_path.costs import Aim, Path, Setting, Weights
+from sinuous.methods.opti_path.costs import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
+from sinuous.methods.opti_path.path import Aim, get_arc
 from sinuous.methods.opti_path.potential import Potential
-from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, vec
+from tests.methods.opti_path.test_path import N, make_path, wavy
 
-N = 6
-ROBOT = Robot.uniform(N, (0.8, 1.2), 2.0)
 SCENE = Scene([Sphere((0.9, 0.3, 1.5), 0.4), Sphere((-0.3, 0.2, 3.0), 0.5), Sphere((0.4, -0.5, 4.5), 0.4)])
 WEIGHTS = Weights(1.3, 0.7, 0.9, 0.4)
 GOAL = np.array([0.6, -0.64, 0.48])
@@ -30,37 +31,8 @@ def aim(directed: bool = True) -> Aim:
     return Aim((0.0, 0.0, 0.0), vec(GOAL), directed, 1.0)
 
 
-def wavy(seed: int) -> Floats:
-    rng = np.random.default_rng(seed)
-    return np.concatenate([np.zeros((1, 3)), np.cumsum([0.0, 0.0, 0.9] + 0.35 * rng.normal(size=(N, 3)), axis=0)])
-
-
-def make_path(points: Floats, band: float = 0.0, robot: Robot = ROBOT, mount: float = 0.0) -> Path:
-    n = len(points) - 1
-    tangents = np.zeros((n + 1, 3))
-    tangents[0] = [0.0, 0.0, 1.0]
-    path = Path(
-        points.copy(),
-        points.copy(),
-        tangents,
-        np.zeros((n, 15)),
-        np.zeros((n + 1, 3)),
-        np.zeros((n + 1, 3)),
-        np.zeros((n, 4)),
-    )
-    path_costs.want(robot.limits.copy(), band, mount, path)
-    path_costs.trace(path)
-    return path
-
-
 def field() -> Potential:
     return Potential(np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.2, REACH, 0.05)
-
-
-def gradient(path: Path, chosen: Setting, backwards: bool, obstacles: bool = True) -> tuple[Floats, Floats]:
-    compute = path_costs.gradient_backwards if backwards else path_costs.gradient_by_differences
-    compute(kernel_scene(SCENE), field(), chosen, WEIGHTS, aim(), path, obstacles)
-    return path.update[1:-1].copy(), path.avoid[1:-1].copy()
 
 
 def c_of(p: Floats) -> float:
@@ -96,99 +68,20 @@ def arc_costs(points: Floats, chosen: OptiPath) -> tuple[Floats, Floats]:
     return np.array(shapes), np.array(bodies)
 
 
-def attenuated_sums(points: Floats, chosen: OptiPath) -> tuple[Floats, Floats]:
-    """Sums of `alpha^k dF_j / dp_i` over j >= i, by differences of every F_j."""
-    out = np.zeros((2, N - 1, 3))
-    for i in range(1, N):
-        for c in range(3):
-            moved = [points.copy(), points.copy()]
-            moved[0][i, c] += 1e-6
-            moved[1][i, c] -= 1e-6
-            more, less = (arc_costs(p, chosen) for p in moved)
-            for j in range(i, N + 1):
-                k = j - i if chosen.exponent == "literal" else max(0, j - i - 1)
-                for part in range(2):
-                    slope = (more[part][j - 1] - less[part][j - 1]) / 2e-6
-                    out[part, i - 1, c] += chosen.attenuation**k * slope
-    return out[0], out[1]
-
-
-def point_forces(points: Floats, lengths: Floats) -> Floats:
-    """The obstacle functional along the points, with their velocities held fixed."""
-    out = np.zeros((N - 1, 3))
-    for i in range(1, N):
-        speed = 0.5 * (lengths[i - 1] + lengths[i])
-        for c in range(3):
-            step = 1e-6 * np.eye(3)[c]
-            out[i - 1, c] = WEIGHTS.obstacles * speed * (c_of(points[i] + step) - c_of(points[i] - step)) / 2e-6
-    return out
-
-
-CHOICES = [
-    OptiPath(attenuation=1.0, dead_band=0.0, bend_weight=0.0),
-    OptiPath(attenuation=0.01, exponent="adjacent", dead_band=0.5),
-    OptiPath(attenuation=0.3, exponent="literal"),
-    OptiPath(attenuation=0.5, orientation="norm", samples=3, arcs_weight=2.0),
-    OptiPath(attenuation=0.0, exponent="literal"),
-]
-
-
-@pytest.mark.parametrize("chosen", CHOICES)
-def test_both_gradients_are_the_attenuated_sums(chosen: OptiPath) -> None:
-    for seed in range(4):
-        points = wavy(seed)
-        shape, body = attenuated_sums(points, chosen)
-        for backwards in (True, False):
-            small = dataclasses.replace(chosen, disturbance=1e-6)
-            path = make_path(points, chosen.dead_band)
-            update, avoid = gradient(path, Setting(*map(float, small.vector())), backwards)
-            np.testing.assert_allclose(update, shape, atol=1e-4 * (1.0 + np.abs(shape).max()))
-            wanted = body + point_forces(points, path.arcs[:, 14])
-            np.testing.assert_allclose(avoid, wanted, atol=1e-4 * (1.0 + np.abs(wanted).max()))
-        assert np.abs(body).max() > 1e-3
-
-
-def test_without_attenuation_it_is_the_gradient_of_the_total_cost() -> None:
-    chosen, points = CHOICES[0], wavy(7)
-    update, _ = gradient(make_path(points), setting(attenuation=1.0, dead_band=0.0, bend_weight=0.0), True)
-    for i in range(1, N):
-        for c in range(3):
-            moved = [points.copy(), points.copy()]
-            moved[0][i, c] += 1e-6
-            moved[1][i, c] -= 1e-6
-            total = [arc_costs(p, chosen)[0].sum() for p in moved]
-            assert update[i - 1, c] == pytest.approx((total[0] - total[1]) / 2e-6, abs=1e-4)
-
-
-def test_the_literal_exponent_hides_the_next_arc() -> None:
-    """With a small alpha the arc after a point does not count any more, though it begins there."""
-    points = wavy(3)
-    literal, _ = gradient(make_path(points), setting(attenuation=1e-9, exponent="literal"), True)
-    adjacent, _ = gradient(make_path(points), setting(attenuation=1e-9, exponent="adjacent"), True)
-    shapes = [arc_costs(points, OptiPath(dead_band=0.3))[0]]
-    assert shapes[0][2] > 0.0
-    assert np.abs(literal - adjacent).max() > 0.1
-
-
-def test_a_dead_band_costs_nothing_within() -> None:
-    points = np.stack([np.zeros(N + 1), np.zeros(N + 1), np.cumsum([0.0, 0.9, 1.1, 1.0, 0.85, 1.15, 1.0])], axis=-1)
-    for band, free in ((0.0, False), (0.4, False), (0.8, True)):
-        path = make_path(points, band)
-        path_costs.gradient_backwards(
-            kernel_scene(SCENE), field(), setting(), Weights(1.0, 0.0, 0.0, 0.0), aim(False), path, False
-        )
-        assert (np.abs(path.update[1:-1]).max() < 1e-9) == free
-
-
-def test_the_mount_feels_no_obstacle() -> None:
-    points = wavy(1)
-    alone = make_path(points)
-    mounted = make_path(points, mount=20.0)
-    assert np.abs(gradient(alone, setting(), True)[1]).max() > 0.0
-    for backwards in (True, False):
-        np.testing.assert_array_equal(gradient(mounted, setting(), backwards)[1], 0.0)
-
-
 def test_the_options_are_in_the_order_that_the_kernel_reads() -> None:
     names = [each.name for each in dataclasses.fields(OptiPath)]
     assert tuple(names) == Setting._fields
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("orientation", ["squared", "norm"])
+def test_an_arc_costs_what_the_paper_says(seed: int, orientation: str) -> None:
+    chosen, points = OptiPath(orientation=orientation), wavy(seed)
+    own = setting(orientation=orientation)
+    path = make_path(points, chosen.dead_band)
+    shapes, bodies = arc_costs(points, chosen)
+    for k in range(N):
+        arc = get_arc(path.arcs, k)
+        assert path_costs.shape_cost(own, WEIGHTS, aim(), path, k, arc) == pytest.approx(shapes[k], abs=1e-9)
+        body = path_costs.body_cost(kernel_scene(SCENE), field(), own, WEIGHTS, path, k, vec(points[k]), arc)
+        assert body == pytest.approx(bodies[k], abs=1e-9)

@@ -7,14 +7,16 @@ import pytest
 
 import sinuous as sn
 from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_configurations
-from sinuous.methods.opti_path import costs as path_costs
+from sinuous.methods.opti_path import gradient as path_gradient
+from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path import starts as path_starts
 from sinuous.methods.opti_path import steps as path_steps
-from sinuous.methods.opti_path.costs import Aim, Setting, Weights
+from sinuous.methods.opti_path.costs import Setting, Weights
+from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, refused, vec
-from tests.methods.opti_path.test_costs import make_path
+from tests.methods.opti_path.test_path import make_path
 
 EXACT = sn.Tolerance(1e-9, 0.0175)
 DOWN = (0.0, 0.0, -1.0)
@@ -26,7 +28,7 @@ def poses() -> list[sn.Target]:
 
 def solve_from_the_arc(target: sn.Target, robot: sn.Robot | None = None, **options: Any) -> sn.Solution:
     """Solve from the method's first start alone."""
-    return sn.Solver(robot or arm(5, np.pi), tolerance=EXACT, method=sn.OptiPath(**options), starts=1).solve(target)
+    return sn.Solver(robot or arm(5, np.pi), tolerance=EXACT, method=sn.OptiPath(**options), max_starts=1).solve(target)
 
 
 def largest_bend(solution: sn.Solution) -> float:
@@ -74,10 +76,10 @@ def lengths_after(target: sn.Target, iterations: int, exponent: str) -> Floats:
     nothing = Potential(np.empty((0, 0, 0)), (0.0, 0.0, 0.0), 1.0, 1.0, 1.0, 0.0)
     seen = []
     for _ in range(iterations):
-        path_costs.trace(path)
+        paths.trace(path)
         seen.append(path.arcs[:, 14].max())
         weights = Weights(chosen.length_weight, chosen.orientation_weight, 0.0, 0.0)
-        path_costs.gradient_backwards(kernel_scene(Scene()), nothing, setting, weights, aim, path, False)
+        path_gradient.gradient_backwards(kernel_scene(Scene()), nothing, setting, weights, aim, path, False)
         path_steps.move(setting, path, 57.5)
     return np.array(seen)
 
@@ -96,7 +98,7 @@ def test_the_faithful_mode_can_be_typed() -> None:
 def test_random_reachable_poses() -> None:
     rng = np.random.default_rng(11)
     for limit in (np.pi, 1.2):  # hardly any limit, and that of the shapes which the poses come from
-        solver = sn.Solver(arm(5, limit), tolerance=EXACT, method="opti_path", starts=1)
+        solver = sn.Solver(arm(5, limit), tolerance=EXACT, method="opti_path", max_starts=1)
         targets = direction_targets(arm(5, 1.2), random_configurations(arm(5, 1.2), 100, rng))
         assert sum(s.solved and s.verify().ok for s in map(solver.solve, targets)) >= 97
 
@@ -153,7 +155,7 @@ def test_length_and_orientation_pull_against_each_other() -> None:
     count = {}
     for schedule in ("constant", "gated"):
         method = sn.OptiPath(schedule=schedule, dead_band=0.0)
-        solver = sn.Solver(arm(5, np.pi), tolerance=tight, method=method, starts=1)
+        solver = sn.Solver(arm(5, np.pi), tolerance=tight, method=method, max_starts=1)
         count[schedule] = sum(solver.solve(target).solved for target in poses())
     assert count["constant"] <= 2
     assert count["gated"] == 4
@@ -177,7 +179,7 @@ def test_a_path_through_spheres_is_tracked(potential: str) -> None:
     robot, path, scene = tracking_scene(1, 70)
     solver = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential))
     solution = solver.solve(path[0])
-    warm = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential), starts=1)
+    warm = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential), max_starts=1)
     moved = 0
     for target in path:
         solution = warm.solve(target, solution)
@@ -192,8 +194,8 @@ def test_obstacles_are_kept_away_from_by_the_body_between_its_points() -> None:
     """With one long segment before a sphere only samples on the arcs feel it."""
     robot = sn.Robot.uniform(3, (80, 120), radius=2.0)
     scene, target = sn.Scene([sn.Sphere((6.0, 0.0, 150.0), 20.0)]), sn.Target((0.0, 10.0, 298.0))
-    felt = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=3.0), starts=1).solve(target)
-    blind = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=0.0, influence=0.1), starts=1).solve(target)
+    felt = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=3.0), max_starts=1).solve(target)
+    blind = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=0.0, influence=0.1), max_starts=1).solve(target)
     assert felt.solved
     assert felt.verify().ok
     assert blind.status is sn.Status.BLOCKED
@@ -205,8 +207,8 @@ def test_restarts_go_on_where_the_first_start_fails() -> None:
     rng = np.random.default_rng(5)
     robot = arm(5, 2.4)
     targets = direction_targets(robot, random_configurations(robot, 60, rng))
-    alone = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), starts=1)
-    going_on = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), time=5.0, starts=100)
+    alone = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), max_starts=1)
+    going_on = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), time=5.0, max_starts=100)
     once = [alone.solve(target) for target in targets]
     more = [going_on.solve(target) for target in targets]
     assert sum(s.solved for s in more) > sum(s.solved for s in once) + 5
@@ -221,7 +223,7 @@ def test_a_given_start_is_bowed_aside_before_it_is_given_up() -> None:
     target = sn.Target((0.0, 0.0, -200.0))
     for starts, kind in ((1, "given"), (9, "given"), (10, "arc")):
         method = sn.OptiPath(iterations=0 if starts == 10 else 300)
-        solution = sn.Solver(robot, tolerance=EXACT, method=method, starts=starts).solve(target, straight)
+        solution = sn.Solver(robot, tolerance=EXACT, method=method, max_starts=starts).solve(target, straight)
         assert solution.solved == (starts == 9)
         assert solution.starts == (10 if starts == 10 else min(starts, 2))
         assert solution.start == kind or starts == 10
@@ -231,7 +233,7 @@ def test_a_given_start_is_bowed_aside_before_it_is_given_up() -> None:
 
 def test_several_solutions() -> None:
     def all_of(method: sn.OptiPath) -> list[sn.Solution]:
-        solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=method, time=60.0, starts=30)
+        solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=method, time=60.0, max_starts=30)
         return solver.solve_all(poses()[0], count=3)
 
     found = all_of(sn.OptiPath())

@@ -22,15 +22,15 @@ def literal(d: float) -> float:
 
 
 def grid(scene: Scene, spacing: float, radius: float, nodes: int, extent: float = 10.0) -> tuple[Floats, Floats]:
-    values = np.full((nodes, nodes, nodes), np.nan)
     origin = -0.5 * spacing * (nodes - 1)
     place = np.array([[origin, origin, origin, spacing, radius]])
-    potential.sample(*scene.tables, place, SLOPE, REACH, np.zeros((1, 3)), extent, values)
-    return values, place
+    sampled = np.concatenate([[nodes] * 3, place[0], np.full(nodes**3, np.nan)])
+    potential.sample(scene.group, sampled, (SLOPE, REACH), np.zeros((1, 3)), extent)
+    return sampled[8:].reshape(nodes, nodes, nodes), place
 
 
 def made(values: Floats, place: Floats) -> potential.Potential:
-    """As `make_potential` does it; no kernel can return an array."""
+    """As `read_potential` does it; no kernel can return an array."""
     x, y, z, spacing, radius = place[0].tolist()
     return potential.Potential(values, (x, y, z), spacing, SLOPE, REACH, radius)
 

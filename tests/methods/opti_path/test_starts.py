@@ -3,12 +3,13 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.methods.opti_path import costs as path_costs
+from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path import starts as path_starts
-from sinuous.methods.opti_path.costs import Aim, Path
+from sinuous.methods.opti_path.path import Aim, Path
 from sinuous.robot.robot import Robot
 from tests.helpers import Floats, frames_of, random_unit, vec
-from tests.methods.opti_path.test_costs import make_path, setting
+from tests.methods.opti_path.test_costs import setting
+from tests.methods.opti_path.test_path import make_path
 
 N = 5
 ROBOT = Robot.uniform(N, (45, 70), 2.4)
@@ -33,7 +34,7 @@ def test_the_single_arc_is_cut_into_equal_pieces() -> None:
     for goal in goals(0, 40):
         path = fresh()
         length = path_starts.single(LIMITS, setting(bow=0.0), aim(goal), path)
-        path_costs.trace(path)
+        paths.trace(path)
         np.testing.assert_array_equal(path.points[-1], goal)
         np.testing.assert_allclose(path.arcs[:, 14], length / N, rtol=1e-6)
         np.testing.assert_allclose(path.arcs[:, 11], path.arcs[0, 11], atol=1e-6)
@@ -43,7 +44,7 @@ def test_pieces_share_the_arc_by_their_mean_lengths() -> None:
     robot = Robot([*Robot.uniform(2, (10, 30), 2.0).segments, *Robot.uniform(1, (50, 70), 2.0).segments])
     path = make_path(np.zeros((4, 3)), robot=robot)
     length = path_starts.single(robot.limits.copy(), setting(), aim(np.array([40.0, 20.0, 70.0])), path)
-    path_costs.trace(path)
+    paths.trace(path)
     np.testing.assert_allclose(path.arcs[:, 14], np.array([0.2, 0.2, 0.6]) * length, rtol=1e-9)
 
 
@@ -94,7 +95,7 @@ def test_bows_go_to_all_sides() -> None:
     plain = fresh()
     path_starts.single(LIMITS, setting(), aim(np.array([30.0, 0.0, 200.0])), plain)
     seen = []
-    for which in range(2 * path_starts.WAYS):
+    for which in range(2 * path_starts.BOWS):
         path = fresh()
         path_starts.single(LIMITS, setting(), aim(np.array([30.0, 0.0, 200.0])), path)
         path_starts.bow(aim(np.zeros(3)), path, which)

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import steps as path_steps
-from tests.methods.opti_path.test_costs import make_path, setting, wavy
+from tests.methods.opti_path.test_costs import setting
+from tests.methods.opti_path.test_path import make_path, wavy
 
 
 def difference_matrix(n: int) -> np.ndarray:

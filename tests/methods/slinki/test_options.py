@@ -18,7 +18,7 @@ def test_the_papers_poses_better_than_published() -> None:
 @pytest.mark.parametrize("kind", ["position", "direction"])
 @pytest.mark.parametrize("max_bend", [1.2, 2.4])
 def test_reachable_targets(kind: str, max_bend: float) -> None:
-    solver = sn.Solver(laws.ARM, method="slinki", starts=1)
+    solver = sn.Solver(laws.ARM, method="slinki", max_starts=1)
     assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 50, max_bend, kind=kind)) >= 49
 
 
@@ -36,7 +36,7 @@ def test_it_goes_round_obstacles() -> None:
     solved = 0
     for _ in range(4):
         around = rng.uniform((-150, -150, 60), (150, 150, 280), (25, 3))
-        solver = sn.Solver(robot, [sn.Sphere(center, 15) for center in around], method="slinki", starts=3)
+        solver = sn.Solver(robot, [sn.Sphere(center, 15) for center in around], method="slinki", max_starts=3)
         solved += laws.solved_and_verified(solver, laws.tip_targets(robot, 10, 1.5, kind="position"))
     assert solved >= 25
 

@@ -1,7 +1,7 @@
-"""What all methods but our own share: starts, one and the same check of every answer, and the record of a search.
+"""The check of every answer, the same for all methods but our own, which does it while it works.
 
-A method works as it likes; `offer` alone takes its answers. It recomputes them from the configuration, and `solved` is
-what it finds within tolerance, within all limits, and proved clear.
+A method works as it likes; `offer` alone takes its answers. It recomputes everything from the configuration: `solved`
+is what it finds within tolerance, within all limits, and proved clear.
 """
 
 import math
@@ -11,7 +11,6 @@ import numpy as np
 
 from sinuous.kernels.body.body import CLEAR, TOUCHING, UNDECIDED, prove
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
-from sinuous.kernels.clock import now
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -23,30 +22,23 @@ from sinuous.kernels.maths.vectors import (
     get_vec,
     mat_mat,
     norm,
-    put_vec,
     sub,
     transpose,
 )
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
-from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.actuation import runs_through
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.step.targets import NONE, direction_vector, end_pose, end_segment, rotation_vector
 from sinuous.kernels.tables import (
     ANGLE_ERROR,
-    ARC,
     BOUND,
     CLEARANCE,
     CODE,
     DIRECTION,
     FAILED,
-    GIVEN,
     GOAL,
     HAS_POSITION,
-    ITERATIONS,
     LAST_SEGMENT,
-    LATE,
     MAX_LENGTH,
     MAX_VALUE,
     MERIT,
@@ -55,12 +47,9 @@ from sinuous.kernels.tables import (
     ORIENTATION,
     OUT_OF_REACH,
     POSITION_ERROR,
-    RANDOM,
     ROTATION,
-    SECONDS,
     SOLVED,
     SOURCE,
-    STARTS,
     TARGET_POSITION,
     UNPROVED,
     WEIGHTS,
@@ -76,7 +65,11 @@ ROUNDING = 1e-11
 """By how much a limit may be exceeded, rad or robot lengths: what arithmetic rounds."""
 
 Check = namedtuple("Check", ["frames", "among", "clock"])
-"""Scratch of the check: frames (n + 1, 12), whose first row is the base; obstacles; the clock."""
+"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); and what
+reads the clock (2,)."""
+
+Answer = namedtuple("Answer", ["best", "record"])
+"""What a search fills: the best configuration (n, 3; rad and length unit), and its record (10,; see `tables`)."""
 
 
 def check_size(segments: int, obstacles: int) -> int:
@@ -86,7 +79,7 @@ def check_size(segments: int, obstacles: int) -> int:
 
 @kernel
 def carve_check(buffer: Array, problem: Problem) -> Check:
-    """Lay out the scratch of the check at the beginning of `buffer`."""
+    """Lay out the scratch of the check at the beginning of `buffer` (at least `check_size`)."""
     n, m = problem.limits.shape[0], problem.scene.table.shape[0]
     frames = buffer[: 12 * (n + 1)].reshape((n + 1, 12))
     rotation, position = frame(problem.base, 0)
@@ -97,32 +90,13 @@ def carve_check(buffer: Array, problem: Problem) -> Check:
 
 @kernel
 def has_obstacles(problem: Problem) -> bool:
+    """Whether there is anything to run into."""
     return bool(problem.scene.table.shape[0] > 0)
 
 
 @kernel
-def begin_from(problem: Problem, check: Check, initial: Array, index: int, first: int, seed: int, q: Array) -> int:
-    """Put start number `index` of a search into `q`; returns its source.
-
-    First come all configurations of `initial` (g, n, 3), then the method's own starts from number `first` on: number 0
-    is the single arc, all others are scattered shapes.
-    """
-    if index < initial.shape[0]:
-        copy(initial[index], q)
-        return GIVEN
-    number = first + index - initial.shape[0]
-    tip, goal = most_distal(problem)
-    if number == 0 and tip >= 0:
-        single_arc(problem.limits, check.frames, tip, goal, q)
-        return ARC
-    scattered(problem.limits, number, seed, q)
-    if tip >= 0:
-        face(check.frames, problem.tool, tip, goal, q)
-    return RANDOM
-
-
-@kernel
 def finite(q: Array) -> bool:
+    """Whether all numbers of a configuration (n, 3) are finite."""
     total = 0.0
     for k in range(q.shape[0]):
         for j in range(3):
@@ -132,7 +106,7 @@ def finite(q: Array) -> bool:
 
 @kernel
 def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
-    """Largest distance and angle (rad) to the targets, of the shape whose frames these are."""
+    """Largest distance (length unit) and angle (rad) to the targets, of the shape with these frames (n + 1, 12)."""
     off = turn = 0.0
     for i in range(problem.targets.shape[0]):
         rotation, position = end_pose(frames, problem.tool, end_segment(problem.targets, i, frames.shape[0] - 1))
@@ -150,7 +124,7 @@ def target_errors(problem: Problem, frames: Array) -> tuple[float, float]:
 
 @kernel
 def excess(problem: Problem, q: Array) -> tuple[float, float]:
-    """By how much `q` exceeds its limits: lengths and actuators (length unit), bends (rad)."""
+    """By how much `q` (n, 3) exceeds its limits: lengths and actuators (length unit), bends (rad)."""
     length = bend = 0.0
     total = ZERO
     j = 0
@@ -168,7 +142,7 @@ def excess(problem: Problem, q: Array) -> tuple[float, float]:
 
 @kernel
 def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float, float, bool, float]:
-    """The check of an answer, the same for all methods.
+    """The check of an answer `q` (n, 3), the same for all methods.
 
     Returns SOLVED, UNPROVED or FAILED; largest distance and angle to the targets; clearance, proved when solved, else
     the least that was seen; whether a limit is exceeded; and the merit: all that is wrong, squared, in robot lengths
@@ -206,53 +180,20 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
 
 
 @kernel
-def offer(problem: Problem, check: Check, q: Array, kind: int, best: Array, record: Array) -> bool:
-    """Check an answer, keep it when it is the best so far, and say whether it is solved.
+def offer(problem: Problem, check: Check, q: Array, source: int, answer: Answer) -> bool:
+    """Check a configuration (n, 3), keep it when it is the best so far, and say whether it is solved.
 
-    Shapes with a number that is not finite are passed over.
+    `source` says where its start came from. Shapes with a number that is not finite are passed over.
     """
+    record = answer.record
     code, off, turn, clearance, bound, merit = finish(problem, check, q)
     if record[CODE] == SOLVED and code != SOLVED:
         return False
     if not finite(q) or not (code == SOLVED or merit < record[MERIT]):
         return False
-    copy(q, best)
+    copy(q, answer.best)
     if record[CODE] < OUT_OF_REACH or code == SOLVED:
         record[CODE] = code
-    record[SOURCE], record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE] = kind, off, turn, clearance
+    record[SOURCE], record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE] = source, off, turn, clearance
     record[BOUND], record[MERIT] = 1.0 if bound else 0.0, merit
     return code == SOLVED
-
-
-@kernel
-def begin(
-    problem: Problem, check: Check, initial: Array, first: int, last: int, seconds: float, best: Array, record: Array
-) -> tuple[float, int]:
-    """Open the record of a search; returns when it has to end, and the number of its starts.
-
-    They are those of `initial` (g, n, 3), then the method's own from number `first` up to, without it, `last`. What is
-    proved impossible is tried from the initial configurations and once more.
-    """
-    began = now(check.clock)
-    impossible = verdict_of(problem)
-    for j in range(record.shape[0]):
-        record[j] = 0.0
-    record[CODE] = FAILED if impossible == POSSIBLE else impossible
-    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[CLEARANCE] = record[MERIT] = math.inf
-    record[SECONDS] = began
-    for k in range(best.shape[0]):
-        put_vec(best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
-    g, own = initial.shape[0], last - first
-    return began + seconds, g + (own if impossible == POSSIBLE else min(own, 1))
-
-
-@kernel
-def end(problem: Problem, check: Check, iterations: int, starts: int, late: bool, best: Array, record: Array) -> None:
-    """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
-    if record[MERIT] == math.inf:
-        _, off, turn, clearance, _, merit = finish(problem, check, best)
-        record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE], record[MERIT] = off, turn, clearance, merit
-    if late and record[CODE] == FAILED:
-        record[CODE] = LATE
-    record[ITERATIONS], record[STARTS] = iterations, starts
-    record[SECONDS] = now(check.clock) - record[SECONDS]

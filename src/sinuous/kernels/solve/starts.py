@@ -5,12 +5,16 @@ import math
 import numpy as np
 
 from sinuous.kernels.chain.kinematics import forward, frame
+from sinuous.kernels.chain.single_arc import arc_to
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap, retract
 from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
 from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
+
+WIDEST = 3.0
+"""Half the bend of a single arc from which on it counts as too long, in rad."""
 
 
 @kernel
@@ -50,8 +54,9 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
     for k in range(tip + 1):
         low += limits[k, MIN_LENGTH]
         high += limits[k, MAX_LENGTH]
-    half = math.atan2(side, p[2])
-    length = chord * half / math.sin(half) if 1e-9 < half < 3.0 else (chord if half <= 1e-9 else math.inf)
+    half, length = arc_to(side, p[2])
+    if half >= WIDEST:
+        length = math.inf
     if length < low or length > high:
         length = min(max(length, low), high)
         half = max(min(half, 1.6), chord_angle(min(1.0, chord / length))) if length > 0.0 else 0.0

@@ -8,13 +8,10 @@ compiled, one call a solve, with a system of at most six rows whatever the numbe
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sinuous.methods.compiled import Compiled
+from sinuous.methods.compiled import Entry
 from sinuous.methods.dls.search import search, workspace_size
+from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -37,8 +34,7 @@ class Dls(Options):
     damping: float = number(0.1, low=0.0)
     clamp: float = number(0.5, above=0.0)
 
-    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
-        """Prepare the method for a robot in a scene."""
-        size = workspace_size(len(robot), len(scene))
-        can = METHODS[self.method].capabilities
-        return Compiled(self.method, can, search, size, robot, scene, tolerance, self.vector())
+    def entry(self, case: Case) -> Entry:
+        """Return the compiled search; see `Options.entry`."""
+        size = workspace_size(len(case.robot), len(case.scene))
+        return Entry(search, lambda _: size, self.vector())

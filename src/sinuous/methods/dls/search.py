@@ -14,11 +14,12 @@ from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
-from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.judge import Check, begin, begin_from, carve_check, check_size, end, offer
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.solve.driver import Start, begin_from, driver
+from sinuous.kernels.solve.judge import Answer, Check, check_size, offer
 from sinuous.kernels.step.limits import retract
 from sinuous.kernels.step.targets import add_rows
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, METHOD_OPTIONS
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 
 MOST_ROWS = 6
 
@@ -43,7 +44,7 @@ def workspace_size(segments: int, obstacles: int) -> int:
 
 @kernel
 def carve(buffer: Array, segments: int) -> Work:
-    """Lay out the scratch at the beginning of `buffer`."""
+    """Lay out the scratch at the beginning of `buffer` (w,), for so many segments."""
     n, m = segments, MOST_ROWS
     at = 24 * n + 3 * m * n
     return Work(
@@ -59,7 +60,10 @@ def carve(buffer: Array, segments: int) -> Work:
 
 @kernel
 def fill_jacobian(limits: Array, columns: Array, rows: Rows, count: int, jacobian: Array) -> None:
-    """Fill the derivative of the first `count` rows in all coordinates, each in units of its scale."""
+    """Fill `jacobian` (6, 3 n): derivatives of the first `count` rows in all coordinates, each in units of its scale.
+
+    `limits` (n, 7) and `columns` (n, 18) of the segments, in the length unit and rad.
+    """
     for i in range(count):
         for k in range(columns.shape[0]):
             for c in range(3):
@@ -71,7 +75,10 @@ def fill_jacobian(limits: Array, columns: Array, rows: Rows, count: int, jacobia
 
 @kernel
 def solve_damped(jacobian: Array, count: int, mu: float, system: Array, x: Array) -> None:
-    """Solve `(J J' + mu I) x = x` for the first `count` rows, by Cholesky's factors; `system` is scratch."""
+    """Solve `(J J' + mu I) x = x` for the first `count` rows, by Cholesky's factors.
+
+    `jacobian` (6, 3 n), without unit; `x` (6,) is the right side, then the solution; `system` (6, 6) is scratch.
+    """
     for i in range(count):
         for j in range(i + 1):
             total = mu if i == j else 0.0
@@ -143,29 +150,20 @@ def descend(
 
 
 @kernel
-def _solve(
-    problem: Problem,
-    check: Check,
-    work: Work,
-    initial: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    options: Array,
-    best: Array,
-    record: Array,
-) -> None:
-    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
-    total, index, late = 0, 0, False
-    while index < last and not late:
-        kind = begin_from(problem, check, initial, index, first, seed, work.q)
-        index += 1
-        total += descend(problem, check, work, int(options[0]), options[1], options[2], deadline)
-        if offer(problem, check, work.kept, kind, best, record):
-            break
-        late = now(check.clock) > deadline
-    end(problem, check, total, index, late, best, record)
+def follow(
+    problem: Problem, check: Check, work: Work, options: Array, start: Start, answer: Answer
+) -> tuple[int, bool]:
+    """Follow one start; see `sinuous.kernels.solve.driver`.
+
+    `options` (3,): most steps from one start, damping as a share of the squared error, and the largest error (robot
+    lengths and rad) of one step.
+    """
+    source = begin_from(problem, check, start, work.q)
+    used = descend(problem, check, work, int(options[0]), options[1], options[2], start.deadline)
+    return used, offer(problem, check, work.kept, source, answer)
+
+
+drive = driver(follow)
 
 
 @entry
@@ -179,15 +177,7 @@ def search(
     workspace: Array,
     answers: Array,
 ) -> None:
-    """Solve m problems; see `sinuous.methods.compiled`.
-
-    `options`: most steps from one start, damping as a share of the squared error, and the largest error of one step.
-    """
-    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
-    first, most, seed, seconds = budget
-    work = carve(workspace, n)
-    for i in range(targets.shape[0]):
-        problem = read_problem(robot, scene, settings, targets[i])
-        best, record = answer_of(answers, i, n)
-        check = carve_check(workspace[PER_SEGMENT * n + BESIDE :], problem)
-        _solve(problem, check, work, initial[i], first, most, seed, seconds, options, best, record)
+    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
+    n = int(robot[0])
+    work, rest = carve(workspace, n), workspace[PER_SEGMENT * n + BESIDE :]
+    drive(work, (robot, scene, settings), targets, initial, budget, rest, answers)

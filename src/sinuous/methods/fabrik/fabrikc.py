@@ -10,13 +10,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from sinuous.methods.compiled import Compiled
+from sinuous.methods.compiled import Entry
 from sinuous.methods.fabrik.search import search, workspace_size
+from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, flag
-from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -36,9 +33,8 @@ class Fabrikc(Options):
     iterations: int = count(300, 1, 1_000_000)
     stretch: bool = flag(True)
 
-    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
-        """Prepare the method for a robot in a scene."""
+    def entry(self, case: Case) -> Entry:
+        """Return the compiled search; see `Options.entry`."""
         one_segment_a_section = np.array([float(self.iterations), 1.0, 0.0, float(self.stretch)])
-        size = workspace_size(len(robot), len(scene))
-        can = METHODS[self.method].capabilities
-        return Compiled(self.method, can, search, size, robot, scene, tolerance, one_segment_a_section)
+        size = workspace_size(len(case.robot), len(case.scene))
+        return Entry(search, lambda _: size, one_segment_a_section)

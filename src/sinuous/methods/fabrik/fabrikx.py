@@ -13,13 +13,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from sinuous.methods.compiled import Compiled
+from sinuous.methods.compiled import Entry
 from sinuous.methods.fabrik.search import search, workspace_size
+from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -43,9 +40,8 @@ class Fabrikx(Options):
     pieces: int = count(1, 1, 10_000)
     taper: float = number(0.0, low=-0.9, high=0.9)
 
-    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
-        """Prepare the method for a robot in a scene."""
+    def entry(self, case: Case) -> Entry:
+        """Return the compiled search; see `Options.entry`."""
         no_stretch = np.array([*self.vector(), 0.0])
-        size = workspace_size(len(robot), len(scene))
-        can = METHODS[self.method].capabilities
-        return Compiled(self.method, can, search, size, robot, scene, tolerance, no_stretch)
+        size = workspace_size(len(case.robot), len(case.scene))
+        return Entry(search, lambda _: size, no_stretch)

@@ -63,7 +63,7 @@ PER_SEGMENT, BESIDE = 16, 7
 
 @kernel
 def carve_chain(buffer: Array, segments: int, sections: int) -> Chain:
-    """Lay out a chain in the beginning of `buffer`."""
+    """Lay out a chain in the beginning of `buffer` (w,), for so many segments and sections."""
     n, m = segments, sections
     points = 2 * n + m + 1
     joints = points + 3 * m + 3
@@ -121,7 +121,7 @@ def links(chain: Chain, i: int, bend: float) -> tuple[float, float]:
 
 @kernel
 def cap_of(chain: Chain, limits: Array, i: int, length: float) -> float:
-    """Largest bend of section i at this length."""
+    """Largest bend (rad) of section i at this length, by the `limits` (n, 7) of its segments."""
     cap = STEEPEST
     for k in range(chain.first[i], chain.first[i + 1]):
         own = bend_cap(limits, k, chain.part[k] * length)
@@ -164,7 +164,8 @@ def _length(chain: Chain, i: int, links_sum: Vec, wanted: Vec) -> float:
 def reach_back(chain: Chain, limits: Array, goal: Vec, aim: Vec, aimed: bool) -> None:
     """Lay the links from the `goal` back towards the base; `aim` is the tangent there, if it is asked for.
 
-    Where the base comes to be, and with which tangent, is as it comes out; `reach_out` begins with the right ones.
+    `limits` (n, 7) are those of the segments. Where the base comes to be, and with which tangent, is as it comes out;
+    `reach_out` begins with the right ones.
     """
     m = chain.bends.shape[0]
     end = goal
@@ -189,7 +190,7 @@ def reach_back(chain: Chain, limits: Array, goal: Vec, aim: Vec, aimed: bool) ->
 
 @kernel
 def reach_out(chain: Chain, limits: Array, base: Vec, tangent: Vec, aim: Vec, aimed: bool) -> None:
-    """Lay the links from the base, with its tangent, out to the tip."""
+    """Lay the links from the base, with its tangent, out to the tip; `limits` (n, 7) of the segments."""
     m = chain.bends.shape[0]
     begin, z = base, tangent
     put_vec(chain.points, 0, 0, base)

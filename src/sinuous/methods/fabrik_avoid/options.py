@@ -8,14 +8,11 @@ answers are clear of them is proved afterwards, as for every method. Everything 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sinuous.methods.compiled import Compiled
+from sinuous.methods.compiled import Entry
 from sinuous.methods.fabrik.search import workspace_size
 from sinuous.methods.fabrik_avoid.search import search
+from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, flag, number
-from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -44,8 +41,7 @@ class FabrikAvoid(Options):
     margin: float = number(0.002, low=0.0)
     stretch: bool = flag(True)
 
-    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
-        """Prepare the method for a robot in a scene."""
-        size = workspace_size(len(robot), len(scene))
-        can = METHODS[self.method].capabilities
-        return Compiled(self.method, can, search, size, robot, scene, tolerance, self.vector())
+    def entry(self, case: Case) -> Entry:
+        """Return the compiled search; see `Options.entry`."""
+        size = workspace_size(len(case.robot), len(case.scene))
+        return Entry(search, lambda _: size, self.vector())

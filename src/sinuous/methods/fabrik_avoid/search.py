@@ -16,20 +16,12 @@ from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import obstacle
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
-from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.judge import (
-    Check,
-    begin,
-    begin_from,
-    carve_check,
-    end,
-    has_obstacles,
-    offer,
-    target_errors,
-)
-from sinuous.kernels.tables import METHOD_OPTIONS
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.solve.driver import Start, begin_from, driver
+from sinuous.kernels.solve.judge import Answer, Check, has_obstacles, offer, target_errors
+from sinuous.methods.fabrik.conversion import fold
 from sinuous.methods.fabrik.links import Chain, group
-from sinuous.methods.fabrik.search import BESIDE, PER_SEGMENT, Work, carve, reach, settle
+from sinuous.methods.fabrik.search import BESIDE, PER_SEGMENT, Work, carve, reach
 
 PATIENCE = 40
 """Iterations in a row that gain less than a hundredth before a start is given up."""
@@ -39,7 +31,11 @@ PATIENCE = 40
 def push_away(
     problem: Problem, chain: Chain, frames: Array, q: Array, looks: int, strength: float, margin: float
 ) -> float:
-    """Move the joints of segments that overlap; returns the deepest overlap that was seen."""
+    """Move the joints of segments that overlap; returns the deepest overlap that was seen.
+
+    `q` (n, 3) is the configuration, `frames` (n + 1, 12) what follows from it; `looks` places of every segment are
+    looked at. A joint is moved by `strength` times what is missing to the clearance `margin`.
+    """
     if not has_obstacles(problem):
         return 0.0
     overlap = travel = 0.0
@@ -50,28 +46,21 @@ def push_away(
         overlap = max(overlap, -clearance)
         if clearance < 0.0:
             _, away = obstacle(problem.scene, which, place)
-            way = strength * (margin - clearance)
-            put_vec(chain.joints, k, 0, add_scaled(get_vec(chain.joints, k, 0), way, away))
+            push = strength * (margin - clearance)
+            put_vec(chain.joints, k, 0, add_scaled(get_vec(chain.joints, k, 0), push, away))
             if k > 0:
-                put_vec(chain.joints, k - 1, 0, add_scaled(get_vec(chain.joints, k - 1, 0), 0.5 * way, away))
+                put_vec(chain.joints, k - 1, 0, add_scaled(get_vec(chain.joints, k - 1, 0), 0.5 * push, away))
     return overlap
 
 
 @kernel
 def descend(
-    problem: Problem,
-    check: Check,
-    work: Work,
-    options: Array,
-    deadline: float,
-    kind: int,
-    best: Array,
-    record: Array,
+    problem: Problem, check: Check, work: Work, options: Array, deadline: float, source: int, answer: Answer
 ) -> tuple[int, bool]:
     """Reach and step aside until an answer is solved, nothing is gained any more, or time is over.
 
     Begins at `work.chain`; offers what meets the target, and the best of all at the end. Returns the number of
-    iterations, and whether an answer is solved.
+    iterations, and whether an answer is solved. `options` (5,): see `follow`.
     """
     most, looks, strength, margin = int(options[0]), int(options[1]), options[2], options[3] * problem.unit
     least, slow = math.inf, 0
@@ -86,38 +75,29 @@ def descend(
             least = wrong
             copy(work.q, work.kept)
         if off <= problem.position_tolerance and turn <= problem.angle_tolerance and overlap == 0.0:
-            if offer(problem, check, work.q, kind, best, record):
+            if offer(problem, check, work.q, source, answer):
                 return iteration + 1, True
             margin *= 2.0
         if slow >= PATIENCE or (iteration % 16 == 15 and now(check.clock) > deadline):
-            return iteration + 1, offer(problem, check, work.kept, kind, best, record)
-    return most, offer(problem, check, work.kept, kind, best, record)
+            return iteration + 1, offer(problem, check, work.kept, source, answer)
+    return most, offer(problem, check, work.kept, source, answer)
 
 
 @kernel
-def _solve(
-    problem: Problem,
-    check: Check,
-    work: Work,
-    initial: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    options: Array,
-    best: Array,
-    record: Array,
-) -> None:
-    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
-    total, index, late, done = 0, 0, False, False
-    while index < last and not late and not done:
-        kind = begin_from(problem, check, initial, index, first, seed, work.q)
-        index += 1
-        settle(problem.limits, work.chain, check.frames, options[4] != 0.0, work.q)
-        used, done = descend(problem, check, work, options, deadline, kind, best, record)
-        total += used
-        late = not done and now(check.clock) > deadline
-    end(problem, check, total, index, late, best, record)
+def follow(
+    problem: Problem, check: Check, work: Work, options: Array, start: Start, answer: Answer
+) -> tuple[int, bool]:
+    """Follow one start; see `sinuous.kernels.solve.driver`.
+
+    `options` (5,): most iterations from one start, places of a segment that are looked at, how far a push goes as a
+    share of what is missing, clearance that it aims for in robot lengths, and whether lengths may change.
+    """
+    source = begin_from(problem, check, start, work.q)
+    fold(problem.limits, work.chain, check.frames, options[4] != 0.0, work.q)
+    return descend(problem, check, work, options, start.deadline, source, answer)
+
+
+drive = driver(follow)
 
 
 @entry
@@ -131,17 +111,8 @@ def search(
     workspace: Array,
     answers: Array,
 ) -> None:
-    """Solve m problems; see `sinuous.methods.compiled`.
-
-    `options`: most iterations from one start, places of a segment that are looked at, how far a push goes as a share
-    of what is missing, clearance that it aims for in robot lengths, and whether lengths may change.
-    """
-    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
-    first, most, seed, seconds = budget
-    work = carve(workspace, n, n)
+    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
+    n = int(robot[0])
+    work, rest = carve(workspace, n, n), workspace[PER_SEGMENT * n + BESIDE :]
     group(work.chain, n, 1, 0.0)
-    for i in range(targets.shape[0]):
-        problem = read_problem(robot, scene, settings, targets[i])
-        best, record = answer_of(answers, i, n)
-        check = carve_check(workspace[PER_SEGMENT * n + BESIDE :], problem)
-        _solve(problem, check, work, initial[i], first, most, seed, seconds, options, best, record)
+    drive(work, (robot, scene, settings), targets, initial, budget, rest, answers)

@@ -18,27 +18,18 @@ from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
-from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.judge import (
-    Check,
-    begin,
-    begin_from,
-    carve_check,
-    check_size,
-    end,
-    has_obstacles,
-    offer,
-    target_errors,
-)
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.solve.driver import Start, begin_from, driver
+from sinuous.kernels.solve.judge import Answer, Check, check_size, has_obstacles, offer, target_errors
 from sinuous.kernels.step.actuation import straighten
 from sinuous.kernels.step.limits import bend_cap, retract
-from sinuous.kernels.tables import GIVEN, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH
+from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
 
 LOOKS = 8
 """Places of every segment that are looked at for obstacles."""
 
 NEAR_GIVEN = 0.1
-"""Range about a start that was given, as a share of the whole."""
+"""Range about an initial configuration, as a share of the whole."""
 
 FINEST = 1e-12
 """Range at which a start is given up, as a share of the whole."""
@@ -60,7 +51,7 @@ def workspace_size(segments: int, obstacles: int) -> int:
 
 @kernel
 def carve(buffer: Array, segments: int) -> Work:
-    """Lay out the scratch in the beginning of `buffer`."""
+    """Lay out the scratch in the beginning of `buffer` (w,), for so many segments."""
     n = segments
     return Work(
         buffer[: 3 * n].reshape((n, 3)),
@@ -72,7 +63,7 @@ def carve(buffer: Array, segments: int) -> Work:
 
 @kernel
 def draw(state: Array) -> float:
-    """The next number in [-1, 1) (Steele et al. 2014, splitmix64)."""
+    """The next number in [-1, 1) of a `state` (1,) of unsigned integers (Steele et al. 2014, splitmix64)."""
     state[0] += np.uint64(0x9E3779B97F4A7C15)
     z = state[0]
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -81,8 +72,8 @@ def draw(state: Array) -> float:
 
 
 @kernel
-def enter(problem: Problem, q: Array, straight: Array) -> None:
-    """Bring `q` within all limits."""
+def project_to_limits(problem: Problem, q: Array, straight: Array) -> None:
+    """Bring `q` (n, 3) within all limits; `straight` (n, 3) is scratch."""
     for k in range(q.shape[0]):
         put_vec(q, k, 0, retract(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
     straighten(problem.actuation, q, straight)
@@ -98,12 +89,12 @@ def scatter(problem: Problem, work: Work, share: float) -> None:
         ux, uy = ux + bend * draw(work.state), uy + bend * draw(work.state)
         length += 0.5 * share * (high - low) * draw(work.state)
         put_vec(work.trial, k, 0, (ux, uy, length))
-    enter(problem, work.trial, work.straight)
+    project_to_limits(problem, work.trial, work.straight)
 
 
 @kernel
 def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float) -> tuple[float, bool]:
-    """What is wrong with `q`, squared, in robot lengths and rad, and whether it may be an answer.
+    """What is wrong with `q` (n, 3), squared, in robot lengths and rad, and whether it may be an answer.
 
     Obstacles are looked at only when the rest is better than `enough`.
     """
@@ -124,31 +115,24 @@ def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float
 
 @kernel
 def descend(
-    problem: Problem,
-    check: Check,
-    work: Work,
-    options: Array,
-    share: float,
-    deadline: float,
-    kind: int,
-    best: Array,
-    record: Array,
+    problem: Problem, check: Check, work: Work, options: Array, deadline: float, source: int, answer: Answer
 ) -> tuple[int, bool]:
-    """Draw in rounds, from this share of the range, until an answer is solved, the range is used up, or time is over.
+    """Draw in rounds until an answer is solved, the range is used up, or time is over.
 
-    Begins at `work.q`; returns the number of rounds, and whether an answer is solved.
+    Begins at `work.q`; returns the number of rounds, and whether an answer is solved. `options` (3,): see `follow`.
     """
+    share = NEAR_GIVEN if source == GIVEN else 1.0
     rounds, samples, shrink = int(options[0]), int(options[1]), options[2]
     margin = 0.0
     least, met = judge(problem, check, work.q, margin, math.inf)
     for done in range(rounds + 1):
         if met:
-            if offer(problem, check, work.q, kind, best, record):
+            if offer(problem, check, work.q, source, answer):
                 return done, True
             margin = max(2.0 * margin, MARGIN * problem.unit)
             least, met = judge(problem, check, work.q, margin, math.inf)
         if done == rounds or share < FINEST or now(check.clock) > deadline:
-            return done, offer(problem, check, work.q, kind, best, record)
+            return done, offer(problem, check, work.q, source, answer)
         before = least
         for _ in range(samples):
             scatter(problem, work, share)
@@ -164,31 +148,21 @@ def descend(
 
 
 @kernel
-def _solve(
-    problem: Problem,
-    check: Check,
-    work: Work,
-    initial: Array,
-    first: int,
-    most: int,
-    seed: int,
-    seconds: float,
-    options: Array,
-    best: Array,
-    record: Array,
-) -> None:
-    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
-    total, index, late, done = 0, 0, False, False
-    while index < last and not late and not done:
-        work.state[0] = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(first + index)
-        kind = begin_from(problem, check, initial, index, first, seed, work.q)
-        index += 1
-        enter(problem, work.q, work.straight)
-        share = NEAR_GIVEN if kind == GIVEN else 1.0
-        used, done = descend(problem, check, work, options, share, deadline, kind, best, record)
-        total += used
-        late = not done and now(check.clock) > deadline
-    end(problem, check, total, index, late, best, record)
+def follow(
+    problem: Problem, check: Check, work: Work, options: Array, start: Start, answer: Answer
+) -> tuple[int, bool]:
+    """Follow one start; see `sinuous.kernels.solve.driver`.
+
+    `options` (3,): most rounds from one start, draws of a round, and what is left of the range after one that found
+    nothing better.
+    """
+    work.state[0] = np.uint64(start.seed) * np.uint64(0x100000000) + np.uint64(start.first + start.index)
+    source = begin_from(problem, check, start, work.q)
+    project_to_limits(problem, work.q, work.straight)
+    return descend(problem, check, work, options, start.deadline, source, answer)
+
+
+drive = driver(follow)
 
 
 @entry
@@ -202,15 +176,7 @@ def search(
     workspace: Array,
     answers: Array,
 ) -> None:
-    """Solve m problems; see `sinuous.methods.compiled`.
-
-    `options`: most rounds from one start, draws of a round, and what is left of the range after a vain one.
-    """
-    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
-    first, most, seed, seconds = budget
-    work = carve(workspace, n)
-    for i in range(targets.shape[0]):
-        problem = read_problem(robot, scene, settings, targets[i])
-        best, record = answer_of(answers, i, n)
-        check = carve_check(workspace[PER_SEGMENT * n + BESIDE :], problem)
-        _solve(problem, check, work, initial[i], first, most, seed, seconds, options, best, record)
+    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
+    n = int(robot[0])
+    work, rest = carve(workspace, n), workspace[PER_SEGMENT * n + BESIDE :]
+    drive(work, (robot, scene, settings), targets, initial, budget, rest, answers)

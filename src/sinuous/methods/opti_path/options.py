@@ -14,10 +14,11 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.methods.method import Method
+from sinuous.methods.compiled import Entry
+from sinuous.methods.method import Case
+from sinuous.methods.opti_path.potential import sample
+from sinuous.methods.opti_path.search import search, workspace_size
 from sinuous.methods.options import Options, choice, count, flag, number
-from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
@@ -99,7 +100,8 @@ class OptiPath(Options):
     iterations : int
         Most iterations from one start.
     blend : float
-        A given start is carried to the target by moving point i of n by `(i / n) ^ blend` of the way; 0: only the last.
+        An initial configuration is carried to the target by moving point i of n by the share `(i / n) ^ blend`; 0: only
+        the last.
     dead_band : float
         Share of the range of lengths that costs nothing; 0: lengths are drawn to the mean, as in the paper.
     bend_weight : float
@@ -109,8 +111,8 @@ class OptiPath(Options):
     other_guess : bool
         Whether a swung curve is tried besides the single arc, and before it where the arc is too long.
     restarts : bool
-        Whether to go on when everything before failed: from the given shape bowed aside, before the single arc, then
-        from bowed arcs and scattered shapes.
+        Whether to go on when everything before failed: from the initial configuration bowed aside, before the single
+        arc, then from bowed arcs and scattered shapes.
     settle : int
         Iterations after the first solved path, among obstacles: it is moved away from them and from the limits before
         it is handed over, so that the next solve, which starts from it, does not get caught.
@@ -156,33 +158,27 @@ class OptiPath(Options):
         """
         return cls(**{**FAITHFUL, **changes})
 
-    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Method:
-        """Prepare the method: sample the potential, and compile or load the kernels."""
-        from sinuous.methods.compiled import Compiled  # noqa: PLC0415
-        from sinuous.methods.opti_path.search import search, workspace_size  # noqa: PLC0415
+    def entry(self, case: Case) -> Entry:
+        """Return the compiled search, with the potential sampled for this scene; see `Options.entry`."""
+        size = workspace_size(len(case.robot), len(case.scene))
+        return Entry(search, lambda _: size, self._with_potential(case.robot, case.scene))
 
-        sampled = self._potential(robot, scene)
-        size = workspace_size(len(robot), len(scene))
-        can = METHODS[self.method].capabilities
-        return Compiled(self.method, can, search, size, robot, scene, tolerance, self.vector(), sampled)
-
-    def _potential(self, robot: Robot, scene: Scene) -> Floats:
-        """The group of the potential, see `potential.read_potential`; without values where it is not sampled."""
+    def _with_potential(self, robot: Robot, scene: Scene) -> Floats:
+        """All values, then the potential, see `potential.read_potential`: without values where it is not sampled."""
+        own = self.vector()
         unit = robot.mean_length / len(robot)
         reach = sum(segment.length[1] for segment in robot.segments)
         spacing = self.spacing * unit if self.spacing > 0.0 else max(0.1 * unit, 2.0 * reach / EXTENT)
         origin = robot.base[:3, 3] - reach - 0.5 * spacing
         place = [*origin, spacing, max(robot.radii)]
         if self.potential == "exact" or len(scene) == 0:
-            return np.array([0.0, 0.0, 0.0, *place])
+            return np.concatenate([own, [0.0, 0.0, 0.0], place])
         nodes = math.ceil(2.0 * reach / spacing) + 2
         if nodes**3 > MOST_NODES:
             raise InputError(
                 "spacing", "too fine for this robot", self.spacing, f"at most {MOST_NODES} nodes of a grid"
             )
-        from sinuous.methods.opti_path.potential import sample  # noqa: PLC0415
-
-        sampled = np.concatenate([[nodes, nodes, nodes], place, np.empty(nodes**3)])
+        values = np.concatenate([own, [nodes, nodes, nodes], place, np.empty(nodes**3)])
         centre = robot.base[:3, 3].reshape(1, 3).copy()
-        sample(scene.group, sampled, (self.slope, self.influence * unit), centre, reach)
-        return sampled
+        sample(scene.group, values[len(own) :], (self.slope, self.influence * unit), centre, reach)
+        return values

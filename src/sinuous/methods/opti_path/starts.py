@@ -1,7 +1,9 @@
-"""Where `opti_path` begins: the path of a given shape carried to the goal, the single arc, and other guesses."""
+"""Where `opti_path` begins: an initial configuration carried to the goal, the single arc, and other guesses."""
 
 import math
 
+from sinuous.kernels.chain.kinematics import forward, frame
+from sinuous.kernels.chain.single_arc import arc_to
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     Array,
@@ -9,6 +11,7 @@ from sinuous.kernels.maths.vectors import (
     across,
     add,
     add_scaled,
+    copy,
     cross,
     dot,
     get_vec,
@@ -17,17 +20,21 @@ from sinuous.kernels.maths.vectors import (
     scale,
     sub,
 )
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.solve.driver import Start, begin_own, own_number
+from sinuous.kernels.solve.judge import Check
+from sinuous.kernels.tables import ARC, GIVEN, MAX_LENGTH, MIN_LENGTH, RANDOM
 from sinuous.methods.opti_path.bezier import along_arc, put_points
-from sinuous.methods.opti_path.costs import Aim, Path, Setting
+from sinuous.methods.opti_path.costs import Setting
+from sinuous.methods.opti_path.path import Aim, Path, Work
 
-WAYS = 8
-"""Directions across the first tangent that bows are tried in."""
+BOWS = 8
+"""Bows of a path that are tried: so many directions across the first tangent, by two heights."""
 
 
 @kernel
 def carried(frames: Array, setting: Setting, aim: Aim, path: Path) -> None:
-    """The points of the shape whose frames these are, with its end moved to the goal.
+    """The points of the shape whose `frames` (n + 1, 12) these are, with its end moved to the goal.
 
     The shift is blended over the points by `(i / n) ^ blend`; 0 moves the last point alone.
     """
@@ -55,7 +62,7 @@ def _sides(path: Path, aim: Aim) -> tuple[Vec, Vec, float, float]:
 
 @kernel
 def reach(limits: Array) -> tuple[float, float]:
-    """Least and largest length of the robot."""
+    """Least and largest length of a robot with these `limits` (n, 7)."""
     low = high = 0.0
     for k in range(limits.shape[0]):
         low += limits[k, MIN_LENGTH]
@@ -65,19 +72,15 @@ def reach(limits: Array) -> tuple[float, float]:
 
 @kernel
 def single(limits: Array, setting: Setting, aim: Aim, path: Path) -> float:
-    """The arc from the base along its tangent to the goal, cut into equal pieces; returns its length.
+    """The arc from the base along its tangent to the goal, cut into pieces; returns its length.
 
-    Pieces share it by their mean lengths. A goal straight ahead leaves the points on a line, which no gradient bends:
-    `bow` moves them aside, by half a wave of that height.
+    Pieces share it by the mean lengths in `limits` (n, 7). A goal straight ahead leaves the points on a line, which no
+    gradient bends: `bow` moves them aside, by half a wave of that height.
     """
     n = path.arcs.shape[0]
     t, side, aside, ahead = _sides(path, aim)
     base = get_vec(path.points, 0, 0)
-    half = math.atan2(aside, ahead)
-    chord = math.hypot(aside, ahead)
-    # A goal straight behind has no arc; what is closed up to rounding is cut short.
-    half = min(half, math.pi - 1e-6)
-    length = chord * half / math.sin(half) if half > 1e-9 else chord
+    half, length = arc_to(aside, ahead)
     low, high = reach(limits)
     height = setting.bow * aim.unit if aside < setting.bow * aim.unit else 0.0
     s = 0.0
@@ -110,7 +113,7 @@ def _curve_length(a: Vec, b: Vec, c: Vec, d: Vec) -> float:
 
 @kernel
 def swung(limits: Array, aim: Aim, path: Path, angle: float) -> None:
-    """A cubic curve to the goal that is as long as the robot in the middle of its range, swung out to the side.
+    """A cubic curve to the goal, as long as a robot with these `limits` (n, 7) at mid-range, swung out to the side.
 
     It leaves along the first tangent, ends along the tangent that is asked for, and swings out at `angle` about the
     first tangent from the goal's side; how far is found by halving.
@@ -139,7 +142,7 @@ def swung(limits: Array, aim: Aim, path: Path, angle: float) -> None:
 
 @kernel
 def _cut(limits: Array, a: Vec, b: Vec, c: Vec, aim: Aim, path: Path) -> None:
-    """Put the points on a cubic curve, shared by the mean lengths of the segments."""
+    """Put the points on a cubic curve, shared by the mean lengths of the segments in `limits` (n, 7)."""
     n = path.arcs.shape[0]
     low, high = reach(limits)
     total = _curve_length(a, b, c, aim.position)
@@ -165,9 +168,47 @@ def bow(aim: Aim, path: Path, which: int) -> None:
     """Bow a path to one of the sides of its first tangent, by a third of a segment or, the next round, two thirds."""
     n = path.arcs.shape[0]
     a, b = across(get_vec(path.tangents, 0, 0))
-    angle = 2.0 * math.pi * (which % WAYS) / WAYS
-    height = aim.unit / 3.0 if which < WAYS else 2.0 * aim.unit / 3.0
+    angle = 2.0 * math.pi * (which % BOWS) / BOWS
+    height = aim.unit / 3.0 if which < BOWS else 2.0 * aim.unit / 3.0
     for i in range(1, n):
         lift = height * math.sin(math.pi * i / n)
         p = add_scaled(get_vec(path.points, i, 0), lift * math.cos(angle), a)
         put_vec(path.points, i, 0, add_scaled(p, lift * math.sin(angle), b))
+
+
+@kernel
+def begin_path(problem: Problem, check: Check, work: Work, aim: Aim, start: Start) -> int:
+    """Put a start into the path; its source, or -1 when there is no such start.
+
+    Initial configurations, the single arc and, with the repairs, a swung curve (before the arc, when the arc is longer
+    than the robot). With restarts also: the first initial configuration bowed to all sides, before the arc; the arc
+    bowed; and the shapes that other methods start from too.
+    """
+    path, q, setting, _ = work
+    initial, own = start.initial, own_number(start)
+    again = setting.restarts != 0.0
+    nudges = BOWS if again and initial.shape[0] > 0 else 0
+    rotation, base = frame(check.frames, 0)
+    put_vec(path.points, 0, 0, base)
+    put_vec(path.tangents, 0, 0, (rotation[0][2], rotation[1][2], rotation[2][2]))
+    if own < nudges:
+        copy(initial[start.index if own < 0 else 0], q)
+        forward(q, check.frames)
+        carried(check.frames, setting, aim, path)
+        if own >= 0:
+            bow(aim, path, own)
+        return GIVEN
+    own -= nudges
+    if own > 0 and not again and (own > 1 or setting.other_guess == 0.0):
+        return -1
+    if own < 2 + 2 * BOWS:
+        length = single(problem.limits, setting, aim, path)
+        if own > 1:
+            bow(aim, path, own - 2)
+        elif setting.other_guess != 0.0 and (length > reach(problem.limits)[1]) == (own == 0):
+            swung(problem.limits, aim, path, 0.0)
+        return ARC
+    begin_own(problem, check, own - 1 - 2 * BOWS, start.seed, q)
+    forward(q, check.frames)
+    carried(check.frames, setting, aim, path)
+    return RANDOM

@@ -4,7 +4,8 @@ import math
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.methods.opti_path.costs import Path, Setting, Weights
+from sinuous.methods.opti_path.costs import Setting, Weights
+from sinuous.methods.opti_path.path import Path
 
 CONSTANT, LENGTH, ORIENTATION, COOLING, GATED = 0.0, 1.0, 2.0, 3.0, 4.0
 IDENTITY, DIFFERENCE, ACCELERATION = 0.0, 1.0, 2.0

@@ -12,6 +12,7 @@ from collections import namedtuple
 
 import numpy as np
 
+from sinuous.kernels.chain.single_arc import arc_length
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, sub
 from sinuous.kernels.step.limits import bend_cap
@@ -32,11 +33,15 @@ MISFIT = 10.0
 """Cost of a length that is off by the mean length of what is left, squared: as much as so many rad, squared."""
 
 IMPOSSIBLE = 1e6
+"""Cost of a length that is off by far more than that."""
+
+WIDEST_HALF = 3.1
+"""Half the bend from which on there is no single arc, in rad."""
 
 
 @kernel
 def carve_tree(buffer: Array, nodes: int) -> Tree:
-    """Lay out a tree in the beginning of `buffer`."""
+    """Lay out a tree in the beginning of `buffer` (`PER_NODE` numbers a node)."""
     rest = buffer[15 * nodes :]
     return Tree(
         buffer[: 12 * nodes].reshape((nodes, 12)),
@@ -109,13 +114,10 @@ def stretch_of(bend: float) -> float:
 
 @kernel
 def single(begin: Vec, first: Vec, end: Vec) -> tuple[float, float]:
-    """Bend and length of the arc from `begin`, tangent `first`, to `end`."""
+    """Bend (rad) and length of the arc from `begin`, tangent `first`, to `end`; infinite where that is behind."""
     across = sub(end, begin)
-    chord = norm(across)
     half = angle_between(first, unit_or(across, first))
-    if half < 1e-6:
-        return 2.0 * half, chord
-    return 2.0 * half, chord * half / math.sin(half) if half < 3.1 else math.inf
+    return 2.0 * half, arc_length(norm(across), half) if half < WIDEST_HALF else math.inf
 
 
 @kernel
@@ -129,7 +131,7 @@ def _beyond(value: float, low: float, high: float, unit: float) -> float:
 def outlook(limits: Array, sums: Array, k: int, begin: Vec, first: Vec, end: Vec, last: Vec, aimed: bool) -> float:
     """What the segments from number k on may cost to get from `begin`, tangent `first`, to `end`.
 
-    `sums` (n + 1, 3): of segments k and after, the least and greatest length and the largest bend.
+    `limits` (n, 7); `sums` (n + 1, 3): of segments k and after, the least and greatest length and the largest bend.
     """
     left = sums.shape[0] - 1 - k
     unit = max(0.5 * (sums[k, 0] + sums[k, 1]) / left, 1e-300)
@@ -151,7 +153,7 @@ def outlook(limits: Array, sums: Array, k: int, begin: Vec, first: Vec, end: Vec
 
 @kernel
 def primitive(limits: Array, k: int, number: int, bends: int, directions: int, lengths: int) -> tuple[Vec, bool]:
-    """Primitive number `number` of segment k, and whether there is one.
+    """Primitive number `number` of segment k, with these `limits` (n, 7), and whether there is one.
 
     Numbers run through directions first, then bends, then lengths; every second ring of directions is turned by half a
     step.

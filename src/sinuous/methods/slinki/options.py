@@ -1,21 +1,18 @@
-"""SLInKi: A* over a state lattice for the first segments, FABRIKc for the last two.
+"""SLInKi: weighted A* over motion primitives for the first segments, FABRIKc for the last two.
 
 Chiang et al., "SLInKi: state lattice based inverse kinematics" (2021). The paper itself could not be had: what was
 chosen is said in `sinuous.methods.slinki.search` and `sinuous.methods.slinki.motion_primitives`. Everything is
-compiled, one call a solve; the lattice lies in a workspace that is made beforehand. The iterations of a solution are
-nodes looked at and iterations of FABRIKc together.
+compiled, one call a solve; the tree of shapes lies in a workspace that is made beforehand. The iterations of a solution
+are nodes looked at and iterations of FABRIKc together.
 """
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sinuous.methods.compiled import Compiled
+from sinuous.methods.compiled import Entry
+from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, number
-from sinuous.methods.registry import METHODS
 from sinuous.methods.slinki.search import search, workspace_size
-from sinuous.problem.problem import Tolerance
-from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -25,12 +22,12 @@ class Slinki(Options):
     Attributes
     ----------
     iterations : int
-        Most iterations of FABRIKc from one node of the lattice.
+        Most iterations of FABRIKc from one node of the tree.
     nodes : int
-        Most nodes of one lattice; each takes 168 bytes of every thread's workspace.
+        Most nodes of one tree; each takes 168 bytes of every thread's workspace.
     bends, directions, lengths : int
         Primitives of a segment: so many angles besides straight (growing with their squares, a quarter turn at most),
-        in so many directions, at so many lengths. Every further start takes a finer lattice, three in all.
+        in so many directions, at so many lengths. Every further start takes more of them, three in all.
     weight : float
         Weight of what a node may still cost against what it costs; 1 searches widely, more goes straight ahead.
     """
@@ -44,8 +41,7 @@ class Slinki(Options):
     lengths: int = count(3, 1, 100)
     weight: float = number(10.0, low=0.0)
 
-    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> Compiled:
-        """Prepare the method for a robot in a scene."""
-        size = workspace_size(len(robot), len(scene), self.nodes)
-        can = METHODS[self.method].capabilities
-        return Compiled(self.method, can, search, size, robot, scene, tolerance, self.vector())
+    def entry(self, case: Case) -> Entry:
+        """Return the compiled search; see `Options.entry`."""
+        size = workspace_size(len(case.robot), len(case.scene), self.nodes)
+        return Entry(search, lambda _: size, self.vector())

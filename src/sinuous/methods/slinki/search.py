@@ -1,10 +1,10 @@
-"""SLInKi (Chiang et al. 2021): A* over a lattice of shapes for all segments but two, FABRIKc for these.
+"""SLInKi (Chiang et al. 2021): weighted A* over motion primitives for all segments but two, FABRIKc for these.
 
 The tree of `sinuous.methods.slinki.motion_primitives` grows until a node with two segments left costs least; FABRIKc
 then reaches from there for the target. Where it does not get there, or the whole shape is not clear, the search goes
 on. Of the paper only what others say of it could be had; chosen here are the primitives and what they cost, that
-FABRIKc begins with the single arc, that primitives which run into an obstacle are left out, and that a lattice that
-found nothing is followed by finer ones.
+FABRIKc begins with the single arc, that primitives which run into an obstacle are left out, and that a tree that
+found nothing is followed by others with more primitives.
 """
 
 import math
@@ -16,20 +16,22 @@ from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec, sub, vec_mat
-from sinuous.kernels.problem import Problem, answer_of, read_problem, read_robot
-from sinuous.kernels.solve.judge import Check, begin, carve_check, check_size, end, has_obstacles, offer
+from sinuous.kernels.problem import Problem, read_robot
+from sinuous.kernels.solve.driver import NO_START, Start, driver, own_number
+from sinuous.kernels.solve.judge import Answer, Check, check_size, has_obstacles, offer
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import ARC, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH
+from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold
 from sinuous.methods.fabrik.search import BESIDE as REACHING_BESIDE
 from sinuous.methods.fabrik.search import PER_SEGMENT as REACHING_PER_SEGMENT
-from sinuous.methods.fabrik.search import axis_of, carve, descend, end_goal, settle
+from sinuous.methods.fabrik.search import carve, descend
 from sinuous.methods.slinki.motion_primitives import PER_NODE, Tree, carve_tree, outlook, pop, primitive, push, single
 
 LAST = 2
 """Segments that FABRIKc reaches with."""
 
 LEVELS = 3
-"""Lattices that are tried, each finer than the one before."""
+"""Trees that are grown, each with more primitives than the one before."""
 
 LOOKS = 4
 """Places of a primitive that are looked at for obstacles."""
@@ -38,7 +40,7 @@ PER_SEGMENT, BESIDE = REACHING_PER_SEGMENT + 3, REACHING_BESIDE + 3
 """Numbers (float64) that the scratch takes from a buffer without its nodes: for every segment, and beside."""
 
 Search = namedtuple("Search", ["tree", "work", "sums"])
-"""Scratch of one solve: nodes, what FABRIKc works on, and sums (n + 1, 3) of limits (see `lattice.outlook`)."""
+"""Scratch of one solve: nodes, what FABRIKc works on, and sums (n + 1, 3) of limits (see `outlook`)."""
 
 Goal = namedtuple("Goal", ["place", "tangent", "aimed"])
 """Where the end of the backbone is wanted, its tangent there, and whether that is asked for."""
@@ -51,7 +53,7 @@ def workspace_size(segments: int, obstacles: int, nodes: int) -> int:
 
 @kernel
 def carve_search(buffer: Array, limits: Array, nodes: int) -> Search:
-    """Lay out the scratch in the beginning of `buffer`, for this robot."""
+    """Lay out the scratch in the beginning of `buffer` (w,), for a robot with these `limits` (n, 7)."""
     n = limits.shape[0]
     sums = buffer[: 3 * n + 3].reshape((n + 1, 3))
     put_vec(sums, n, 0, ZERO)
@@ -70,7 +72,7 @@ def carve_search(buffer: Array, limits: Array, nodes: int) -> Search:
 
 @kernel
 def lay_up(tree: Tree, node: int, frames: Array, q: Array) -> None:
-    """Write the segments that lead to a node to `q`, and their frames."""
+    """Write the segments that lead to a node to `q` (n, 3), and their `frames` (n + 1, 12)."""
     while tree.depth[node] > 0:
         k = tree.depth[node] - 1
         rotation, position = frame(tree.frames, node)
@@ -81,7 +83,10 @@ def lay_up(tree: Tree, node: int, frames: Array, q: Array) -> None:
 
 @kernel
 def arc_from(frames: Array, first: int, goal: Vec, q: Array) -> None:
-    """Put segments `first` and after on the single arc to the goal, whatever their limits."""
+    """Put segments `first` and after of `q` (n, 3) on the single arc to the goal, whatever their limits.
+
+    The arc begins where `frames` (n + 1, 12) say that segment `first` does.
+    """
     rotation, position = frame(frames, first)
     local = vec_mat(sub(goal, position), rotation)
     bend, length = single(ZERO, (0.0, 0.0, 1.0), local)
@@ -95,21 +100,24 @@ def arc_from(frames: Array, first: int, goal: Vec, q: Array) -> None:
 @kernel
 def expand(
     problem: Problem,
-    search: Search,
+    scratch: Search,
     node: int,
     size: int,
     open_nodes: int,
     goal: Goal,
-    lattice: tuple[int, int, int],
+    counts: tuple[int, int, int],
     weight: float,
 ) -> tuple[int, int]:
-    """Give a node its children, as far as there is room; returns how many nodes there are, and how many are open."""
-    tree = search.tree
+    """Give a node its children, as far as there is room; returns how many nodes there are, and how many are open.
+
+    `counts`: primitives of a segment, as bends, directions and lengths; `weight`: of what a node may still cost.
+    """
+    tree = scratch.tree
     k = tree.depth[node]
     rotation, position = frame(tree.frames, node)
     number = 0
     while size < tree.cost.shape[0]:
-        q, there = primitive(problem.limits, k, number, lattice[0], lattice[1], lattice[2])
+        q, there = primitive(problem.limits, k, number, counts[0], counts[1], counts[2])
         if not there:
             break
         number += 1
@@ -122,7 +130,7 @@ def expand(
         tree.parent[size], tree.depth[size] = node, k + 1
         tree.travel[size] = tree.travel[node] + q[2]
         tree.effort[size] = tree.effort[node] + q[0] * q[0] + q[1] * q[1]
-        ahead = outlook(problem.limits, search.sums, k + 1, place, axis_of(to), goal.place, goal.tangent, goal.aimed)
+        ahead = outlook(problem.limits, scratch.sums, k + 1, place, axis_of(to), goal.place, goal.tangent, goal.aimed)
         tree.cost[size] = tree.effort[size] + weight * ahead
         open_nodes = push(tree, open_nodes, size)
         size += 1
@@ -131,21 +139,15 @@ def expand(
 
 @kernel
 def grow(
-    problem: Problem,
-    check: Check,
-    search: Search,
-    options: Array,
-    level: int,
-    deadline: float,
-    best: Array,
-    record: Array,
+    problem: Problem, check: Check, scratch: Search, options: Array, level: int, deadline: float, answer: Answer
 ) -> tuple[int, bool]:
     """Grow one tree until an answer is solved, nothing is open, or time is over.
 
-    Returns the number of nodes looked at and iterations of FABRIKc, and whether it is solved.
+    Returns the number of nodes looked at and iterations of FABRIKc, and whether it is solved. `options` (6,): see
+    `follow`; every `level` has more primitives.
     """
-    tree, work, n = search.tree, search.work, problem.limits.shape[0]
-    lattice = (int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level)
+    tree, work, n = scratch.tree, scratch.work, problem.limits.shape[0]
+    counts = (int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level)
     for k in range(n):
         put_vec(work.q, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
     forward(work.q, check.frames)
@@ -162,13 +164,13 @@ def grow(
         open_nodes -= 1
         looked += 1
         if tree.depth[node] < first:
-            size, open_nodes = expand(problem, search, node, size, open_nodes, goal, lattice, options[5])
+            size, open_nodes = expand(problem, scratch, node, size, open_nodes, goal, counts, options[5])
         else:
             lay_up(tree, node, check.frames, work.q)
             arc_from(check.frames, first, goal.place, work.q)
-            settle(problem.limits, work.chain, check.frames, True, work.q)
+            fold(problem.limits, work.chain, check.frames, True, work.q)
             effort += descend(problem, check, work, int(options[0]), deadline)
-            if offer(problem, check, work.kept, ARC, best, record):
+            if offer(problem, check, work.kept, ARC, answer):
                 return looked + effort, True
         if now(check.clock) > deadline:
             break
@@ -176,28 +178,23 @@ def grow(
 
 
 @kernel
-def _solve(
-    problem: Problem,
-    check: Check,
-    search: Search,
-    initial: Array,
-    first: int,
-    most: int,
-    seconds: float,
-    options: Array,
-    best: Array,
-    record: Array,
-) -> None:
-    deadline, last = begin(problem, check, initial, first, most, seconds, best, record)
-    total, index, late, done = 0, 0, False, False
-    while index < last and first + index - initial.shape[0] < LEVELS and not late and not done:
-        if index >= initial.shape[0]:
-            level = first + index - initial.shape[0]
-            used, done = grow(problem, check, search, options, level, deadline, best, record)
-            total += used
-            late = not done and now(check.clock) > deadline
-        index += 1
-    end(problem, check, total, index, late, best, record)
+def follow(
+    problem: Problem, check: Check, scratch: Search, options: Array, start: Start, answer: Answer
+) -> tuple[int, bool]:
+    """Follow one start; see `sinuous.kernels.solve.driver`. Initial configurations are counted and passed over.
+
+    `options` (6,): most iterations of FABRIKc from one node, most nodes, rings and directions of bends, lengths, and
+    the weight of what a node may still cost. Nothing is random.
+    """
+    level = own_number(start)
+    if level < 0:
+        return 0, False
+    if level >= LEVELS:
+        return NO_START, False
+    return grow(problem, check, scratch, options, level, start.deadline, answer)
+
+
+drive = driver(follow)
 
 
 @entry
@@ -211,17 +208,8 @@ def search(
     workspace: Array,
     answers: Array,
 ) -> None:
-    """Solve m problems; see `sinuous.methods.compiled`. Nothing is random: `seed` is not looked at.
-
-    `options`: most iterations of FABRIKc from one node, most nodes, rings and directions of bends, lengths, and the
-    weight of what a node may still cost. Given starts are counted and passed over.
-    """
-    limits, options = read_robot(robot).limits, settings[METHOD_OPTIONS:]
-    first, most, _, seconds = budget
-    n, nodes = limits.shape[0], int(options[1])
-    scratch = carve_search(workspace, limits, nodes)
-    for i in range(targets.shape[0]):
-        problem = read_problem(robot, scene, settings, targets[i])
-        best, record = answer_of(answers, i, n)
-        check = carve_check(workspace[PER_SEGMENT * n + BESIDE + PER_NODE * nodes :], problem)
-        _solve(problem, check, scratch, initial[i], first, most, seconds, options, best, record)
+    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
+    n, nodes = int(robot[0]), int(settings[METHOD_OPTIONS + 1])
+    scratch = carve_search(workspace, read_robot(robot).limits, nodes)
+    rest = workspace[PER_SEGMENT * n + BESIDE + PER_NODE * nodes :]
+    drive(scratch, (robot, scene, settings), targets, initial, budget, rest, answers)

@@ -1,0 +1,176 @@
+"""The search of every method but our own: starts one after the other until one is solved, and the record of it.
+
+A method hands over its kernel `follow`, which follows one start; all else is the same for all. It is called as
+
+    follow(problem, check, work, options, start, answer) -> iterations, solved
+
+with the scratch `work` and the `options` of the method. It hands its answers to `judge.offer`, and returns `NO_START`
+iterations where the method has no start of this number.
+"""
+
+import math
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any
+
+from sinuous.kernels.clock import now
+from sinuous.kernels.compile import closure, kernel
+from sinuous.kernels.maths.vectors import Array, copy, put_vec
+from sinuous.kernels.problem import Problem, answer_of, read_problem
+from sinuous.kernels.solve.judge import Answer, Check, carve_check, finish
+from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
+from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
+from sinuous.kernels.tables import (
+    ANGLE_ERROR,
+    ARC,
+    CLEARANCE,
+    CODE,
+    FAILED,
+    GIVEN,
+    ITERATIONS,
+    LATE,
+    MAX_LENGTH,
+    MERIT,
+    METHOD_OPTIONS,
+    MIN_LENGTH,
+    POSITION_ERROR,
+    RANDOM,
+    SECONDS,
+    STARTS,
+)
+
+Start = namedtuple("Start", ["initial", "index", "first", "seed", "deadline"])
+"""One start of a search: the initial configurations (g, n, 3; rad and length unit); its place among all starts, of
+which these are the first; the number of the method's own start that comes after them; the seed of those that are
+random; and when the search has to end (s)."""
+
+NO_START = -1
+"""Iterations of a start that does not exist: the search ends."""
+
+Budget = tuple[int, int, int, float]
+"""Numbers of the own starts to try, from the first up to, without it, the last; a seed; and seconds."""
+
+Follow = Callable[[Problem, Check, Any, Array, Start, Answer], tuple[int, bool]]
+
+Drive = Callable[[Any, tuple[Array, Array, Array], Array, Array, Budget, Array, Array], None]
+
+
+@kernel
+def own_number(start: Start) -> int:
+    """Number of a start among the method's own; -1 for an initial configuration."""
+    given = start.initial.shape[0]
+    return start.first + start.index - given if start.index >= given else -1
+
+
+@kernel
+def begin_from(problem: Problem, check: Check, start: Start, q: Array) -> int:
+    """Put a start into `q` (n, 3): an initial configuration, or one of `begin_own`; returns its source."""
+    number = own_number(start)
+    if number < 0:
+        copy(start.initial[start.index], q)
+        return GIVEN
+    return begin_own(problem, check, number, start.seed, q)
+
+
+@kernel
+def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) -> int:
+    """Put own start `number` into `q` (n, 3): 0 is the single arc, all others are scattered; returns its source."""
+    tip, goal = most_distal(problem)
+    if number == 0 and tip >= 0:
+        single_arc(problem.limits, check.frames, tip, goal, q)
+        return ARC
+    scattered(problem.limits, number, seed, q)
+    if tip >= 0:
+        face(check.frames, problem.tool, tip, goal, q)
+    return RANDOM
+
+
+@kernel
+def open_record(problem: Problem, check: Check, given: int, budget: Budget, answer: Answer) -> tuple[float, int]:
+    """Open the record of a search; returns when it has to end (s), and the number of its starts.
+
+    They are `given` initial configurations and the method's own of the `budget`. What is proved
+    impossible is tried from the initial configurations and once more.
+    """
+    first, last, _, seconds = budget
+    record = answer.record
+    began = now(check.clock)
+    impossible = verdict_of(problem)
+    for j in range(record.shape[0]):
+        record[j] = 0.0
+    record[CODE] = FAILED if impossible == POSSIBLE else impossible
+    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[CLEARANCE] = record[MERIT] = math.inf
+    record[SECONDS] = began
+    for k in range(answer.best.shape[0]):
+        put_vec(answer.best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
+    own = last - first if impossible == POSSIBLE else min(last - first, 1)
+    return began + seconds, given + own
+
+
+@kernel
+def close_record(problem: Problem, check: Check, iterations: int, starts: int, late: bool, answer: Answer) -> None:
+    """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
+    record = answer.record
+    if record[MERIT] == math.inf:
+        _, off, turn, clearance, _, merit = finish(problem, check, answer.best)
+        record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE], record[MERIT] = off, turn, clearance, merit
+    if late and record[CODE] == FAILED:
+        record[CODE] = LATE
+    record[ITERATIONS], record[STARTS] = iterations, starts
+    record[SECONDS] = now(check.clock) - record[SECONDS]
+
+
+def driver(follow: Follow) -> Drive:
+    """Make the search of the method that `follow` belongs to: a kernel, to be called by an entry.
+
+    It is made around `follow`, because an entry that hands over a kernel as an argument cannot be cached.
+    """
+
+    @closure
+    def search(
+        problem: Problem,
+        check: Check,
+        work: Any,
+        options: Array,
+        initial: Array,
+        budget: Budget,
+        answer: Answer,
+    ) -> None:
+        """Follow the starts of one problem until one is solved, there are no more, or time is over."""
+        deadline, count = open_record(problem, check, initial.shape[0], budget, answer)
+        total, index, late, solved = 0, 0, False, False
+        while index < count and not late and not solved:
+            start = Start(initial, index, budget[0], budget[2], deadline)
+            used, solved = follow(problem, check, work, options, start, answer)
+            if used < 0:
+                break
+            total += used
+            index += 1
+            late = not solved and now(check.clock) > deadline
+        close_record(problem, check, total, index, late, answer)
+
+    @closure
+    def drive(
+        work: Any,
+        groups: tuple[Array, Array, Array],
+        targets: Array,
+        initial: Array,
+        budget: Budget,
+        scratch: Array,
+        answers: Array,
+    ) -> None:
+        """Solve m problems.
+
+        `groups` are robot, scene and settings, laid out as `tables` says; `targets` (m, t, 15); `initial` (m, g, n, 3).
+        `scratch` (at least `judge.check_size`) is what the check works on. Fills `answers` (m, 10 + 3 n): record and
+        configuration of each.
+        """
+        robot, scene, settings = groups
+        n, options = int(robot[0]), settings[METHOD_OPTIONS:]
+        for i in range(targets.shape[0]):
+            problem = read_problem(robot, scene, settings, targets[i])
+            check = carve_check(scratch, problem)
+            best, record = answer_of(answers, i, n)
+            search(problem, check, work, options, initial[i], budget, Answer(best, record))
+
+    return drive

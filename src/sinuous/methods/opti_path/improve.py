@@ -1,0 +1,107 @@
+"""One path, improved step by step until it is a shape of the robot."""
+
+import math
+
+from sinuous.kernels.clock import now
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import copy, get_vec, norm
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.solve.judge import Answer, Check, has_obstacles, offer
+from sinuous.kernels.step.targets import direction_vector
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+from sinuous.methods.opti_path.bezier import configuration_of
+from sinuous.methods.opti_path.costs import ADJOINT, Weights
+from sinuous.methods.opti_path.gradient import gradient_backwards, gradient_by_differences
+from sinuous.methods.opti_path.path import Aim, Path, Work, trace
+from sinuous.methods.opti_path.steps import move, project, scheduled
+
+MANY = 20
+"""Segments from which on the clock is read after every iteration, not after every eighth."""
+
+STILL = 1e-9
+"""A move, in lengths of a segment, after which nothing is expected any more."""
+
+
+@kernel
+def look(problem: Problem, aim: Aim, path: Path) -> tuple[float, float]:
+    """By how much the lengths of a traced path, and its last tangent, are off: length unit, rad."""
+    long = 0.0
+    for k in range(path.arcs.shape[0]):
+        length = path.arcs[k, 14]
+        long = max(long, problem.limits[k, MIN_LENGTH] - length, length - problem.limits[k, MAX_LENGTH])
+    turn = norm(direction_vector(get_vec(path.tangents, path.arcs.shape[0], 0), aim.direction)) if aim.directed else 0.0
+    return long, turn
+
+
+@kernel
+def descend(problem: Problem, work: Work, weights: Weights, aim: Aim, obstacles: bool) -> float:
+    """Move the points of a traced path one step down; how far the most moved."""
+    path, _, setting, potential = work
+    if setting.gradient == ADJOINT:
+        gradient_backwards(problem.scene, potential, setting, weights, aim, path, obstacles)
+    else:
+        gradient_by_differences(problem.scene, potential, setting, weights, aim, path, obstacles)
+    if obstacles and setting.project != 0.0:
+        project(path)
+    return move(setting, path, aim.unit)
+
+
+@kernel
+def settle(problem: Problem, check: Check, work: Work, aim: Aim, source: int, answer: Answer) -> int:
+    """Go on from a solved path, farther from obstacles and limits; what is not solved any more is not taken.
+
+    Returns the number of iterations.
+    """
+    path, q, setting, _ = work
+    weights = scheduled(setting, 0, True, True)
+    count = int(setting.settle)
+    for _ in range(count):
+        descend(problem, work, weights, aim, True)
+        trace(path)
+    configuration_of(path.points, check.frames, q)
+    offer(problem, check, q, source, answer)
+    return count
+
+
+@kernel
+def improve(
+    problem: Problem, check: Check, work: Work, aim: Aim, deadline: float, source: int, answer: Answer
+) -> tuple[int, bool]:
+    """Improve a path until it is solved, does not move any more, or its iterations or the time are over.
+
+    Returns the number of iterations and whether it is solved. Of paths that are not, the one whose lengths and
+    orientation were the least off is offered.
+    """
+    path, q, setting, _ = work
+    obstacles = has_obstacles(problem)
+    least = math.inf
+    iteration = 0
+    while True:
+        trace(path)
+        long, turn = look(problem, aim, path)
+        off = max(long / aim.unit, turn)
+        if not math.isfinite(off):
+            break
+        if long <= 0.0 and turn <= problem.angle_tolerance:
+            configuration_of(path.points, check.frames, q)
+            if offer(problem, check, q, source, answer):
+                if obstacles and setting.settle > 0.0:
+                    iteration += settle(problem, check, work, aim, source, answer)
+                return iteration, True
+            least = -1.0
+        elif off < least:
+            least = off
+            copy(path.points, path.kept)
+        if iteration >= setting.iterations:
+            break
+        if (iteration % 8 == 7 or q.shape[0] >= MANY) and now(check.clock) > deadline:
+            break
+        weights = scheduled(setting, iteration, long > 0.0, turn > problem.angle_tolerance)
+        iteration += 1
+        far = descend(problem, work, weights, aim, obstacles)
+        if not far > STILL * aim.unit or not math.isfinite(far):
+            break
+    if 0.0 <= least < math.inf:
+        configuration_of(path.kept, check.frames, q)
+        offer(problem, check, q, source, answer)
+    return iteration, False

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.step import targets
 from sinuous.kernels.step.sweeps import END
-from sinuous.poses import as_row
+from sinuous.packing import pose_row
 from sinuous.problem.target import Target
 from tests.helpers import (
     Floats,
@@ -107,7 +107,7 @@ class Case:
 
     def rows(self, target: Target, unit: float) -> tuple[Any, int, float, float]:
         rows = make_rows(len(self.q), 6)
-        return rows, *targets.add_rows(target.table, 0, self.frames, as_row(self.tool), self.origin, unit, rows, 0)
+        return rows, *targets.add_rows(target.table, 0, self.frames, pose_row(self.tool), self.origin, unit, rows, 0)
 
     def seen(self, rows: Any, k: int) -> Floats:
         """What the rows see of every coordinate."""
@@ -171,4 +171,4 @@ def test_what_is_met_has_no_error() -> None:
     assert off < 1e-13
     assert turn < 1e-13
     np.testing.assert_allclose(rows.value, 0.0, atol=1e-13)
-    assert as_matrix(*targets.end_pose(case.frames, as_row(case.tool), 0)) == pytest.approx(case.end(0), abs=1e-13)
+    assert as_matrix(*targets.end_pose(case.frames, pose_row(case.tool), 0)) == pytest.approx(case.end(0), abs=1e-13)

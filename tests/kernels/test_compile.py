@@ -1,6 +1,8 @@
 """Python calls entries alone: other kernels have no wrapper for it outside of the tests, and would crash."""
 
 import ast
+import os
+import time
 from pathlib import Path
 
 import pytest
@@ -34,21 +36,58 @@ def imported(file: Path) -> set[str]:
 
 
 def test_only_entries_are_called_from_python() -> None:
-    kernels = sorted((PACKAGE / "kernels").glob("*.py"))
+    kernels = sorted([*(PACKAGE / "kernels").rglob("*.py"), *(PACKAGE / "methods").rglob("*.py")])
     inner = set().union(*(decorated(file, "kernel") for file in kernels))
     entries = set().union(*(decorated(file, "entry") for file in kernels))
     assert {"search", "search_many", "prefer"} <= entries
     assert not inner & entries
     for file in PACKAGE.rglob("*.py"):
-        if file.parent.name != "kernels" and imported(file) & inner:
+        if file not in kernels and imported(file) & inner:
             assert "entry" in imported(file), f"{file} imports an inner kernel without an entry to call it from"
-    assert not decorated(PACKAGE / "kernels" / "batch.py", "kernel")
+    assert not decorated(PACKAGE / "kernels" / "chain" / "batch.py", "kernel")
 
 
 def test_the_cache_is_named_by_the_sources() -> None:
-    assert compiling.ALL_CALLABLE
     assert compiling.CACHE.name == compiling._sources_hash()
     assert compiling.CACHE.is_dir()
+
+
+def test_every_source_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    named = {file.relative_to(PACKAGE).as_posix() for file in compiling._sources()}
+    assert {"kernels/tables.py", "kernels/maths/vectors.py", "methods/fabrik/links.py"} <= named
+    before = compiling._sources_hash()
+    copied = [tmp_path / f"{i}.py" for i in range(len(named))]
+    for copy, source in zip(copied, compiling._sources(), strict=True):
+        copy.write_bytes(source.read_bytes())
+    monkeypatch.setattr(compiling, "_sources", lambda: copied)
+    assert compiling._sources_hash() == before
+    copied[-1].write_text("# a change")
+    assert compiling._sources_hash() != before
+
+
+def test_caches_that_nobody_uses_are_removed_when_a_new_one_is_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parent = tmp_path / "sinuous"
+    monkeypatch.setattr(compiling, "places", lambda name: [parent / name])
+    monkeypatch.setattr(compiling, "__file__", str(tmp_path / "a file" / "compile.py"))
+    (tmp_path / "a file").touch()  # no folder can be made there
+    old, late, other = parent / ("0" * 16), parent / ("1" * 16), parent / "samples"
+    for folder, days in ((old, 30), (late, 3), (other, 300)):
+        (folder / "inner").mkdir(parents=True)
+        (folder / "inner" / "kernel.nbi").touch()
+        os.utime(folder, (time.time() - 86400 * days,) * 2)
+    found = compiling._find_cache()
+    assert found == parent / compiling._sources_hash()
+    assert not old.exists()
+    assert (late / "inner" / "kernel.nbi").exists()
+    assert other.exists()
+    # One that is there already is used, and that it is used is noted: it removes nothing and is not removed.
+    os.utime(found, (0.0, 0.0))
+    os.utime(late, (0.0, 0.0))
+    assert compiling._find_cache() == found
+    assert time.time() - found.stat().st_mtime < 3600
+    assert late.exists()
 
 
 class Uncompiled:
@@ -65,10 +104,54 @@ def test_compiling_is_announced_for_every_method_of_its_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(compiling, "CACHE", tmp_path)
-    compiling.announce(Uncompiled())
-    (tmp_path / "search.search-1.py311.nbi").touch()
-    compiling.announce(Uncompiled())
-    assert capsys.readouterr().err.count("compiling the kernels") == 2
-    (tmp_path / "opti_path.search-1.py311.nbi").touch()
+    for folder in ("solve_1f", "opti_path_2e/inner", "opti_path_2e"):
+        monkeypatch.setattr(compiling, "_announced", [])
+        compiling.announce(Uncompiled())
+        assert capsys.readouterr().err.count("compiling the kernels") == 1
+        (tmp_path / folder).mkdir(parents=True, exist_ok=True)
+        (tmp_path / folder / "search.search-1.py311.nbi").touch()
+    monkeypatch.setattr(compiling, "_announced", [])
     compiling.announce(Uncompiled())
     assert capsys.readouterr().err == ""
+
+
+def test_compiling_is_announced_once_in_a_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(compiling, "CACHE", tmp_path)
+    monkeypatch.setattr(compiling, "_announced", [])
+    for _ in range(3):
+        compiling.announce(Uncompiled())
+    said = capsys.readouterr().err
+    assert said == compiling.NOTICE + "\n"
+    assert "about 20 s" in said
+    assert "obstacles about 40 s" in said
+
+
+def test_whole_numbers_are_of_one_kind() -> None:
+    """Numba would compile a kernel again for every constant that it is called with."""
+
+    @compiling.kernel
+    def double(x: int) -> int:
+        return 2 * x
+
+    @compiling.entry
+    def twelve() -> int:
+        return double(1) + double(2) + double(3)
+
+    assert twelve() == 12
+    assert len(double.compiled.signatures) == 1  # type: ignore[attr-defined]
+
+
+def test_an_inner_kernel_is_one_to_kernels_and_another_to_python() -> None:
+    @compiling.kernel
+    def double(x: float) -> float:
+        return 2.0 * x
+
+    @compiling.entry
+    def six() -> float:
+        return double(3.0)
+
+    assert double(2.0) == 4.0
+    assert six() == 6.0
+    assert double(2.0) == 4.0

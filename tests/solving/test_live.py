@@ -2,6 +2,7 @@
 
 import math
 import threading
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -17,6 +18,7 @@ from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.scene import Scene
+from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.solver import Solver
 from tests.helpers import Floats
@@ -110,10 +112,12 @@ def test_a_solver_goes_on_with_what_the_camera_sees() -> None:
     assert free.solved
     wall = np.array([[x, y, 0.5] for x in np.linspace(-0.2, 0.2, 9) for y in np.linspace(-0.2, 0.2, 9)])
     scene.update(wall)
-    around = solver.solve(target, start=free)
+    around = solver.solve(target, initial=free)
     assert around.solved
     assert around.verify().ok
-    assert not free.verify().ok
+    # The solution from before is one of the scene as it was, and not of the scene as it is.
+    assert free.verify().ok
+    assert scene.distance(ROBOT.backbone(free.q, 20)).min() < 0.03
     scene.update(np.array([[0.0, 0.0, 1.0]]))
     assert solver.solve(target).status is Status.TARGET_BLOCKED
     scene.update(np.array([[0.0, 0.0, 0.0]]))
@@ -125,21 +129,43 @@ def test_a_solver_goes_on_with_what_the_camera_sees() -> None:
 
 
 def test_solving_while_the_cloud_changes() -> None:
+    """The cloud is where the robot has to pass, so that a solve with points of two moments would be seen."""
     rng = np.random.default_rng(6)
-    scene = Scene([PointCloud(rng.normal((0.0, 0.0, 9.0), size=(100, 3)), 0.01)])
+
+    def seen(i: int) -> Floats:
+        side = 0.25 if i % 2 else -0.25
+        return rng.normal((side, 0.1, 0.5), 0.04, size=(10 + 50 * (i % 7), 3))
+
+    scene = Scene([PointCloud(seen(0), 0.01)])
     solver = Solver(ROBOT, scene)
     asked = targets(scene, 3, 5)
     stop = threading.Event()
-    solved: list[bool] = []
+    found: list[Solution] = []
 
     def work() -> None:
         while not stop.is_set():
-            solved.extend(solver.solve(target).solved for target in asked)
+            found.extend(solver.solve(target) for target in asked)
 
     worker = threading.Thread(target=work)
     worker.start()
     for i in range(60):
-        scene.update(rng.normal((0.0, 0.0, 9.0), size=(10 + 50 * (i % 7), 3)))
+        before = len(found)
+        scene.update(seen(i))
+        while worker.is_alive() and len(found) < before + len(asked):
+            time.sleep(1e-4)
     stop.set()
     worker.join()
-    assert all(solved)
+    solved = [solution for solution in found if solution.solved]
+    assert len(solved) > 0.8 * len(found)
+    scenes = {id(solution.problem.scene): solution.problem.scene for solution in found}
+    assert len(scenes) >= 60
+    stands = []
+    for solution in solved[:: max(1, len(solved) // 300)]:
+        own = solution.problem.scene.distance(ROBOT.backbone(solution.q, 50)).min() - 0.03
+        assert solution.clearance is not None
+        assert 0.0 < solution.clearance <= own + 1e-9
+        now = scene.distance(ROBOT.backbone(solution.q, 50)).min() - 0.03
+        stands.append((own < 0.1, now < 0.0))
+    near, overlapping_now = np.sum(stands, axis=0)
+    assert near > 10, "the cloud was never in the way"
+    assert overlapping_now > 5, "the cloud never moved to where the body was"

@@ -65,7 +65,7 @@ def draw(kind: str, rng: np.random.Generator, inside: bool = False) -> tuple[Pri
 def ask(obstacle: Primitive, points: Floats) -> tuple[Floats, Floats]:
     values, above, gradients = np.empty(len(points)), np.empty(len(points)), np.empty((len(points), 3))
     which = np.empty(len(points), np.int64)
-    distances.many(*Scene([obstacle]).tables, points, values, above, gradients, which)
+    distances.many(*kernel_scene(Scene([obstacle])), points, values, above, gradients, which)
     assert (which == 0).all()
     np.testing.assert_array_equal(above, values)
     return values, gradients
@@ -208,7 +208,7 @@ def test_the_nearest_of_many() -> None:
 
 def test_nothing_is_infinitely_far() -> None:
     values, above, gradients, which = np.empty(2), np.empty(2), np.empty((2, 3)), np.empty(2, np.int64)
-    distances.many(*Scene().tables, np.zeros((2, 3)), values, above, gradients, which)
+    distances.many(*kernel_scene(Scene()), np.zeros((2, 3)), values, above, gradients, which)
     assert (values == math.inf).all()
     assert (gradients == 0.0).all()
     assert (which == -1).all()

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from sinuous.kernels.solve import starts
-from sinuous.poses import as_row
+from sinuous.packing import pose_row
 from sinuous.robot.robot import Robot, Segment
 from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
 
@@ -115,7 +115,7 @@ def test_face_turns_the_end_to_the_side_of_the_goal(seed: int) -> None:
     base, tool, goal = random_pose(rng), random_pose(rng, 0.1), rng.normal(size=3)
     before = q.copy()
     tip = int(rng.integers(0, 4))
-    starts.face(frames_of(np.zeros((4, 3)), base), as_row(tool), tip, vec(goal), q)
+    starts.face(frames_of(np.zeros((4, 3)), base), pose_row(tool), tip, vec(goal), q)
     np.testing.assert_allclose(np.hypot(q[:, 0], q[:, 1]), np.hypot(before[:, 0], before[:, 1]))
     np.testing.assert_array_equal(q[:, 2], before[:, 2])
     end = expm_chain(q, base)[tip + 1]

@@ -8,35 +8,20 @@ import pytest
 
 from sinuous.kernels.solve import verdicts
 from sinuous.kernels.solve.verdicts import POSSIBLE
-from sinuous.kernels.step.states import Problem
 from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.poses import pose
-from sinuous.problem.target import Target, target_list, target_table
+from sinuous.problem.problem import Tolerance
+from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot, Segment
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats, kernel_scene, random_pose
+from tests.helpers import Floats, kernel_problem, random_pose
 
 TOLERANCE = (1e-3, 1e-2)
 
 
 def verdict(robot: Robot, targets: Any, scene: Scene | None = None) -> int:
-    values: dict[str, Any] = {
-        "limits": robot.limits,
-        "actuation": robot.actuation,
-        "base": robot.base_row,
-        "tool": robot.tool_row,
-        "scene": kernel_scene(scene or Scene()),
-        "targets": target_table(robot, target_list("targets", targets)).copy(),
-        "mount": robot.mount,
-        "unit": robot.mean_length,
-        "margin": 0.0,
-        "position_tolerance": TOLERANCE[0],
-        "angle_tolerance": TOLERANCE[1],
-        "coarse": 2,
-        "depth": 3,
-    }
-    return verdicts.verdict_of(Problem(**values))
+    return verdicts.verdict_of(kernel_problem(robot, targets, scene, Tolerance(*TOLERANCE), margin=0.0, look_depth=2))
 
 
 def robots(seed: int) -> Robot:

@@ -1,0 +1,57 @@
+"""Inner kernels that Python can call, for tests.
+
+Users have wrappers for entries alone. Here every inner kernel is behind a `Callable`. Other kernels call the same
+kernel as they do for users, from the same cache on disk; a second one, with wrappers, is compiled when Python calls it.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import types
+from numba.extending import typeof_impl
+
+from sinuous.kernels import compile as compiling
+
+
+class Callable:
+    """An inner kernel: to kernels, what it is; to Python, an entry.
+
+    Parameters
+    ----------
+    function : callable
+        Not compiled yet.
+    compiled : callable
+        The inner kernel.
+    """
+
+    def __init__(self, function: Any, compiled: Any) -> None:
+        self.py_func, self.compiled = function, compiled
+        self._entry: Any = None
+
+    def __call__(self, *arguments: Any) -> Any:
+        if self._entry is None:
+            self._entry = compiling.entry(self.py_func)
+        return self._entry(*map(_writable, arguments))
+
+
+def _writable(value: Any) -> Any:
+    """Copy an array that is read-only: for it the kernel, and all that it calls, would be compiled once more."""
+    if isinstance(value, np.ndarray):
+        return value if value.flags.writeable else value.copy()
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return type(value)(*map(_writable, value))
+    return value
+
+
+def install() -> None:
+    """Have all kernels that are made from now on behind a `Callable`."""
+    plain = compiling.kernel
+
+    def kernel(function: Any) -> Callable:
+        return Callable(function, plain(function))
+
+    compiling.kernel = kernel  # type: ignore[assignment]
+
+    @typeof_impl.register(Callable)
+    def type_of(value: Callable, context: Any) -> types.Dispatcher:
+        return types.Dispatcher(value.compiled)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from sinuous.checks import direction as unit
-from sinuous.poses import as_pose, as_row, least_rotation, pose, rotation_matrix
+from sinuous.packing import pose_row
+from sinuous.poses import as_pose, least_rotation, pose, rotation_matrix
 from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused
 
 coordinates = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1e-8, -1e-16, 1e-100, -1e-200, 5e-324, 1.0, -1.0]))
@@ -129,7 +130,7 @@ def test_what_is_no_matrix_of_a_pose_is_refused(value: Any) -> None:
 def test_rows_hold_rotation_and_position() -> None:
     np.testing.assert_array_equal(as_pose("base", None), np.eye(4))
     matrix = random_pose(np.random.default_rng(3))
-    row = as_row(matrix)
+    row = pose_row(matrix)
     assert row.shape == (1, 12)
     np.testing.assert_array_equal(row[0, :9].reshape(3, 3), matrix[:3, :3])
     np.testing.assert_array_equal(row[0, 9:], matrix[:3, 3])

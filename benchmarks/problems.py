@@ -12,9 +12,10 @@ from benchmarks.collisions import Body
 from benchmarks.reference import bend_caps, tip_poses
 from sinuous.checks import Floats
 from sinuous.poses import pose
-from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, Segment
+from sinuous.problem.tolerance import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 

@@ -10,12 +10,14 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from sinuous import packing
 from sinuous.errors import InputError
 from sinuous.kernels.chain import kinematics as chain
 from sinuous.kernels.chain.arc import SERIES_END
 from sinuous.kernels.fields import distances
 from sinuous.kernels.step.sweeps import IDLE, Rows
 from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
 
 Floats = NDArray[np.float64]
 Vec = tuple[float, float, float]
@@ -141,9 +143,9 @@ def columns_of(q: Floats, base: Floats | None = None) -> Floats:
     return columns
 
 
-def kernel_scene(scene: Scene) -> distances.Scene:
+def kernel_scene(scene: Scene | Snapshot) -> distances.Scene:
     """A scene as the kernels take it."""
-    return distances.Scene(*scene.tables)
+    return distances.Scene(*packing.scene_parts(scene.group))
 
 
 def make_rows(segments: int, capacity: int) -> Rows:

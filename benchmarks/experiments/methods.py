@@ -18,8 +18,8 @@ from benchmarks.plan import Plan
 from benchmarks.problems import ProblemSet, among_spheres, arm, direction_targets, random_configurations
 from benchmarks.reference import tip_poses
 from sinuous.checks import Floats
-from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

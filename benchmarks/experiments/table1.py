@@ -17,7 +17,7 @@ from benchmarks.markdown import span, table
 from benchmarks.plan import Plan
 from benchmarks.problems import PAPER_POSES
 from benchmarks.timing import Times
-from sinuous.problem.problem import Tolerance
+from sinuous.problem.tolerance import Tolerance
 
 BUDGET = 0.1
 """Seconds of one solve, with all its starts."""

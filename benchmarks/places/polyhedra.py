@@ -11,8 +11,8 @@ from benchmarks.clearances import least_clearance
 from benchmarks.places.place import Place
 from benchmarks.reference import tip_poses
 from sinuous.checks import Floats
-from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene

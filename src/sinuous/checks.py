@@ -107,6 +107,15 @@ def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
     return array(key, value, (*([None] * lead), *shape))
 
 
+def broadcast(key: str, value: Any, *arrays: Floats) -> list[Floats]:
+    """Bring arrays to one shape; `value` is what is refused where they have none."""
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = " and ".join(str(a.shape) for a in arrays)
+        raise InputError(key, "does not fit the rest", value, f"shapes that broadcast, not {shapes}") from None
+
+
 def vector(key: str, value: Any) -> Floats:
     """Check three finite numbers."""
     return array(key, value, (3,))

@@ -17,7 +17,7 @@ from benchmarks.plan import Plan
 from benchmarks.report import Line
 from benchmarks.trials import ARC, IPOPT, RANDOM, Attempt, Task, Trial, examine
 from sinuous.errors import InputError
-from sinuous.problem.problem import Tolerance
+from sinuous.problem.tolerance import Tolerance
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution, Status

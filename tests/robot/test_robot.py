@@ -12,7 +12,9 @@ import pytest
 
 import sinuous as sn
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot, Segment, arc_parameters, from_arc_parameters
+from sinuous.robot.parameters import arc_parameters, from_arc_parameters
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import (
     NOT_NUMBERS,
     Floats,

@@ -11,7 +11,8 @@ from sinuous.files.build import keys_of, known_entries, make
 from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import MOST_SEGMENTS, Robot, Segment
+from sinuous.robot.robot import MOST_SEGMENTS, Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh

@@ -15,8 +15,10 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
-from sinuous.problem.problem import Preferences, Problem, Tolerance
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene

@@ -12,7 +12,8 @@ from sinuous.kernels.compile import announce
 from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.method import Budget, Call
-from sinuous.problem.problem import Problem, Tolerance
+from sinuous.problem.problem import Problem
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot

@@ -14,8 +14,10 @@ from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import SOLVED, Outcome, answer_size
 from sinuous.methods.compiled import as_outcomes
 from sinuous.methods.method import Budget, Call
-from sinuous.problem.problem import Preferences, Problem, Tolerance
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -13,7 +13,7 @@ from sinuous.errors import InputError
 
 if TYPE_CHECKING:
     from sinuous.methods.method import Method
-    from sinuous.problem.problem import Tolerance
+    from sinuous.problem.tolerance import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
 

@@ -6,7 +6,8 @@ from typing import Any
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.methods import registry
-from sinuous.problem.problem import Preferences, Tolerance, as_tolerance
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.tolerance import Tolerance, as_tolerance
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""

@@ -14,8 +14,9 @@ from sinuous.kernels.fitting.routes import PROVED_CLOSED, find
 from sinuous.kernels.freespace.grid_astar import HALF_DIAGONAL, lattice_size
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import ROUTE, SOURCES
-from sinuous.problem.problem import Problem, Tolerance
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.sources import Batch, Question

@@ -12,10 +12,10 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Budget, Call
-from sinuous.problem.problem import Problem, as_scene, check_sizes
+from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
+from sinuous.scene.scene import Scene, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import status_of

@@ -12,11 +12,11 @@ from benchmarks.places.robots import robot_of
 from benchmarks.places.spheres import spheres
 from benchmarks.problems import random_configurations
 from sinuous.checks import Floats
+from sinuous.measures.body import arc_poses
 from sinuous.measures.obstacles import measure
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
-from sinuous.solution.verification import arc_poses
 
 DRAWN = [name for name in FAMILIES if not name.startswith("p")] + ["pipe 1.3", "pipe 1.6 scan", "plates"]
 

@@ -13,9 +13,10 @@ from sinuous.kernels.fitting import fit as following
 from sinuous.kernels.maths.vectors import copy
 from sinuous.kernels.step.states import carve, make_problem, pick, workspace_size
 from sinuous.methods.newton import KernelTables
-from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target, target_table
-from sinuous.robot.robot import Robot, Segment
+from sinuous.problem.tolerance import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, complex_columns, expm_chain, make_rows, vec

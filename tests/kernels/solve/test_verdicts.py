@@ -12,7 +12,8 @@ from sinuous.kernels.step.states import Problem
 from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.poses import pose
 from sinuous.problem.target import Target, target_list, target_table
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, random_pose

@@ -13,7 +13,7 @@ from sinuous.methods.fabrik.search import workspace_size
 from sinuous.methods.fabrik_avoid.search import search
 from sinuous.methods.options import Options, count, flag, number
 from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

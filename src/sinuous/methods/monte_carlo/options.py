@@ -12,7 +12,7 @@ from sinuous.methods.compiled import Compiled
 from sinuous.methods.monte_carlo.search import search, workspace_size
 from sinuous.methods.options import Options, count, number
 from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

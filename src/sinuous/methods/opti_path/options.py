@@ -17,7 +17,7 @@ from sinuous.errors import InputError
 from sinuous.methods.method import Method
 from sinuous.methods.options import Options, choice, count, flag, number
 from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -10,8 +10,8 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.scene.grids.samples import check_lipschitz, sample_points
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.sampled.samples import check_lipschitz, sample_points
 
 MOST = 2**26
 """Samples of a field: half a gigabyte."""

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.scene.grids.samples import check_lipschitz
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.sampled.samples import check_lipschitz
 
 
 @dataclass(frozen=True, init=False, eq=False)

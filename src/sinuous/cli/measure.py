@@ -34,7 +34,7 @@ def measure(
 ) -> int:
     """Run the measurement called `name`, of `families` or methods alone if there are any; return the exit code."""
     if name not in BENCHES:
-        raise InputError("NAME", "no such measurement", name, "one of " + ", ".join(BENCHES))
+        raise InputError("NAME", "", name, "one of " + ", ".join(BENCHES))
     checks.integer("--seed", seed, 0, 2**31 - 1)
     if families and name not in WITH_FAMILIES:
         raise InputError("--family", "has no meaning here", list(families), f"bench {' or '.join(WITH_FAMILIES)}")

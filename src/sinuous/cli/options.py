@@ -72,7 +72,7 @@ class Options:
         from sinuous.methods import registry as methods  # noqa: PLC0415
 
         if self.method not in methods.METHODS:
-            raise InputError("--method", "is not known", self.method, "one of " + ", ".join(methods.METHODS))
+            raise InputError("--method", "", self.method, "one of " + ", ".join(methods.METHODS))
         try:
             return methods.with_options(self.method, self.options)
         except InputError as error:

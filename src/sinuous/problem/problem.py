@@ -59,7 +59,7 @@ class Problem(Frozen, _Open):
 
     def __init__(self, robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None) -> None:
         if not isinstance(robot, Robot):
-            raise InputError("robot", "of the wrong kind", robot, "a Robot")
+            raise InputError("robot", "", robot, "a Robot")
         place = as_snapshot(scene)
         listed = target_list("targets", targets)
         self._set(

@@ -83,12 +83,12 @@ def target_list(key: str, targets: Any) -> tuple[Target, ...]:
     """Check one target or several that are to be met at once."""
     listed = (targets,) if isinstance(targets, Target) else targets
     if isinstance(listed, (str, bytes, dict)) or not np.iterable(listed):
-        raise InputError(key, "of the wrong kind", targets, "a Target or a list of them")
+        raise InputError(key, "", targets, "a Target or a list of them")
     result = tuple(listed)
     checks.integer(f"len({key})", len(result), 1, MOST_TARGETS)
     for i, target in enumerate(result):
         if not isinstance(target, Target):
-            raise InputError(f"{key}[{i}]", "of the wrong kind", target, "a Target")
+            raise InputError(f"{key}[{i}]", "", target, "a Target")
     return result
 
 
@@ -96,7 +96,7 @@ def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
     """Rows (t, 15) of all targets, for this robot; laid out as `sinuous.kernels.tables` says."""
     for i, target in enumerate(targets):
         if target.segment is not None and target.segment > len(robot):
-            raise InputError(f"targets[{i}].segment", "is not there", target.segment, f"1 to {len(robot)}")
+            raise InputError(f"targets[{i}].segment", "", target.segment, f"a segment from 1 to {len(robot)}")
     if len(targets) == 1:
         return targets[0].table
     return np.concatenate([target.table for target in targets])

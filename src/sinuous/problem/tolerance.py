@@ -43,5 +43,5 @@ def as_tolerance(tolerance: Any) -> Tolerance:
     if tolerance is None:
         return Tolerance()
     if not isinstance(tolerance, Tolerance):
-        raise InputError("tolerance", "of the wrong kind", tolerance, "a Tolerance")
+        raise InputError("tolerance", "", tolerance, "a Tolerance")
     return tolerance

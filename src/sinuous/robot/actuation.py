@@ -52,7 +52,7 @@ def from_chamber_lengths(segments: Sequence[Segment], lengths: Any) -> Floats:
 def from_tendon_displacements(segments: Sequence[Segment], displacements: Any, length: Any) -> Floats:
     """See `Robot.from_tendon_displacements`."""
     if length is None and any(s.length[0] != s.length[1] for s in segments):
-        raise InputError("length", "is missing", length, "segment lengths, because segments can stretch")
+        raise InputError("length", "missing", length, "segment lengths, because segments can stretch")
     given = [s.length[0] for s in segments] if length is None else length
     own = checks.stack("length", given, (len(segments),))
     reach = np.cumsum(own, axis=-1)
@@ -70,7 +70,7 @@ def _per_segment(segments: Sequence[Segment], key: str, values: Any, kind: str) 
     is_list = not isinstance(values, (str, bytes, dict)) and np.iterable(values)
     listed = list(islice(values, len(segments) + 1)) if is_list else []
     if len(listed) != len(segments):
-        raise InputError(key, "wrong kind or number", values, f"a list of {len(segments)} arrays, one a segment")
+        raise InputError(key, "", values, f"a list of {len(segments)} arrays, one a segment")
     result = []
     for k, (segment, value) in enumerate(zip(segments, listed, strict=True)):
         lines = _lines(segment, kind)

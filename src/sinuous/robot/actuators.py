@@ -41,7 +41,7 @@ class Lines(Frozen):
 
     def __init__(self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None) -> None:
         if (count is None) == (angles is None):
-            raise InputError("count", "must say where the lines are", count, "either count (and angle) or angles")
+            raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
         if angles is None:
             number = checks.integer("count", count, 1, MOST_LINES)
             first = checks.number("angle", 0.0 if angle is None else angle)

@@ -63,14 +63,14 @@ class Robot(Frozen):
         self, segments: Iterable[Segment], *, radius: Any = None, mount: Any = 0.0, base: Any = None, tool: Any = None
     ) -> None:
         if not isinstance(segments, Iterable):
-            raise InputError("segments", "of the wrong kind", segments, "a list of Segment")
+            raise InputError("segments", "", segments, "a list of Segment")
         listed = tuple(segments)
         checks.integer("segments", len(listed), 1, MOST_SEGMENTS)
         for k, segment in enumerate(listed):
             if not isinstance(segment, Segment):
-                raise InputError(f"segments[{k}]", "of the wrong kind", segment, "a Segment")
+                raise InputError(f"segments[{k}]", "", segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in listed):
-            raise InputError("segments", "have no length", listed, "at least one segment that can be longer than 0")
+            raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
         radii = tuple(segment.radius for segment in listed)
         if radius is not None:
             radii = (checks.number("radius", radius, low=0.0),) * len(listed)

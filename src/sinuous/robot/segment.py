@@ -57,7 +57,7 @@ class Segment(Frozen):
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
         for key, value, kind in (("tendons", tendons, Tendons), ("chambers", chambers, Chambers)):
             if value is not None and not isinstance(value, kind):
-                raise InputError(key, "of the wrong kind", value, f"{kind.__name__} or nothing")
+                raise InputError(key, "", value, f"{kind.__name__} or nothing")
         if chambers is not None:
             low, high = max(low, chambers.length[0]), min(high, chambers.length[1])
             if low > high:

@@ -35,7 +35,7 @@ class Scene:
 
     def __init__(self, obstacles: Iterable["Obstacle | Scene"] = ()) -> None:
         if not isinstance(obstacles, Iterable):
-            raise InputError("scene", "of the wrong kind", obstacles, "a list of obstacles")
+            raise InputError("scene", "", obstacles, "a list of obstacles")
         flat: list[Obstacle] = []
         for i, item in enumerate(obstacles):
             if isinstance(item, Scene):
@@ -43,7 +43,7 @@ class Scene:
             elif isinstance(item, Obstacle):
                 flat.append(item)
             else:
-                raise InputError(f"scene[{i}]", "of the wrong kind", item, "an obstacle or a scene")
+                raise InputError(f"scene[{i}]", "", item, "an obstacle or a scene")
         self._lock = threading.Lock()
         self._snapshot = Snapshot(tuple(flat))
 

@@ -58,7 +58,7 @@ class SolveOptions:
     def __post_init__(self) -> None:
         prefer = Preferences() if self.prefer is None else self.prefer
         if not isinstance(prefer, Preferences):
-            raise InputError("prefer", "of the wrong kind", prefer, "Preferences")
+            raise InputError("prefer", "", prefer, "Preferences")
         registry.name_of(self.method)
         values = {
             "tolerance": as_tolerance(self.tolerance),
@@ -78,5 +78,5 @@ class SolveOptions:
             if key in RENAMED:
                 raise InputError(key, "has another name now", value, f"{RENAMED[key]}=")
             if key not in cls.__dataclass_fields__:
-                raise InputError(key, "is not known", value, "one of " + ", ".join(cls.__dataclass_fields__))
+                raise InputError(key, "", value, "one of " + ", ".join(cls.__dataclass_fields__))
         return cls(**given)

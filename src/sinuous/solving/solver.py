@@ -65,7 +65,7 @@ class Solver:
 
     def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
         if not isinstance(robot, Robot):
-            raise InputError("robot", "of the wrong kind", robot, "a Robot")
+            raise InputError("robot", "", robot, "a Robot")
         self.robot = robot
         self.scene: Scene = as_scene(scene)
         check_sizes(robot, self.scene)
@@ -151,7 +151,7 @@ class Solver:
         if initial is not None:
             listed = [self._given(f"initial[{i}]", each) for i, each in enumerate(initial)]
             if len(listed) != len(problems):
-                raise InputError("initial", "not one for each target", len(listed), f"{len(problems)} configurations")
+                raise InputError("initial", "", len(listed), f"{len(problems)} configurations")
             given = np.stack(listed) if listed else given
         solutions: list[Solution] = []
         for first, last in _runs_of_equal([len(problem.targets) for problem in problems]):

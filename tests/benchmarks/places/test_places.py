@@ -96,11 +96,11 @@ def test_a_seed_makes_its_place_again(family: str) -> None:
 
 @pytest.mark.parametrize("family", ["pipe 1.3", "pipe 2.2", "plates", "drum", "duct"])
 @pytest.mark.parametrize("seed", [0, 13])
-def test_meshes_are_solids_without_flaws(family: str, seed: int) -> None:
+def test_meshes_are_solids_without_defects(family: str, seed: int) -> None:
     for obstacle in make(family, seed).scene.obstacles:
         if isinstance(obstacle, Mesh):
             assert obstacle.watertight
-            assert obstacle.flaws == ()
+            assert obstacle.defects == ()
             solid = trimesh.Trimesh(obstacle.vertices, obstacle.faces, process=False)
             assert solid.is_watertight
             assert solid.volume > 0.0

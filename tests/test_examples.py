@@ -39,7 +39,7 @@ def test_the_duct_is_made_by_its_script(tmp_path: Path) -> None:
     np.testing.assert_array_equal(fresh.faces, old.faces)
     np.testing.assert_allclose(fresh.vertices, old.vertices, atol=1e-3)
     assert old.watertight
-    assert old.flaws == ()
+    assert old.defects == ()
 
 
 def test_the_path_through_spheres_is_made_by_its_script(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from benchmarks.judges.judge import judge
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.solvers.among_spheres import AmongSpheres
 from sinuous.checks import Floats
-from sinuous.problem.problem import Tolerance
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution

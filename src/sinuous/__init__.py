@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
     from sinuous.poses import pose as pose
-    from sinuous.problem.problem import Preferences as Preferences
+    from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
-    from sinuous.problem.problem import Tolerance as Tolerance
     from sinuous.problem.target import Target as Target
+    from sinuous.problem.tolerance import Tolerance as Tolerance
     from sinuous.robot.actuators import Chambers as Chambers
     from sinuous.robot.actuators import Tendons as Tendons
+    from sinuous.robot.parameters import arc_parameters as arc_parameters
+    from sinuous.robot.parameters import from_arc_parameters as from_arc_parameters
     from sinuous.robot.robot import Robot as Robot
-    from sinuous.robot.robot import Segment as Segment
-    from sinuous.robot.robot import arc_parameters as arc_parameters
-    from sinuous.robot.robot import from_arc_parameters as from_arc_parameters
+    from sinuous.robot.segment import Segment as Segment
     from sinuous.scene.clouds.point_cloud import PointCloud as PointCloud
     from sinuous.scene.grids.field import Field as Field
     from sinuous.scene.grids.grid import Grid as Grid
@@ -62,8 +62,12 @@ _HOMES = {
     "methods.slinki.options": ("Slinki",),
     "pictures.plot": ("plot_solution",),
     "poses": ("pose",),
-    "problem.problem": ("Preferences", "Problem", "Tolerance"),
-    "robot.robot": ("Robot", "Segment", "arc_parameters", "from_arc_parameters"),
+    "problem.preferences": ("Preferences",),
+    "problem.problem": ("Problem",),
+    "problem.tolerance": ("Tolerance",),
+    "robot.parameters": ("arc_parameters", "from_arc_parameters"),
+    "robot.robot": ("Robot",),
+    "robot.segment": ("Segment",),
     "scene.grids.field": ("Field",),
     "scene.grids.grid": ("Grid",),
     "scene.meshes.mesh": ("Mesh",),

@@ -45,36 +45,44 @@ def number(
     if high < math.inf:
         expected += f", at most {high:g}"
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Real):
-        raise InputError(key, "not a number", value, expected)
+        raise InputError(key, "", value, expected)
     try:
         result = float(value)
     except OverflowError:
         raise InputError(key, "too large", value, expected) from None
     if math.isnan(result) or (math.isinf(result) and not infinite):
-        raise InputError(key, "not finite", value, expected)
+        raise InputError(key, "", value, expected)
     if result < low or result <= above or result > high:
-        raise InputError(key, "out of range", value, expected)
+        raise InputError(key, "", value, expected)
     return result
 
 
 def integer(key: str, value: Any, low: int, high: int) -> int:
     """Check a whole number between `low` and `high`, both allowed."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral) or not low <= int(value) <= high:
-        raise InputError(key, "not usable as a count", value, f"a whole number from {low} to {high}")
+        raise InputError(key, "", value, f"a whole number from {low} to {high}")
     return int(value)
 
 
-def array(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
+def array(key: str, value: Any, shape: Sequence[int | None], expected: str | None = None) -> Floats:
     """Check an array of finite numbers; `None` in `shape` stands for any extent. Returns a new read-only array."""
-    expected = "finite numbers of shape (" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
-    result = _numbers(key, value, expected)
+    wanted = expected or _described(shape)
+    result = _numbers(key, value, wanted)
     if result.ndim != len(shape) or any(s is not None and s != d for s, d in zip(shape, result.shape, strict=True)):
-        raise InputError(key, f"wrong shape {result.shape}", value, expected)
+        raise InputError(key, "" if result.ndim < 2 else f"shape {result.shape}", value, wanted)
     result = result.astype(np.float64)
     if not np.isfinite(result).all():
-        raise InputError(key, "not finite", value, expected)
+        raise InputError(key, "", value, wanted)
     result.flags.writeable = False
     return result
+
+
+def _described(shape: Sequence[int | None]) -> str:
+    """Say what an array of this shape holds: `3 finite numbers`, `rows of 3 finite numbers`."""
+    counts = ["" if extent is None else f"{extent} " for extent in shape]
+    if len(shape) <= 2:
+        return " rows of ".join(counts).replace("  ", " ").lstrip() + "finite numbers"
+    return "finite numbers of shape (" + ", ".join("any" if s is None else str(s) for s in shape) + ")"
 
 
 def _numbers(key: str, value: Any, expected: str) -> NDArray[Any]:
@@ -82,9 +90,9 @@ def _numbers(key: str, value: Any, expected: str) -> NDArray[Any]:
     try:
         result = np.array(value, order="C")
     except (ValueError, TypeError, OverflowError):
-        raise InputError(key, "not an array of numbers", value, expected) from None
+        raise InputError(key, "", value, expected) from None
     if result.dtype.kind not in "iuf" or _has_truth_value(value):
-        raise InputError(key, "not numbers", value, expected)
+        raise InputError(key, "", value, expected)
     return result
 
 
@@ -97,14 +105,24 @@ def _has_truth_value(value: Any) -> bool:
 
 def stack(key: str, value: Any, shape: Sequence[int | None]) -> Floats:
     """Check an array of finite numbers whose last axes have this shape, with any axes in front of them."""
+    extents = "".join(", any" if s is None else f", {s}" for s in shape)
+    expected = f"finite numbers of shape (...{extents})" if shape else "finite numbers"
     try:
         lead = np.ndim(value) - len(shape)
     except ValueError:  # rows of different lengths; `array` says so
         lead = 0
     if lead < 0:
-        expected = ", ".join("any" if s is None else str(s) for s in shape)
-        raise InputError(key, "too few axes", value, f"finite numbers of shape (..., {expected})")
-    return array(key, value, (*([None] * lead), *shape))
+        raise InputError(key, "too few axes", value, expected)
+    return array(key, value, (*([None] * lead), *shape), expected)
+
+
+def broadcast(key: str, value: Any, *arrays: Floats) -> list[Floats]:
+    """Bring arrays to one shape; `value` is what is refused where they have none."""
+    try:
+        return list(np.broadcast_arrays(*arrays))
+    except ValueError:
+        shapes = " and ".join(str(a.shape) for a in arrays)
+        raise InputError(key, "does not fit the rest", value, f"shapes that broadcast, not {shapes}") from None
 
 
 def vector(key: str, value: Any) -> Floats:
@@ -117,7 +135,7 @@ def direction(key: str, value: Any, size: int = 3) -> Floats:
     v = array(key, value, (size,))
     largest = float(np.abs(v).max())
     if largest == 0.0:
-        raise InputError(key, "has no direction", value, "a vector that is not zero")
+        raise InputError(key, "", value, "a vector that is not zero")
     scaled = v / largest
     result: Floats = scaled / np.linalg.norm(scaled)
     result.flags.writeable = False
@@ -131,7 +149,7 @@ def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, fl
         return single, single
     ends = [] if isinstance(value, (str, bytes, dict)) or not np.iterable(value) else list(islice(value, 3))
     if len(ends) != 2:
-        raise InputError(key, "not a range", value, "a number or [low, high]")
+        raise InputError(key, "", value, "a number or [low, high]")
     pair = number(f"{key}[0]", ends[0], low=low), number(f"{key}[1]", ends[1], low=low)
     if pair[0] > pair[1]:
         raise InputError(key, "lower limit above the upper one", value, "[low, high] with low <= high")
@@ -140,18 +158,18 @@ def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, fl
 
 def points(key: str, value: Any) -> Floats:
     """Check rows of three finite numbers, at least one; a refusal names the first bad row. Returns a new array."""
-    expected = "finite numbers of shape (any, 3)"
+    expected = "rows of 3 finite numbers"
     result = _numbers(key, value, expected)
     if result.size == 0:
-        raise InputError(key, "is empty", value, "at least one point")
+        raise InputError(key, "", value, "at least one point")
     if result.ndim != 2 or result.shape[1] != 3:
-        raise InputError(key, f"wrong shape {result.shape}", value, expected)
+        raise InputError(key, f"shape {result.shape}", value, expected)
     result = result.astype(np.float64)
     good = (np.abs(result) <= LARGEST).all(axis=1)
     if not good.all():
         first = int(np.flatnonzero(~good)[0])
-        problem = "too large" if np.isfinite(result[first]).all() else "not finite"
-        raise InputError(f"{key}[{first}]", problem, result[first].tolist(), "three finite numbers")
+        problem = "too large" if np.isfinite(result[first]).all() else ""
+        raise InputError(f"{key}[{first}]", problem, result[first].tolist(), "3 finite numbers")
     result.flags.writeable = False
     return result
 
@@ -159,12 +177,12 @@ def points(key: str, value: Any) -> Floats:
 def truth(key: str, value: Any) -> bool:
     """Check true or false; numbers are neither."""
     if not isinstance(value, (bool, np.bool_)):
-        raise InputError(key, "not a truth value", value, "true or false")
+        raise InputError(key, "", value, "true or false")
     return bool(value)
 
 
 def text(key: str, value: Any) -> str:
     """Check a piece of text that is not empty."""
     if not isinstance(value, str) or not value:
-        raise InputError(key, "not a text", value, "a text")
+        raise InputError(key, "", value, "a text")
     return value

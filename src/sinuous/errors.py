@@ -17,14 +17,17 @@ def shown(value: Any) -> str:
 
 
 class InputError(ValueError):
-    """Input that cannot be meant: names the key, the value and what was expected.
+    """Input that cannot be meant, in one line: `KEY: expected EXPECTED, got VALUE`.
+
+    In front stands the file that holds the key, when it came from one; at the end, in parentheses, what is wrong, where
+    that is not plain from the rest.
 
     Attributes
     ----------
     key : str
         Where the value stands, like `segments[2].length`.
     problem : str
-        What is wrong.
+        What is wrong; empty where the value and what was expected say it.
     value : object
         The value as it was given.
     expected : str
@@ -35,7 +38,8 @@ class InputError(ValueError):
 
     def __init__(self, key: str, problem: str, value: Any, expected: str, file: str | None = None) -> None:
         place = key if file is None else f"{file}: {key}"
-        super().__init__(f"{place}: {problem} (got {shown(value)}), expected {expected}")
+        wrong = f" ({problem})" if problem else ""
+        super().__init__(f"{place}: expected {expected}, got {shown(value)}{wrong}")
         self.key = key
         self.problem = problem
         self.value = value

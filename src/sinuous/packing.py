@@ -13,8 +13,10 @@ from sinuous.checks import Floats
 from sinuous.kernels import tables as t
 
 if TYPE_CHECKING:
-    from sinuous.problem.problem import Preferences, Tolerance
+    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.tolerance import Tolerance
     from sinuous.robot.robot import Robot
+    from sinuous.robot.segment import Segment
 
 ITERATIONS = 60
 """Most iterations from one start."""
@@ -48,6 +50,31 @@ def segment_row(length: tuple[float, float], max_bend: float, max_curvature: flo
 def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[float, float]) -> list[float]:
     """Return the row of an actuator limit on segments `first` to `last`, counted from 0."""
     return [float(first), float(last), *weights, *limits]
+
+
+def segment_table(segments: Sequence["Segment"], radii: Sequence[float]) -> Floats:
+    """Return the rows (n, 7) of segments, with these radii of their bodies; read-only."""
+    rows = [
+        segment_row(segment.length, segment.max_bend, segment.max_curvature, radius)
+        for segment, radius in zip(segments, radii, strict=True)
+    ]
+    return _closed(np.array(rows))
+
+
+def actuator_table(segments: Sequence["Segment"]) -> Floats:
+    """Return the rows (p, 7) of all limits of actuators; read-only."""
+    rows = []
+    for k, segment in enumerate(segments):
+        if segment.tendons is not None and np.isfinite(segment.tendons.displacement).any():
+            rows += [actuator_row(0, k, (ax, ay, 0.0), segment.tendons.displacement) for ax, ay in segment.tendons.arms]
+        if segment.chambers is not None and np.isfinite(segment.chambers.length).any():
+            rows += [actuator_row(k, k, (-ax, -ay, 1.0), segment.chambers.length) for ax, ay in segment.chambers.arms]
+    return _closed(np.array(rows, np.float64).reshape(-1, t.ACTUATOR_WIDTH))
+
+
+def _closed(table: Floats) -> Floats:
+    table.flags.writeable = False
+    return table
 
 
 def pose_row(matrix: Floats) -> Floats:

@@ -20,7 +20,7 @@ def rotation_matrix(key: str, value: Any) -> Floats:
     except ValueError:
         shape = ()
     if shape not in ((4,), (3, 3)):
-        raise InputError(key, "not a rotation", value, "a 3x3 rotation matrix or a quaternion [w, x, y, z]")
+        raise InputError(key, "", value, "a 3x3 rotation matrix or a quaternion [w, x, y, z]")
     if shape == (4,):
         result = _from_quaternion(checks.direction(key, value, 4))
     else:
@@ -43,7 +43,7 @@ def _from_quaternion(unit: Floats) -> Floats:
 def _nearest_rotation(key: str, matrix: Floats) -> Floats:
     close = np.abs(matrix).max() < 2.0 and np.abs(matrix @ matrix.T - np.eye(3)).max() <= ROTATION_SLACK
     if not close or np.linalg.det(matrix) < 0.0:
-        raise InputError(key, "is not a rotation", matrix.tolist(), "orthonormal rows and determinant 1")
+        raise InputError(key, "", matrix.tolist(), "a rotation: orthonormal rows and determinant 1")
     u, _, vt = np.linalg.svd(matrix)
     result: Floats = u @ vt
     return result

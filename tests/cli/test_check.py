@@ -40,12 +40,12 @@ def test_a_start_is_verified(
     assert strict(capsys.readouterr().out)["start"]["ok"] is (code == 0)
 
 
-def test_flaws_of_meshes_are_listed(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+def test_defects_of_meshes_are_listed(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     file = problem("shell.yaml")
-    flaw = "sheet: 3 edges with one triangle only (holes), so it is used as a shell and not as a solid"
+    defect = "sheet: 3 edges with one triangle only (holes), so it is used as a shell and not as a solid"
     assert main(["check", file]) == 0
     said = capsys.readouterr()
-    assert said.out.splitlines()[1:] == [f"  note: {flaw}"]
+    assert said.out.splitlines()[1:] == [f"  note: {defect}"]
     assert said.err == ""
     assert main(["check", "--json", file]) == 0
-    assert strict(capsys.readouterr().out)["notes"] == [flaw]
+    assert strict(capsys.readouterr().out)["notes"] == [defect]

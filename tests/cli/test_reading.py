@@ -13,7 +13,7 @@ from tests.scene.shapes import cube
 Write = Callable[[str], str]
 
 
-def test_flaws_are_noted_once_beside_the_results(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+def test_defects_are_noted_once_beside_the_results(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     file, easy = problem("shell.yaml"), problem("easy.yaml")
     main(["solve", file])  # may have to compile, which is said too
     capsys.readouterr()
@@ -37,7 +37,7 @@ def test_a_mesh_that_cuts_through_itself_is_refused_before_anything_is_solved(
     assert main(["solve", problem("easy.yaml"), file]) == 2
     said = capsys.readouterr()
     assert said.out == ""
-    assert said.err.startswith(f"{file}: sheet: cuts through itself (got ")
+    assert said.err.startswith(f"{file}: sheet: expected its bodies one by one: mesh.bodies(), got ")
     assert len(said.err.splitlines()) == 1
 
 
@@ -53,8 +53,11 @@ def test_a_wrong_mesh_is_refused_in_one_line(
     good, file = problem("easy.yaml"), problem("shell.yaml")
     sheet = tmp_path / "sheet.obj"
     for text, said in (
-        ("v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", f"{sheet}: vertices[1]: not finite (got [nan, 0.0, 0.0])"),
-        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", f"{file}: scene[0].mesh.file: has no triangles"),
+        (
+            "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n",
+            f"{sheet}: vertices[1]: expected 3 finite numbers, got [nan, 0.0, 0.0]",
+        ),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", f"{file}: scene[0].mesh.file: expected a mesh with at least one triangle"),
         ("no mesh\n", f"{file}: scene[0].mesh.file: "),
     ):
         sheet.write_text(text)
@@ -63,4 +66,4 @@ def test_a_wrong_mesh_is_refused_in_one_line(
         assert output.out == ""
         (line,) = output.err.splitlines()
         assert line.startswith(said)
-        assert ", expected " in line
+        assert ": expected " in line

@@ -100,12 +100,12 @@ def test_methods_and_their_options(capsys: pytest.CaptureFixture[str], problem: 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--method", "magic"], "--method: is not known (got 'magic'), expected one of newton, opti_path"),
-        (["--option", "beta=1"], "--option beta: unknown option (got '1'), expected none"),
-        (["--method", "opti_path", "--option", "beta=1"], "--option beta: unknown option"),
-        (["--method", "opti_path", "--option", "samples=x"], "--option samples: not usable as a count"),
-        (["--method", "opti_path", "--option", "samples"], "--option: not an option"),
-        (["--method", "opti_path", "--option", "cooling=2"], "--option cooling: out of range"),
+        (["--method", "magic"], "--method: expected one of newton, opti_path"),
+        (["--option", "beta=1"], "--option beta: expected none"),
+        (["--method", "opti_path", "--option", "beta=1"], "--option beta: expected one of"),
+        (["--method", "opti_path", "--option", "samples=x"], "--option samples: expected a whole number"),
+        (["--method", "opti_path", "--option", "samples"], "--option: expected KEY=VALUE"),
+        (["--method", "opti_path", "--option", "cooling=2"], "--option cooling: expected a number"),
     ],
 )
 def test_wrong_options_are_one_line(
@@ -120,7 +120,7 @@ def test_wrong_options_are_one_line(
 def test_a_path_is_for_track(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     file = problem("path.yaml")
     assert main(["solve", file]) == 2
-    assert capsys.readouterr().err.startswith(f"{file}: path: is for the command track")
+    assert capsys.readouterr().err.startswith(f"{file}: path: expected target or targets, got ")
 
 
 def test_pictures_of_several_files_are_numbered(problem: Write, tmp_path: Path) -> None:

@@ -13,10 +13,10 @@ def test_values() -> None:
 @pytest.mark.parametrize(
     ("text", "key", "problem"),
     [
-        ('{"a": NaN}', "a", "not finite"),
-        ('{"a": [0, {"b": -Infinity}]}', "a[1].b", "not finite"),
-        ('{"a": 1e400}', "a", "not finite"),
-        ('{"a": ' + "9" * 5000 + "}", "a", "not finite"),
+        ('{"a": NaN}', "a", "expected a finite number"),
+        ('{"a": [0, {"b": -Infinity}]}', "a[1].b", "expected a finite number"),
+        ('{"a": 1e400}', "a", "expected a finite number"),
+        ('{"a": ' + "9" * 5000 + "}", "a", "expected a finite number"),
         ('{"a": 1, "a": 1}', "a", "stands twice"),
         ('{"a": 1,\nb}', "line 2", "Expecting property name"),
         ('{"a": 1}\n{"a": 1}', "line 2", "Extra data"),
@@ -28,4 +28,4 @@ def test_refusals_name_line_or_key(text: str, key: str, problem: str) -> None:
     with pytest.raises(InputError) as refusal:
         parse_json(text)
     assert refusal.value.key.startswith(key)
-    assert problem in refusal.value.problem
+    assert problem in str(refusal.value)

@@ -65,10 +65,10 @@ def test_line_ends_of_windows_are_fine() -> None:
 @pytest.mark.parametrize(
     ("text", "key", "problem"),
     [
-        ("a: .nan", "a", "not finite"),
-        ("a: [1, -.inf]", "a[1]", "not finite"),
-        ("a: {b: 1e999}", "a.b", "not finite"),
-        ("a: " + "9" * 5000, "a", "not finite"),
+        ("a: .nan", "a", "expected a finite number"),
+        ("a: [1, -.inf]", "a[1]", "expected a finite number"),
+        ("a: {b: 1e999}", "a.b", "expected a finite number"),
+        ("a: " + "9" * 5000, "a", "expected a finite number"),
         ("a: 1\na: 1", "a", "stands twice"),
         ("a: {b: 1, b: 2}", "a.b", "stands twice"),
         ("a: &x 1", "line 1", "anchor"),
@@ -87,5 +87,5 @@ def test_refusals_name_line_or_key(text: str, key: str, problem: str) -> None:
     with pytest.raises(InputError) as refusal:
         parse_yaml(text)
     assert refusal.value.key.startswith(key)
-    assert problem in refusal.value.problem
+    assert problem in str(refusal.value)
     assert len(str(refusal.value).splitlines()) == 1

@@ -72,10 +72,10 @@ def test_nothing_global_is_touched(tmp_path: Path) -> None:
 
 def test_without_matplotlib_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib.backend_bases", None)
-    with pytest.raises(sn.InputError, match=r"needs Matplotlib .*, expected it installed: pip install sinuous\[plot\]"):
+    with pytest.raises(sn.InputError, match=r"expected it installed: .*\[plot\], got .* \(needs Matplotlib\)"):
         plot_solution(sn.solve(ROBOT, TARGETS[0]), tmp_path / "shape.png")
 
 
 def test_an_unknown_kind_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(sn.InputError, match="no kind of picture"):
+    with pytest.raises(sn.InputError, match=r"expected a name that ends in \."):
         plot_solution(sn.solve(ROBOT, TARGETS[0]), tmp_path / "shape.exe")

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from sinuous.robot.actuators import Chambers, Lines, Tendons
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import NOT_NUMBERS, Floats, configurations, expm_chain, refused, refused_each
 
 LINES = (Tendons, Chambers)

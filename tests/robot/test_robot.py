@@ -12,7 +12,9 @@ import pytest
 
 import sinuous as sn
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot, Segment, arc_parameters, from_arc_parameters
+from sinuous.robot.parameters import arc_parameters, from_arc_parameters
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import (
     NOT_NUMBERS,
     Floats,
@@ -341,7 +343,7 @@ def test_chambers_narrow_the_length() -> None:
 
 def test_robots_are_frozen_and_survive_pickling() -> None:
     robot = posed_robot(0)
-    for table in (robot.base, robot.tool, robot.limits, robot.actuation, robot.base_row, robot.tool_row):
+    for table in (robot.base, robot.tool, robot.limits, robot.actuation):
         assert not table.flags.writeable
     with pytest.raises(AttributeError):
         robot.segments[0].radius = 3.0  # type: ignore[misc]

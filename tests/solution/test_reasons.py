@@ -74,6 +74,7 @@ def test_obstacles_are_called_by_their_names() -> None:
     assert based.status is Status.BASE_BLOCKED
     assert based.reason is not None
     assert (based.reason.bound, based.reason.obstacle, based.reason.available) == ("base", "floor", -0.5)
+    assert "the usual remedy is a longer mount" in str(based.reason)
 
 
 def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
@@ -87,6 +88,7 @@ def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
     assert solution.reason.obstacle is not None
     assert solution.reason.obstacle.startswith("box[")
     assert solution.to_dict()["reason"]["bound"] == "route"
+    assert str(solution.reason).startswith("route: none is wide enough for a body of radius 0.1, ")
 
 
 def test_what_is_solved_has_no_reason() -> None:

@@ -58,3 +58,22 @@ def test_clearance_names_the_obstacle_that_is_in_the_way() -> None:
     assert solution.worst is not None
     assert (solution.worst.constraint, solution.worst.obstacle) == ("clearance", "lamp")
     assert math.isfinite(solution.worst.amount)
+
+
+def test_an_answer_speaks_of_the_scene_that_it_was_found_in() -> None:
+    scene = sn.Scene([sn.PointCloud([[9.0, 9.0, 9.0]], 0.1, name="camera")])
+    solver = sn.Solver(ROBOT, scene)
+    free = solver.solve(sn.Target((0, 1, 2)))
+    scene.update([[0.0, 1.0, 2.0]], 0.3)
+    blocked = solver.solve(sn.Target((0, 1, 2)))
+    scene.update([[9.0, 9.0, 9.0]], 0.1)
+    assert free.solved
+    assert free.verify().ok
+    assert blocked.status is sn.Status.TARGET_BLOCKED
+    assert not blocked.verify().ok
+    assert blocked.reason is not None
+    assert blocked.reason.available == pytest.approx(-0.3, abs=1e-2)
+    assert blocked.worst is not None
+    assert (blocked.worst.constraint, blocked.worst.obstacle) == ("clearance", "camera")
+    assert free.problem.scene is not blocked.problem.scene
+    assert solver.solve(sn.Target((0, 1, 2))).q.tobytes() == free.q.tobytes()

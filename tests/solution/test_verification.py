@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.measures.body import segment_ends
 from sinuous.problem.problem import Problem
 from sinuous.solution import verification
 
@@ -12,7 +13,7 @@ Q = np.array([[0.5, 0.2, 1.0], [-0.7, 0.4, 0.9], [0.0, 1.1, 1.1], [0.3, -0.3, 1.
 
 
 def test_poses_agree_with_the_kernels() -> None:
-    ends = verification.segment_ends(ROBOT, Q)
+    ends = segment_ends(ROBOT, Q)
     np.testing.assert_allclose(ends[1:], ROBOT.forward(Q), atol=1e-13)
 
 

@@ -3,7 +3,8 @@
 from numpy.random import Generator
 
 from sinuous.poses import pose
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 
 BENDS = {3: 2.4, 5: 2.4, 8: 2.0, 12: 1.6, 20: 1.2}
 """Number of bending segments, and the largest bend of each, rad."""

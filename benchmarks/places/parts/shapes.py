@@ -8,7 +8,8 @@ from numpy.random import Generator
 
 from benchmarks.judges.kinematics import arc_poses
 from sinuous.checks import Floats
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 
 TURNING = 0.9
 """Standard deviation of the change of the bending plane from one segment to the next, rad."""

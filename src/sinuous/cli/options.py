@@ -10,7 +10,8 @@ from sinuous.errors import InputError
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
-    from sinuous.problem.problem import Preferences, Tolerance
+    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.tolerance import Tolerance
 
 
 @dataclass(frozen=True)
@@ -96,7 +97,7 @@ class Options:
         from sinuous.methods import registry as methods  # noqa: PLC0415
 
         if self.method not in methods.METHODS:
-            raise InputError("--method", "is not known", self.method, "one of " + ", ".join(methods.METHODS))
+            raise InputError("--method", "", self.method, "one of " + ", ".join(methods.METHODS))
         try:
             return methods.with_options(self.method, self.options)
         except InputError as error:

@@ -49,13 +49,13 @@ def known_entries(value: Any, known: Iterable[str], required: Iterable[str] = ()
     """Return a copy of a mapping that has all `required` keys and none that is not `known`."""
     names = tuple(known)
     if not isinstance(value, dict):
-        raise InputError("", "not a mapping", value, "a mapping with " + ", ".join(names))
+        raise InputError("", "", value, "a mapping with " + ", ".join(names))
     for key, entry in value.items():
         if key not in names:
             raise InputError(join("", key), "unknown key", entry, _suggestion(key, names))
     for key in required:
         if key not in value:
-            raise InputError(key, "is missing", value, "a value")
+            raise InputError(key, "missing", value, "a value")
     return dict(value)
 
 

@@ -11,7 +11,8 @@ from sinuous.files.build import keys_of, known_entries, make
 from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import MOST_SEGMENTS, Robot, Segment
+from sinuous.robot.robot import MOST_SEGMENTS, Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
@@ -46,7 +47,7 @@ def _read_segments(value: Any, radius: float) -> list[Segment]:
         with checks.inside(f"[{i}]"):
             segments += _read_equal_segments(entry, radius)
         if len(segments) > MOST_SEGMENTS:
-            raise InputError("", "too many segments", len(segments), f"at most {MOST_SEGMENTS} in all")
+            raise InputError("", "", len(segments), f"at most {MOST_SEGMENTS} segments in all")
     return segments
 
 
@@ -86,7 +87,7 @@ def _read_obstacles(value: Any, robot: Robot, folder: Path) -> list[Obstacle]:
     kinds = (*OBSTACLES, *FROM_FILES)
     entries = known_entries(value, kinds)
     if len(entries) != 1:
-        raise InputError("", "not one obstacle", value, "one of " + ", ".join(kinds))
+        raise InputError("", "", value, "one of " + ", ".join(kinds))
     ((kind, description),) = entries.items()
     with checks.inside(kind):
         if kind in OBSTACLES:
@@ -117,5 +118,5 @@ def read_targets(value: Any, robot: Robot) -> tuple[Target, ...]:
 
 def _list_of(what: str, value: Any, least: int = 1) -> list[Any]:
     if not isinstance(value, list) or len(value) < least:
-        raise InputError("", "not a list" if value else "is empty", value, f"a list of {what}")
+        raise InputError("", "", value, f"a list of {what}")
     return value

@@ -27,13 +27,13 @@ def parse_path(text: str) -> tuple[Target, ...]:
     line, names = next(rows, (1, []))
     header = tuple(name.strip() for name in names)
     if header not in HEADERS:
-        raise InputError(f"line {line}", "not a header", ",".join(names), " or ".join(",".join(h) for h in HEADERS))
+        raise InputError(f"line {line}", "", ",".join(names), " or ".join(",".join(h) for h in HEADERS))
     targets = []
     for line, cells in rows:
         with checks.inside(f"line {line}"):
             targets.append(_target(header, cells))
     if not targets:
-        raise InputError(f"line {line}", "no row follows", text, "at least one target")
+        raise InputError(f"line {line}", "", text, "at least one target")
     return tuple(targets)
 
 
@@ -58,5 +58,5 @@ def _target(header: tuple[str, ...], cells: list[str]) -> Target:
 
 def _number(name: str, cell: str) -> float:
     if not NUMBER.fullmatch(cell):
-        raise InputError(name, "not a number", cell, "a finite number")
+        raise InputError(name, "", cell, "a finite number")
     return checks.number(name, float(cell))

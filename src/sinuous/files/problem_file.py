@@ -15,8 +15,10 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
-from sinuous.problem.problem import Preferences, Problem, Tolerance
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
@@ -55,12 +57,12 @@ class ProblemFile:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is not as it should be, and what became of it: the flaws of all meshes."""
+        """What is not as it should be, and what became of it: the defects of all meshes."""
         return tuple(
-            f"{self.scene.name(i)}: {flaw}"
+            f"{self.scene.name(i)}: {defect}"
             for i, obstacle in enumerate(self.scene.obstacles)
             if isinstance(obstacle, Mesh)
-            for flaw in obstacle.flaws
+            for defect in obstacle.defects
         )
 
     def problem(self, waypoint: int = 0) -> Problem:
@@ -87,7 +89,7 @@ def read_problem(file: str | Path) -> ProblemFile:
 
 def _problem(file: str, value: Any) -> ProblemFile:
     if not isinstance(value, dict):
-        raise InputError("file", "not a problem", value, "a mapping with " + ", ".join(KEYS))
+        raise InputError("file", "", value, "a mapping with " + ", ".join(KEYS))
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
     robot: Robot = _part(entries, "robot", read_robot)
@@ -112,7 +114,7 @@ def _waypoints(entries: dict[str, Any], robot: Robot, folder: Path) -> tuple[tup
     expected = "one of " + ", ".join(QUESTIONS)
     asked = [key for key in QUESTIONS if key in entries]
     if not asked:
-        raise InputError("target", "is missing", list(entries), expected)
+        raise InputError("target", "missing", list(entries), expected)
     key, value = asked[0], entries[asked[0]]
     if len(asked) > 1:
         raise InputError(key, f"stands beside {asked[1]}", value, expected)
@@ -131,7 +133,7 @@ def _read_path(value: Any, robot: Robot, folder: Path) -> tuple[tuple[Target, ..
         except InputError as error:
             raise error.in_file(file) from None
     if not isinstance(value, list) or not value:
-        raise InputError("path", "not a path", value, "a list of targets or the name of a CSV file")
+        raise InputError("path", "", value, "a list of targets or the name of a CSV file")
     waypoints = []
     for i, entry in enumerate(value):
         with checks.inside(f"path[{i}]"):

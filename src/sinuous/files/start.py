@@ -50,5 +50,5 @@ def _configuration(value: Any, robot: Robot) -> Floats:
         with checks.inside(f"waypoints[{len(waypoints) - 1}]"):
             return _configuration(waypoints[-1], robot)
     if "q" not in value:
-        raise InputError("q", "is missing", value, "a result of an earlier solve")
+        raise InputError("q", "missing", value, "a result of an earlier solve")
     return checks.array("q", value["q"], (len(robot), 3))

@@ -48,7 +48,7 @@ def whole_number(text: str) -> int | float:
 def refuse_infinite(key: str, value: Any) -> None:
     """Check that every number in plain values is finite; the refusal names its key."""
     if isinstance(value, float) and not math.isfinite(value):
-        raise InputError(key or "file", "not finite", value, "a finite number")
+        raise InputError(key or "file", "", value, "a finite number")
     entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for inner, entry in entries:
         if isinstance(entry, (float, dict, list)):

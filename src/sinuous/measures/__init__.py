@@ -1,1 +1,1 @@
-"""Distances to obstacles by slow and plain NumPy and SciPy, to check what the kernels say. No kernel is used."""
+"""Independent measurements, slow and plain: distances, places of the body, bounds on its reach. No kernel is used."""

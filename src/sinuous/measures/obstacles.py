@@ -4,7 +4,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.measures.primitives import to_primitive
-from sinuous.measures.samples import to_cloud, to_field, to_grid
+from sinuous.measures.samples import most_to_grid, to_cloud, to_field, to_grid
 from sinuous.measures.triangles import to_mesh
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field
@@ -31,3 +31,10 @@ def measure(obstacle: Obstacle, points: Floats) -> Floats:
     else:
         raise NotImplementedError(f"no independent distance for {type(obstacle).__name__}")
     return np.asarray(-distance if getattr(obstacle, "inside", False) else distance)
+
+
+def at_most(obstacle: Obstacle, points: Floats) -> Floats:
+    """Upper bound (m,) of the signed distance of points (m, 3): the same, but for a grid of distances."""
+    if isinstance(obstacle, Grid) and not obstacle.occupancy:
+        return most_to_grid(obstacle, points)
+    return measure(obstacle, points)

@@ -49,11 +49,22 @@ def _proved(grid: Grid, points: Floats) -> Floats:
 
     No distance function with these samples has less there.
     """
+    values, gaps = _corners(grid, points)
+    result: Floats = (values - gaps).max(axis=0)
+    return result
+
+
+def most_to_grid(grid: Grid, points: Floats) -> Floats:
+    """Least of `value + distance` (m,) over the same corners: no distance function with these samples has more."""
+    values, gaps = _corners(grid, points)
+    result: Floats = (values + gaps).min(axis=0)
+    return result
+
+
+def _corners(grid: Grid, points: Floats) -> tuple[Floats, Floats]:
+    """Values (8, m) at the corners of the cell of each point, or of the nearest cell, and their distances from it."""
     cell = np.floor((points - grid.origin) / grid.spacing).astype(np.int64)
     first = cell.clip(0, np.array(grid.values.shape) - 2)
-    best = np.full(len(points), -np.inf)
-    for corner in np.ndindex(2, 2, 2):
-        at = first + corner
-        gap = np.linalg.norm(points - grid.origin - grid.spacing * at, axis=-1)
-        best = np.maximum(best, grid.values[tuple(at.T)] - gap)
-    return best
+    at = np.stack([first + corner for corner in np.ndindex(2, 2, 2)])
+    gaps: Floats = np.linalg.norm(points - grid.origin - grid.spacing * at, axis=-1)
+    return grid.values[tuple(np.moveaxis(at, -1, 0))], gaps

@@ -7,7 +7,9 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import Outcome
 
 if TYPE_CHECKING:
-    from sinuous.problem.problem import Preferences, Problem, Tolerance
+    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.problem import Problem
+    from sinuous.problem.tolerance import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
 

@@ -16,7 +16,8 @@ from sinuous.methods.method import Case, Method
 from sinuous.methods.options import Options
 
 if TYPE_CHECKING:
-    from sinuous.problem.problem import Preferences, Tolerance
+    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.tolerance import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
 

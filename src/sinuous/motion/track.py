@@ -192,7 +192,7 @@ def track(
 def as_path(robot: Robot, targets: Iterable[Targets]) -> tuple[tuple[Target, ...], ...]:
     """Check the waypoints of a path for this robot."""
     if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets):
-        raise InputError("targets", "not a path", targets, "a list of targets")
+        raise InputError("targets", "", targets, "a list of targets")
     path = tuple(target_list(f"targets[{i}]", waypoint) for i, waypoint in enumerate(targets))
     checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
     for i, waypoint in enumerate(path):

@@ -44,7 +44,7 @@ def check_picture(key: str, file: Path) -> None:
         raise InputError(key, "needs Matplotlib", str(file), "it installed: pip install sinuous[plot]") from None
     kinds = sorted(FigureCanvasBase.filetypes)
     if file.suffix.lower().lstrip(".") not in kinds:
-        raise InputError(key, "no kind of picture", str(file), "a name that ends in ." + ", .".join(kinds))
+        raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(kinds))
 
 
 def plot_solution(answer: Solution | Track, file: str | Path) -> None:

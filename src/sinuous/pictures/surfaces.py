@@ -63,23 +63,22 @@ def _cap(center: Floats, frame: Floats, radius: float, side: float) -> list[Floa
     return [_ring(center + radius * math.sin(a) * forward, frame, radius * math.cos(a)) for a in angles]
 
 
-def obstacle_surface(obstacle: Obstacle, center: Floats, span: float) -> Floats:
-    """Facets of an exact obstacle or a mesh; of a half-space a square of edge `span` near `center`.
+def obstacle_surface(obstacle: Obstacle, middle: Floats, span: float) -> Floats:
+    """Facets of an exact obstacle or a mesh; of a half-space a square of edge `span` near `middle`.
 
     Those of a mesh that the body must stay within face inwards.
     """
     if isinstance(obstacle, Mesh):
         return _of_mesh(obstacle)
     if isinstance(obstacle, HalfSpace):
-        near = center - (center - obstacle.point) @ obstacle.normal * obstacle.normal
+        near = middle - (middle - obstacle.point) @ obstacle.normal * obstacle.normal
         local = _square(0.5 * span)
-        return near + local @ obstacle.row[5:14].reshape(3, 3).T
+        return near + local @ obstacle.frame.rotation.T
     if not isinstance(obstacle, Primitive):
         raise NotImplementedError(f"no picture of {type(obstacle).__name__}")
-    row = obstacle.row
-    place, rotation, half = row[2:5], row[5:14].reshape(3, 3), row[14:17]
+    center, rotation, half = obstacle.frame
     local = _box(half) if isinstance(obstacle, Box) else _revolved(_profile(obstacle, float(half[2])))
-    surface: Floats = place + local @ rotation.T
+    surface: Floats = center + local @ rotation.T
     return surface
 
 

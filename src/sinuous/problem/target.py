@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.frozen import Frozen
 from sinuous.packing import target_row
 from sinuous.poses import rotation_matrix
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
@@ -17,7 +18,7 @@ MOST_TARGETS = 1000
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Target:
+class Target(Frozen):
     """What is asked of the end of one segment: a position, an orientation, or both.
 
     Parameters
@@ -31,6 +32,11 @@ class Target:
     segment : int, optional
         The segment whose end is meant, 1 = first. The last one, which is the default, means the tool.
 
+    Attributes
+    ----------
+    table : ndarray (1, 15)
+        All this as kernels read it; not to be changed.
+
     Raises
     ------
     InputError
@@ -43,6 +49,8 @@ class Target:
     segment: int | None
     table: Floats
 
+    _tables: ClassVar[frozenset[str]] = frozenset({"table"})
+
     def __init__(
         self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None
     ) -> None:
@@ -54,11 +62,8 @@ class Target:
         axis = None if direction is None else checks.direction("direction", direction)
         matrix = None if rotation is None else rotation_matrix("rotation", rotation)
         number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)
-        # Writable: the kernels are compiled for one type of array.
         table = target_row(number, place, axis, matrix)
-        values = {"position": place, "direction": axis, "rotation": matrix, "segment": number, "table": table}
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
+        self._set(position=place, direction=axis, rotation=matrix, segment=number, table=table)
 
     def __repr__(self) -> str:
         parts = [
@@ -78,20 +83,20 @@ def target_list(key: str, targets: Any) -> tuple[Target, ...]:
     """Check one target or several that are to be met at once."""
     listed = (targets,) if isinstance(targets, Target) else targets
     if isinstance(listed, (str, bytes, dict)) or not np.iterable(listed):
-        raise InputError(key, "of the wrong kind", targets, "a Target or a list of them")
+        raise InputError(key, "", targets, "a Target or a list of them")
     result = tuple(listed)
     checks.integer(f"len({key})", len(result), 1, MOST_TARGETS)
     for i, target in enumerate(result):
         if not isinstance(target, Target):
-            raise InputError(f"{key}[{i}]", "of the wrong kind", target, "a Target")
+            raise InputError(f"{key}[{i}]", "", target, "a Target")
     return result
 
 
 def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
-    """Rows (t, 15) of all targets, for this robot; layout of `sinuous.kernels.step.targets`."""
+    """Rows (t, 15) of all targets, for this robot; laid out as `sinuous.kernels.tables` says."""
     for i, target in enumerate(targets):
         if target.segment is not None and target.segment > len(robot):
-            raise InputError(f"targets[{i}].segment", "is not there", target.segment, f"1 to {len(robot)}")
+            raise InputError(f"targets[{i}].segment", "", target.segment, f"a segment from 1 to {len(robot)}")
     if len(targets) == 1:
         return targets[0].table
     return np.concatenate([target.table for target in targets])

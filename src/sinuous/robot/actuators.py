@@ -15,12 +15,13 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.frozen import Frozen
 
 MOST_LINES = 64
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Lines:
+class Lines(Frozen):
     """Lines parallel to the backbone of a segment.
 
     Parameters
@@ -40,7 +41,7 @@ class Lines:
 
     def __init__(self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None) -> None:
         if (count is None) == (angles is None):
-            raise InputError("count", "must say where the lines are", count, "either count (and angle) or angles")
+            raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
         if angles is None:
             number = checks.integer("count", count, 1, MOST_LINES)
             first = checks.number("angle", 0.0 if angle is None else angle)
@@ -50,8 +51,7 @@ class Lines:
                 raise InputError("angle", "stands beside angles", angle, "either count and angle, or angles")
             values = checks.array("angles", angles, (None,))
             checks.integer("angles", len(values), 1, MOST_LINES)
-        object.__setattr__(self, "angles", values)
-        object.__setattr__(self, "radius", checks.number("radius", radius, above=0.0))
+        self._set(angles=values, radius=checks.number("radius", radius, above=0.0))
 
     @property
     def arms(self) -> Floats:
@@ -82,7 +82,7 @@ class Tendons(Lines):
         self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None, displacement: Any = None
     ) -> None:
         super().__init__(count, radius, angle, angles=angles)
-        object.__setattr__(self, "displacement", _limits_about_zero("displacement", displacement))
+        self._set(displacement=_limits_about_zero("displacement", displacement))
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -102,7 +102,7 @@ class Chambers(Lines):
     ) -> None:
         super().__init__(count, radius, angle, angles=angles)
         pair = (-math.inf, math.inf) if length is None else checks.interval("length", length, low=0.0)
-        object.__setattr__(self, "length", pair)
+        self._set(length=pair)
 
 
 def _limits_about_zero(key: str, value: Any) -> tuple[float, float]:

@@ -2,91 +2,24 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
-from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from sinuous import checks
+from sinuous import checks, packing
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import ACTUATOR_WIDTH
-from sinuous.packing import actuator_row, pose_row, segment_row
+from sinuous.frozen import Frozen
 from sinuous.poses import as_pose
+from sinuous.robot import actuation, limits
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.limits import Violation
+from sinuous.robot.segment import Segment
 
 MOST_SEGMENTS = 10_000
 
 
-@dataclass(frozen=True, init=False, eq=False)
-class Segment:
-    """One constant-curvature piece of a robot, and its limits.
-
-    Parameters
-    ----------
-    length : float or (float, float)
-        Length of the backbone, or its range; one number means inextensible. The lower end may be 0 (an insertion
-        stage).
-    max_bend : float
-        Largest norm of the bending vector, rad; 0 = the segment cannot bend.
-    max_curvature : float, optional
-        Largest bend divided by length, in 1 / length unit.
-    radius : float
-        Radius of the body.
-    tendons : Tendons, optional
-        Tendons that end at the end of this segment.
-    chambers : Chambers, optional
-        Chambers along this segment.
-
-    Raises
-    ------
-    InputError
-        When a limit is negative, NaN, or the wrong way round, or when the straight segment breaks a limit of its
-        chambers.
-    """
-
-    length: tuple[float, float]
-    max_bend: float
-    max_curvature: float
-    radius: float
-    tendons: Tendons | None
-    chambers: Chambers | None
-
-    def __init__(
-        self,
-        length: Any,
-        max_bend: Any = math.pi,
-        max_curvature: Any = None,
-        radius: Any = 0.0,
-        tendons: Tendons | None = None,
-        chambers: Chambers | None = None,
-    ) -> None:
-        low, high = checks.interval("length", length, low=0.0)
-        curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
-        for key, value, kind in (("tendons", tendons, Tendons), ("chambers", chambers, Chambers)):
-            if value is not None and not isinstance(value, kind):
-                raise InputError(key, "of the wrong kind", value, f"{kind.__name__} or nothing")
-        if chambers is not None:
-            low, high = max(low, chambers.length[0]), min(high, chambers.length[1])
-            if low > high:
-                raise InputError(
-                    "chambers.length", "excludes the straight segment", chambers.length, f"overlap with {length}"
-                )
-        object.__setattr__(self, "length", (low, high))
-        object.__setattr__(self, "max_bend", checks.number("max_bend", max_bend, low=0.0))
-        object.__setattr__(self, "max_curvature", curvature)
-        object.__setattr__(self, "radius", checks.number("radius", radius, low=0.0))
-        object.__setattr__(self, "tendons", tendons)
-        object.__setattr__(self, "chambers", chambers)
-
-    def __repr__(self) -> str:
-        low, high = self.length
-        shown = f"{low:g}" if low == high else f"({low:g}, {high:g})"
-        return f"Segment(length={shown}, max_bend={self.max_bend:g}, radius={self.radius:g})"
-
-
-class Robot:
+class Robot(Frozen):
     """A continuum robot: segments from base to tip, where it stands, and what it carries.
 
     A configuration `q` is an array (..., n, 3) with `bend_x`, `bend_y` (rad) and `length` of every segment.
@@ -104,42 +37,52 @@ class Robot:
     tool : array_like (4, 4), optional
         Pose of the tool in the frame of the tip. Targets of the tip mean the tool; the tool has no body.
 
+    Attributes
+    ----------
+    segments : tuple of Segment
+    radii : tuple of float
+        Radius of the body, per segment.
+    limits, actuation : ndarray (n, 7), (p, 7)
+        Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
+
     Raises
     ------
     InputError
         When there is no segment, nothing has a length, or a pose is none.
     """
 
+    segments: tuple[Segment, ...]
+    radii: tuple[float, ...]
+    mount: float
+    base: Floats
+    tool: Floats
+    limits: Floats
+    actuation: Floats
+
     def __init__(
         self, segments: Iterable[Segment], *, radius: Any = None, mount: Any = 0.0, base: Any = None, tool: Any = None
     ) -> None:
         if not isinstance(segments, Iterable):
-            raise InputError("segments", "of the wrong kind", segments, "a list of Segment")
-        self.segments: tuple[Segment, ...] = tuple(segments)
-        checks.integer("segments", len(self.segments), 1, MOST_SEGMENTS)
-        for k, segment in enumerate(self.segments):
+            raise InputError("segments", "", segments, "a list of Segment")
+        listed = tuple(segments)
+        checks.integer("segments", len(listed), 1, MOST_SEGMENTS)
+        for k, segment in enumerate(listed):
             if not isinstance(segment, Segment):
-                raise InputError(f"segments[{k}]", "of the wrong kind", segment, "a Segment")
-        if all(segment.length[1] == 0.0 for segment in self.segments):
-            raise InputError(
-                "segments", "have no length", self.segments, "at least one segment that can be longer than 0"
-            )
-        self.mount = checks.number("mount", mount, low=0.0)
-        self.base = as_pose("base", base)
-        self.tool = as_pose("tool", tool)
-        radii = [segment.radius for segment in self.segments]
+                raise InputError(f"segments[{k}]", "", segment, "a Segment")
+        if all(segment.length[1] == 0.0 for segment in listed):
+            raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
+        radii = tuple(segment.radius for segment in listed)
         if radius is not None:
-            radii = [checks.number("radius", radius, low=0.0)] * len(self.segments)
-        self.radii: tuple[float, ...] = tuple(radii)
-        self.limits = np.array(
-            [
-                segment_row(segment.length, segment.max_bend, segment.max_curvature, radius)
-                for segment, radius in zip(self.segments, radii, strict=True)
-            ]
+            radii = (checks.number("radius", radius, low=0.0),) * len(listed)
+        self._set(
+            segments=listed,
+            mount=checks.number("mount", mount, low=0.0),
+            base=as_pose("base", base),
+            tool=as_pose("tool", tool),
+            radii=radii,
+            limits=packing.segment_table(listed, radii),
+            actuation=packing.actuator_table(listed),
         )
-        self.actuation = _actuation_table(self.segments)
-        for table in (self.limits, self.actuation):
-            table.flags.writeable = False
 
     @classmethod
     def uniform(
@@ -214,7 +157,7 @@ class Robot:
         frames, lead = self._frames(q)
         flat = np.ascontiguousarray(np.asarray(q, np.float64).reshape(-1, len(self), 3))
         out = np.zeros((len(flat), 6, 3 * len(self)))
-        batch.jacobians_of(flat, frames, pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
+        batch.jacobians_of(flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
         return out.reshape(*lead, 6, 3 * len(self))
 
     def _frames(self, q: Any) -> tuple[Floats, tuple[int, ...]]:
@@ -224,58 +167,32 @@ class Robot:
         lead = checked.shape[:-2]
         flat = np.array(checked.reshape(-1, len(self), 3))
         frames = np.empty((len(flat), len(self) + 1, 12))
-        batch.frames_of(flat, pose_row(self.base), frames)
+        batch.frames_of(flat, packing.pose_row(self.base), frames)
         return frames, lead
 
     def excess(self, q: Any) -> float:
-        """Return by how much a configuration is outside the limits, at worst; 0 when it is within all of them.
+        """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
         Bends and lengths count in their own units (rad, length unit), actuators in the length unit.
         """
-        x = self.configuration("q", q)
-        bends, lengths = np.hypot(x[..., 0], x[..., 1]), x[..., 2]
-        low, high, max_bend, max_curvature = self.limits[:, :4].T
-        with np.errstate(invalid="ignore"):
-            cap = np.fmin(max_bend, np.where(np.isinf(max_curvature), np.inf, max_curvature * lengths))
-        beyond = [low - lengths, lengths - high, bends - cap]
-        for first, last, ax, ay, al, lowest, highest in self.actuation.tolist():
-            value = x[..., int(first) : int(last) + 1, :].sum(axis=-2) @ np.array([ax, ay, al])
-            beyond += [lowest - value, value - highest]
-        return max(float(np.max(part, initial=0.0)) for part in beyond)
+        return limits.excess(self.segments, self.configuration("q", q))
 
-    def violations(self, q: Any) -> list[tuple[str, int, float]]:
+    def violations(self, q: Any) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 
         `length` and `actuator` count in the length unit, `bend` and `curvature` in rad: the latter is the bend beyond
         what the curvature allows at this length.
         """
-        x = checks.array("q", q, (len(self), 3))
-        found: list[tuple[str, int, float]] = []
-        for k, (segment, (ux, uy, length)) in enumerate(zip(self.segments, x.tolist(), strict=True), start=1):
-            bend = math.hypot(ux, uy)
-            found.append(("length", k, max(segment.length[0] - length, length - segment.length[1])))
-            found.append(("bend", k, bend - segment.max_bend))
-            if math.isfinite(segment.max_curvature):
-                found.append(("curvature", k, bend - segment.max_curvature * max(0.0, length)))
-        for first, last, ax, ay, al, lowest, highest in self.actuation.tolist():
-            value = float(x[int(first) : int(last) + 1].sum(axis=0) @ np.array([ax, ay, al]))
-            found.append(("actuator", int(last) + 1, max(lowest - value, value - highest)))
-        return [each for each in found if each[2] > 1e-11 * max(1.0, self.mean_length)]
+        slack = 1e-11 * max(1.0, self.mean_length)
+        return limits.violations(self.segments, checks.array("q", q, (len(self), 3)), slack)
 
     def tendon_displacements(self, q: Any) -> list[Floats]:
         """Displacement of every tendon, per segment an array (..., m); positive is pulled, of the bends alone."""
-        x = self.configuration("q", q)
-        total = np.cumsum(x[..., :2], axis=-2)
-        return [
-            np.zeros((*x.shape[:-2], 0)) if s.tendons is None else total[..., k, :] @ s.tendons.arms.T
-            for k, s in enumerate(self.segments)
-        ]
+        return actuation.tendon_displacements(self.segments, self.configuration("q", q))
 
     def tendon_lengths(self, q: Any) -> list[Floats]:
         """Length of every tendon from base to where it ends, per segment an array (..., m)."""
-        x = self.configuration("q", q)
-        reach = np.cumsum(x[..., 2], axis=-1)
-        return [reach[..., k, None] - pulled for k, pulled in enumerate(self.tendon_displacements(x))]
+        return actuation.tendon_lengths(self.segments, self.configuration("q", q))
 
     def from_tendon_lengths(self, lengths: list[Any]) -> Floats:
         """Configuration (..., n, 3) of a robot whose tendons have these lengths (by least squares where they are many).
@@ -283,124 +200,19 @@ class Robot:
         Every segment needs tendons that are not all in one plane with the backbone; without extension the known
         length of a segment is used, otherwise the lengths of its tendons determine it.
         """
-        return _undo_lines(self, "tendons", _per_segment(self, "lengths", lengths, "tendons"))
+        return actuation.from_tendon_lengths(self.segments, lengths)
 
     def from_tendon_displacements(self, displacements: list[Any], length: Any = None) -> Floats:
         """Configuration (..., n, 3) from displacements per segment (..., m), with segment lengths (..., n).
 
         `length` may be left out when no segment can stretch.
         """
-        if length is None and any(s.length[0] != s.length[1] for s in self.segments):
-            raise InputError("length", "is missing", length, "segment lengths, because segments can stretch")
-        own = checks.stack("length", [s.length[0] for s in self.segments] if length is None else length, (len(self),))
-        reach = np.cumsum(own, axis=-1)
-        values = _per_segment(self, "displacements", displacements, "tendons")
-        _broadcast("length", length, own[..., 0], values[0][..., 0])
-        return _undo_lines(self, "tendons", [reach[..., k, None] - v for k, v in enumerate(values)], own)
+        return actuation.from_tendon_displacements(self.segments, displacements, length)
 
     def chamber_lengths(self, q: Any) -> list[Floats]:
         """Length of every chamber, per segment an array (..., m)."""
-        x = self.configuration("q", q)
-        return [
-            np.zeros((*x.shape[:-2], 0)) if s.chambers is None else x[..., k, 2:] - x[..., k, :2] @ s.chambers.arms.T
-            for k, s in enumerate(self.segments)
-        ]
+        return actuation.chamber_lengths(self.segments, self.configuration("q", q))
 
     def from_chamber_lengths(self, lengths: list[Any]) -> Floats:
         """Configuration (..., n, 3) of a robot whose chambers have these lengths (least squares where many)."""
-        return _undo_lines(self, "chambers", _per_segment(self, "lengths", lengths, "chambers"))
-
-
-def _actuation_table(segments: tuple[Segment, ...]) -> Floats:
-    """Rows (p, 7) of all limits of actuators."""
-    rows = []
-    for k, segment in enumerate(segments):
-        if segment.tendons is not None and np.isfinite(segment.tendons.displacement).any():
-            rows += [actuator_row(0, k, (ax, ay, 0.0), segment.tendons.displacement) for ax, ay in segment.tendons.arms]
-        if segment.chambers is not None and np.isfinite(segment.chambers.length).any():
-            rows += [actuator_row(k, k, (-ax, -ay, 1.0), segment.chambers.length) for ax, ay in segment.chambers.arms]
-    return np.array(rows, np.float64).reshape(-1, ACTUATOR_WIDTH)
-
-
-def _broadcast(key: str, value: Any, *arrays: Floats) -> list[Floats]:
-    """Bring arrays to one shape."""
-    try:
-        return list(np.broadcast_arrays(*arrays))
-    except ValueError:
-        shapes = " and ".join(str(a.shape) for a in arrays)
-        raise InputError(key, "does not fit the rest", value, f"shapes that broadcast, not {shapes}") from None
-
-
-def _per_segment(robot: Robot, key: str, values: list[Any], kind: str) -> list[Floats]:
-    """Check one array (..., lines) a segment; their axes in front are broadcast."""
-    listed = (
-        []
-        if isinstance(values, (str, bytes, dict)) or not np.iterable(values)
-        else list(islice(values, len(robot) + 1))
-    )
-    if len(listed) != len(robot):
-        raise InputError(key, "wrong kind or number", values, f"a list of {len(robot)} arrays, one a segment")
-    result = []
-    for k, (segment, value) in enumerate(zip(robot.segments, listed, strict=True)):
-        lines = getattr(segment, kind)
-        if lines is None or not lines.spans_plane:
-            raise InputError(
-                f"segments[{k}].{kind}", "do not determine the bend", lines, "at least two, not in one plane"
-            )
-        result.append(checks.stack(f"{key}[{k}]", value, (len(lines.angles),)))
-    lead = _broadcast(key, values, *(v[..., 0] for v in result))[0].shape
-    return [np.broadcast_to(v, (*lead, v.shape[-1])) for v in result]
-
-
-def _undo_lines(robot: Robot, kind: str, values: list[Floats], known: Floats | None = None) -> Floats:
-    """Undo `length = reach - arms . bend`, segment by segment; later tendons run through earlier segments."""
-    before = np.zeros((*values[0].shape[:-1], 3))
-    out = []
-    for k, (segment, value) in enumerate(zip(robot.segments, values, strict=True)):
-        arms = getattr(segment, kind).arms
-        system = np.concatenate([-arms, np.ones((len(arms), 1))], axis=1)
-        fixed = (
-            known[..., k]
-            if known is not None
-            else (segment.length[0] if segment.length[0] == segment.length[1] else None)
-        )
-        rest = value - (before @ system.T if kind == "tendons" else 0.0)
-        if fixed is None:
-            if np.linalg.matrix_rank(system, tol=1e-9) < 3:
-                raise InputError(
-                    f"segments[{k}].{kind}", "do not determine the length", len(arms), "three lines or more"
-                )
-            own = rest @ np.linalg.pinv(system).T
-        else:
-            stretch = np.broadcast_to(np.asarray(fixed, np.float64), rest.shape[:-1])[..., None]
-            own = np.concatenate([(stretch - rest) @ np.linalg.pinv(arms).T, stretch], axis=-1)
-        out.append(own)
-        before = before + own
-    return np.stack(out, axis=-2)
-
-
-def from_arc_parameters(curvature: Any, plane_angle: Any, length: Any) -> Floats:
-    """Configuration (..., 3) of segments with these curvatures (1 / length), bending-plane angles (rad) and lengths.
-
-    Webster & Jones 2010: (kappa, phi, l). The arrays broadcast; `(n,)` arrays make one configuration (n, 3).
-    """
-    given = (("curvature", curvature), ("plane_angle", plane_angle), ("length", length))
-    parts = [checks.stack(key, value, ()) for key, value in given]
-    kappa, phi, arc = _broadcast("curvature", curvature, *parts)
-    return np.stack([kappa * arc * np.cos(phi), kappa * arc * np.sin(phi), arc], axis=-1)
-
-
-def arc_parameters(q: Any) -> tuple[Floats, Floats, Floats]:
-    """Curvature (1 / length), bending-plane angle (rad; 0 when straight) and length of every segment, each (..., n).
-
-    A segment of length 0 has no curvature unless it is straight (then 0).
-    """
-    x = checks.stack("q", q, (3,))
-    bend = np.hypot(x[..., 0], x[..., 1])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        curvature = np.where(bend == 0.0, 0.0, bend / x[..., 2])
-    if not np.isfinite(curvature).all():
-        raise InputError(
-            "q", "has a bent segment of length 0", x.tolist(), "a length greater than 0 where there is a bend"
-        )
-    return curvature, np.arctan2(x[..., 1], x[..., 0]), x[..., 2].copy()
+        return actuation.from_chamber_lengths(self.segments, lengths)

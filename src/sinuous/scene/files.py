@@ -11,7 +11,7 @@ from sinuous.errors import InputError
 def check_file(file: Path, kinds: Sequence[str]) -> None:
     """Refuse a file that is not there or cannot be read, or whose name does not end in one of `kinds`."""
     if file.suffix.lower() not in kinds:
-        raise InputError("file", "of an unknown kind", str(file), "a name that ends in " + ", ".join(kinds))
+        raise InputError("file", "", str(file), "a name that ends in " + ", ".join(kinds))
     try:
         with file.open("rb"):
             pass

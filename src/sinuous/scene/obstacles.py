@@ -5,15 +5,15 @@ With `inside=True` the body must stay within.
 
 import math
 from abc import ABC, abstractmethod
-from copy import copy
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.packing import primitive_row
 from sinuous.poses import least_rotation, rotation_matrix
@@ -23,7 +23,7 @@ IDENTITY.flags.writeable = False
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Obstacle(ABC):
+class Obstacle(Frozen, ABC):
     """Something the body must not touch."""
 
     name: str | None
@@ -35,19 +35,40 @@ class Obstacle(ABC):
 
     def named(self, name: Any) -> Self:
         """Return the same obstacle with another name, or None for none."""
-        twin = copy(self)
+        twin = object.__new__(type(self))
+        twin._set(**vars(self))
         twin._keep(name)
         return twin
 
     def _keep(self, name: Any, **values: Any) -> None:
-        values["name"] = None if name is None else checks.text("name", name)
-        for key, value in values.items():
-            object.__setattr__(self, key, value)
+        self._set(name=None if name is None else checks.text("name", name), **values)
+
+
+class Frame(NamedTuple):
+    """A place in the world and axes there.
+
+    Attributes
+    ----------
+    center : ndarray (3,)
+    rotation : ndarray (3, 3)
+        Its columns are the axes in the world.
+    half : ndarray (3,)
+        Half extents along the axes.
+    """
+
+    center: Floats
+    rotation: Floats
+    half: Floats
 
 
 @dataclass(frozen=True, init=False, eq=False)
 class Primitive(Obstacle):
     """An obstacle that a few numbers say exactly."""
+
+    @property
+    @abstractmethod
+    def frame(self) -> "Frame":
+        """Where it is, how it is turned, and how far it extends along its own axes, without what is rounded."""
 
     @property
     @abstractmethod
@@ -81,9 +102,14 @@ class Sphere(Primitive):
         )
 
     @property
+    def frame(self) -> Frame:
+        """See `Primitive.frame`."""
+        return Frame(self.center, IDENTITY, np.zeros(3))
+
+    @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        return primitive_row(SPHERE, self.inside, self.center, IDENTITY, np.zeros(3), self.radius)
+        return primitive_row(SPHERE, self.inside, *self.frame, self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -120,17 +146,22 @@ class Box(Primitive):
         )
 
     @property
+    def frame(self) -> Frame:
+        """See `Primitive.frame`."""
+        return Frame(self.center, self.rotation, 0.5 * self.size)
+
+    @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        return primitive_row(BOX, self.inside, self.center, self.rotation, 0.5 * self.size)
+        return primitive_row(BOX, self.inside, *self.frame)
 
 
-def _axis(start: Floats, end: Floats) -> tuple[Floats, Floats, float]:
-    """Center, rotation with z along the axis, and half length."""
+def _along(start: Floats, end: Floats, radius: float) -> Frame:
+    """Frame of what lies about a line: z along it, `radius` the half extent across."""
     span = end - start
     length = math.hypot(*span.tolist())
     rotation = IDENTITY if length == 0.0 else least_rotation(checks.direction("end", span))
-    return 0.5 * (start + end), rotation, 0.5 * length
+    return Frame(0.5 * (start + end), rotation, np.array([radius, radius, 0.5 * length]))
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -157,10 +188,14 @@ class Capsule(Primitive):
         )
 
     @property
+    def frame(self) -> Frame:
+        """See `Primitive.frame`."""
+        return _along(self.start, self.end, 0.0)
+
+    @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        center, rotation, half = _axis(self.start, self.end)
-        return primitive_row(BOX, False, center, rotation, [0.0, 0.0, half], self.radius)
+        return primitive_row(BOX, False, *self.frame, self.radius)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -195,10 +230,14 @@ class Cylinder(Primitive):
         )
 
     @property
+    def frame(self) -> Frame:
+        """See `Primitive.frame`."""
+        return _along(self.start, self.end, self.radius)
+
+    @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        center, rotation, half = _axis(self.start, self.end)
-        return primitive_row(CYLINDER, self.inside, center, rotation, [self.radius, self.radius, half])
+        return primitive_row(CYLINDER, self.inside, *self.frame)
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -221,6 +260,11 @@ class HalfSpace(Primitive):
         self._keep(name, point=checks.vector("point", point), normal=checks.direction("normal", normal))
 
     @property
+    def frame(self) -> Frame:
+        """See `Primitive.frame`."""
+        return Frame(self.point, least_rotation(self.normal), np.zeros(3))
+
+    @property
     def row(self) -> Floats:
         """See `Primitive.row`."""
-        return primitive_row(HALF_SPACE, False, self.point, least_rotation(self.normal), np.zeros(3))
+        return primitive_row(HALF_SPACE, False, *self.frame)

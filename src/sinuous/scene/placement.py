@@ -7,11 +7,12 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
+from sinuous.frozen import Frozen
 from sinuous.poses import pose
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class Placement:
+class Placement(Frozen):
     """The map p -> rotation * scale * p + position from a file to the world.
 
     Parameters
@@ -27,8 +28,7 @@ class Placement:
     pose: Floats
 
     def __init__(self, scale: Any, position: Any = None, rotation: Any = None) -> None:
-        object.__setattr__(self, "scale", checks.number("scale", scale, above=0.0))
-        object.__setattr__(self, "pose", pose(position, rotation=rotation))
+        self._set(scale=checks.number("scale", scale, above=0.0), pose=pose(position, rotation=rotation))
 
     def apply(self, points: Floats) -> Floats:
         """Map points (m, 3); what is not finite stays so."""

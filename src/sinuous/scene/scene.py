@@ -17,8 +17,10 @@ from sinuous.scene.snapshot import Snapshot
 class Scene:
     """A union of obstacles. Distances are positive outside, negative inside, in the length unit.
 
-    Nothing of it changes but by `update`. Meshes, clouds and grids of cubes are sampled on a grid when the scene is
-    first used, or by `prepare`; large ones are kept on disk, in the user's cache directory.
+    Nothing of it changes but by `update`; `snapshot` gives what is there now, frozen. A copy goes on by itself.
+
+    Meshes, clouds and grids of cubes are sampled on a grid when the scene is first used, or by `prepare`; large ones
+    are kept on disk, in the user's cache directory.
 
     Parameters
     ----------
@@ -33,7 +35,7 @@ class Scene:
 
     def __init__(self, obstacles: Iterable["Obstacle | Scene"] = ()) -> None:
         if not isinstance(obstacles, Iterable):
-            raise InputError("scene", "of the wrong kind", obstacles, "a list of obstacles")
+            raise InputError("scene", "", obstacles, "a list of obstacles")
         flat: list[Obstacle] = []
         for i, item in enumerate(obstacles):
             if isinstance(item, Scene):
@@ -41,7 +43,7 @@ class Scene:
             elif isinstance(item, Obstacle):
                 flat.append(item)
             else:
-                raise InputError(f"scene[{i}]", "of the wrong kind", item, "an obstacle or a scene")
+                raise InputError(f"scene[{i}]", "", item, "an obstacle or a scene")
         self._lock = threading.Lock()
         self._snapshot = Snapshot(tuple(flat))
 
@@ -121,11 +123,11 @@ class Scene:
             cloud = PointCloud(points, old.radii[0] if radius is None else radius, name=old.name)
             self._snapshot = before.replaced(index, cloud)
 
-    def __getstate__(self) -> Snapshot:
-        return self._snapshot
+    def __getstate__(self) -> tuple[Snapshot]:
+        return (self._snapshot,)
 
-    def __setstate__(self, snapshot: Snapshot) -> None:
-        self._snapshot = snapshot
+    def __setstate__(self, state: tuple[Snapshot]) -> None:
+        (self._snapshot,) = state
         self._lock = threading.Lock()
 
     def distance(self, points: Any) -> Floats:
@@ -162,3 +164,15 @@ def _find_cloud(snapshot: Snapshot, name: str | None) -> tuple[int, PointCloud]:
         problem = "names no point cloud" if not found else "leaves open which point cloud"
         raise InputError("name", problem, name, f"one of {', '.join(names)}" if names else "a scene with a point cloud")
     return found[0]
+
+
+def as_scene(scene: Any) -> Scene:
+    """Check a scene; `None` is the empty one, a list of obstacles their union."""
+    if scene is None:
+        return Scene()
+    return scene if isinstance(scene, Scene) else Scene(scene)
+
+
+def as_snapshot(scene: Any) -> Snapshot:
+    """Check a scene, and take its obstacles as they are now."""
+    return scene if isinstance(scene, Snapshot) else as_scene(scene).snapshot()

@@ -3,22 +3,24 @@
 import threading
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks, packing
 from sinuous.checks import Floats
+from sinuous.frozen import Frozen
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field, evaluate
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.tables import Part, join, live, prepare
+from sinuous.scene.prepared.parts import Part, join, live, prepare
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
 
 
-class Snapshot:
+class Snapshot(Frozen):
     """A union of obstacles, frozen. Distances are positive outside, negative inside, in the length unit.
 
     Problems and solutions hold the snapshot of the scene that they were solved in. What the kernels read of it is
@@ -33,11 +35,14 @@ class Snapshot:
 
     __slots__ = ("_group", "_lock", "_obstacles", "_parts")
 
+    _group: Floats | None
+    _lock: threading.Lock
+    _obstacles: tuple[Obstacle, ...]
+    _parts: Sequence[Part] | None
+
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        self._obstacles = obstacles
-        self._parts = parts
-        self._group: Floats | None = None if parts is None else join(parts)
-        self._lock = threading.Lock()
+        group = None if parts is None else join(parts)
+        self._set(_obstacles=obstacles, _parts=parts, _group=group, _lock=threading.Lock())
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
@@ -53,9 +58,9 @@ class Snapshot:
         """Compute what the kernels read, if that is not done yet, and return it; see `Scene.prepare`."""
         with self._lock:
             if self._group is None:
-                self._parts = [self._part(i, progress) for i in range(len(self))]
-                self._group = join(self._parts)
-            return self._group
+                parts = [self._part(i, progress) for i in range(len(self))]
+                self._set(_parts=parts, _group=join(parts))
+        return self.group
 
     def _part(self, index: int, progress: Callable[[str, float], None] | None) -> Part:
         name = self.name(index)
@@ -71,7 +76,7 @@ class Snapshot:
     def __getstate__(self) -> tuple[tuple[Obstacle, ...], Sequence[Part] | None]:
         return self._obstacles, self._parts
 
-    def __setstate__(self, state: tuple[tuple[Obstacle, ...], Sequence[Part] | None]) -> None:
+    def __setstate__(self, state: Any) -> None:
         Snapshot.__init__(self, *state)
 
     def __len__(self) -> int:

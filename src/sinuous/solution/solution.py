@@ -7,6 +7,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
+from sinuous.frozen import Frozen
 from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.solution.status import Status, status_of
@@ -20,7 +21,19 @@ _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET
 """Statuses of which clearance is the reason."""
 
 
-class Solution:
+class _Open:
+    """A solution while it is put together."""
+
+    problem: "Problem"
+    status: Status
+    q: Floats
+    seconds: float
+    method: str
+    seed: int
+    _outcome: Outcome
+
+
+class Solution(_Open, Frozen):
     """What a solve found; frozen. On failure it holds the best configuration found.
 
     With the method `newton` that one keeps all limits; other methods may violate some, and `worst` says which.
@@ -29,7 +42,7 @@ class Solution:
     ----------
     status : Status
     q : ndarray (n, 3)
-        Configuration: bend_x, bend_y (rad), length of every segment.
+        Configuration: bend_x, bend_y (rad), length of every segment; read-only.
     position_error, angle_error : float or None
         Largest distance (length unit) and angle (rad) to a target; `None` where no target asks for it.
     clearance : float or None
@@ -43,17 +56,28 @@ class Solution:
     method : str
     seed : int
     problem : Problem
-        What was asked.
+        What was asked, with the obstacles as they were then.
     """
 
-    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, method: str, seed: int) -> None:
-        self.problem = problem
-        self.status = status_of(outcome)
-        self.q = outcome.q
-        self.seconds = seconds
-        self.method = method
-        self.seed = seed
-        self._outcome = outcome
+    __slots__ = ()
+
+    def __new__(cls, problem: "Problem", outcome: Outcome, seconds: float, method: str, seed: int) -> "Solution":
+        """Put together what a solve found; the configuration of `outcome` becomes read-only."""
+        answer: Any = _Open()
+        answer.problem = problem
+        answer.status = status_of(outcome)
+        answer.q = outcome.q
+        answer.seconds = seconds
+        answer.method = method
+        answer.seed = seed
+        answer._outcome = outcome
+        outcome.q.setflags(write=False)
+        answer.__class__ = cls  # closes it; seven calls of `object.__setattr__` would cost 0.3 us
+        made: Solution = answer
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Solution, (self.problem, self._outcome, self.seconds, self.method, self.seed)
 
     @property
     def iterations(self) -> int:

@@ -39,7 +39,7 @@ _SENTENCES = {
     Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
     Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
     Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
-    Status.NO_ROUTE: "proved at the stated resolution: no route through free space wide enough for the body",
+    Status.NO_ROUTE: "proved at the stated resolution: no route through free space is wide enough for the body",
     Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
     Status.BLOCKED: "not solved: the best found overlaps an obstacle",
     Status.LIMIT_BOUND: "not solved: limits stop the best found",

@@ -7,7 +7,8 @@ from typing import Any
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.methods import registry
-from sinuous.problem.problem import Preferences, Tolerance, as_tolerance
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.tolerance import Tolerance, as_tolerance
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -58,7 +59,7 @@ class SolveOptions:
     def __post_init__(self) -> None:
         prefer = Preferences() if self.prefer is None else self.prefer
         if not isinstance(prefer, Preferences):
-            raise InputError("prefer", "of the wrong kind", prefer, "Preferences")
+            raise InputError("prefer", "", prefer, "Preferences")
         registry.name_of(self.method)
         values = {
             "tolerance": as_tolerance(self.tolerance),

@@ -15,8 +15,9 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.tables import PROVED_CLOSED, QUERY_WIDTH, ROUTE, SOURCES
-from sinuous.problem.problem import Problem, Tolerance
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.buffers import BufferPool

@@ -12,10 +12,10 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Budget, Call
-from sinuous.problem.problem import Problem, as_scene, check_sizes
+from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
+from sinuous.scene.scene import Scene, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solving.base import base_blocked
@@ -64,7 +64,7 @@ class Solver:
 
     def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
         if not isinstance(robot, Robot):
-            raise InputError("robot", "of the wrong kind", robot, "a Robot")
+            raise InputError("robot", "", robot, "a Robot")
         self.robot = robot
         self.scene: Scene = as_scene(scene)
         check_sizes(robot, self.scene)
@@ -160,7 +160,7 @@ class Solver:
         if initial is not None:
             listed = [self._given(f"initial[{i}]", each) for i, each in enumerate(initial)]
             if len(listed) != len(problems):
-                raise InputError("initial", "not one for each target", len(listed), f"{len(problems)} configurations")
+                raise InputError("initial", "", len(listed), f"{len(problems)} configurations")
             given = np.stack(listed) if listed else given
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         found: list[Outcome] = []

@@ -13,8 +13,8 @@ from benchmarks.paper.scenes import paper_pose, path_through
 from benchmarks.problems import ProblemSet, among_spheres, arm, reachable
 from sinuous.errors import InputError
 from sinuous.methods.registry import METHODS
-from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status

@@ -14,11 +14,11 @@ from benchmarks.places.place import Sketch, settle
 from benchmarks.places.spheres import spheres
 from benchmarks.problems import random_configurations
 from sinuous.checks import Floats
+from sinuous.measures.body import arc_poses
 from sinuous.measures.obstacles import measure
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
-from sinuous.solution.verification import arc_poses
 
 made_once = cache(make)
 """To prepare a place takes seconds: tests that only look at it share it."""
@@ -105,7 +105,7 @@ def test_meshes_are_solids_without_flaws(family: str, seed: int) -> None:
     for obstacle in made_once(family, seed).scene.obstacles:
         if isinstance(obstacle, Mesh):
             assert obstacle.watertight
-            assert obstacle.flaws == ()
+            assert obstacle.defects == ()
             solid = trimesh.Trimesh(obstacle.vertices, obstacle.faces, process=False)
             assert solid.is_watertight
             assert solid.volume > 0.0

@@ -10,7 +10,8 @@ from sinuous.kernels.body import body
 from sinuous.kernels.body.body import CLEAR, PER_SEGMENT, TOUCHING, UNDECIDED
 from sinuous.kernels.body.rows import INNER, SOFT
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import (

@@ -7,7 +7,7 @@ import pytest
 
 from sinuous.kernels.fields import triangles
 from sinuous.kernels.fields.triangles import AB, BC, CA, INSIDE, A, B, C
-from sinuous.scene.sampled.trees import with_planes
+from sinuous.scene.prepared.trees import with_planes
 from tests.helpers import Floats, vec
 
 CORNERS = {

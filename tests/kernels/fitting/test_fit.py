@@ -8,7 +8,8 @@ from sinuous import packing
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import Floats
 
 POINTS = 300

@@ -10,9 +10,11 @@ from sinuous import packing, pose
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.query import read_query
 from sinuous.kernels.tables import QUERY_WIDTH
-from sinuous.problem.problem import Problem, Tolerance
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, Segment
+from sinuous.problem.tolerance import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import Floats, as_matrix, random_pose
 
 ROBOT = Robot(

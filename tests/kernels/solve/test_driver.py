@@ -33,8 +33,9 @@ from sinuous.kernels.tables import (
     answer_size,
 )
 from sinuous.methods.compiled import as_outcomes
-from sinuous.problem.problem import Problem, Tolerance
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene

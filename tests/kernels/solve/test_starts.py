@@ -10,7 +10,8 @@ from scipy.optimize import brentq
 
 from sinuous.kernels.solve import starts
 from sinuous.packing import pose_row
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
 
 MIXED = Robot(

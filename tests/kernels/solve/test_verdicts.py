@@ -10,9 +10,10 @@ from sinuous.kernels.solve import verdicts
 from sinuous.kernels.solve.verdicts import POSSIBLE
 from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.poses import pose
-from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot, Segment
+from sinuous.problem.tolerance import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_problem, random_pose

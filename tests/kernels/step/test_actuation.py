@@ -9,7 +9,8 @@ import pytest
 from sinuous.kernels.body.rows import END, HARD, IDLE
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import Floats, columns_of, make_rows
 
 

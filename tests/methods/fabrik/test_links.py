@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from sinuous.methods.fabrik import links as fabrik
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from tests.helpers import Floats, expm_chain, vec
 
 MIXED = Robot(

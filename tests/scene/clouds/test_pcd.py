@@ -111,21 +111,24 @@ def refuse(content: bytes, message: str) -> None:
 def test_damage_is_refused() -> None:
     refuse(b"", r"a\.pcd: file: .*no PCD header")
     refuse(b"\x00" * 100_000, "no PCD header")
-    refuse(header("ascii").replace(b"x y z", b"x y w") + b"", r"a\.pcd: FIELDS: has no z")
-    refuse(header("zip"), r"a\.pcd: DATA: of an unknown kind \(got 'zip'\)")
-    refuse(header("ascii").replace(b"POINTS 50", b"POINTS many"), r"POINTS: not a count")
-    refuse(header("ascii").replace(b"POINTS 50\n", b""), r"POINTS: not a count")
-    refuse(header("ascii").replace(b"COUNT 1 1 1 3 1 1", b"COUNT 1 1"), "DATA: cannot be read")
-    refuse(header("ascii").replace(b"SIZE 4 4 4", b"SIZE 4 4 5"), "DATA: cannot be read")
-    refuse(header("ascii").replace(b"TYPE F", b"TYPE C"), "DATA: cannot be read")
-    refuse(header("ascii").replace(b"SIZE 4 4 4 8 4 2\n", b""), "DATA: cannot be read")
+    refuse(
+        header("ascii").replace(b"x y z", b"x y w") + b"",
+        r"a\.pcd: FIELDS: expected .* x y z, got .*no z\)",
+    )
+    refuse(header("zip"), r"a\.pcd: DATA: expected one of ascii, binary, binary_compressed, got 'zip'")
+    refuse(header("ascii").replace(b"POINTS 50", b"POINTS many"), r"POINTS: expected a whole number, got ")
+    refuse(header("ascii").replace(b"POINTS 50\n", b""), r"POINTS: expected a whole number, got ")
+    refuse(header("ascii").replace(b"COUNT 1 1 1 3 1 1", b"COUNT 1 1"), r"DATA: expected .* \(cannot be read\)")
+    refuse(header("ascii").replace(b"SIZE 4 4 4", b"SIZE 4 4 5"), r"DATA: expected .* \(cannot be read\)")
+    refuse(header("ascii").replace(b"TYPE F", b"TYPE C"), r"DATA: expected .* \(cannot be read\)")
+    refuse(header("ascii").replace(b"SIZE 4 4 4 8 4 2\n", b""), r"DATA: expected .* \(cannot be read\)")
     refuse(header("ascii") + b"1 2 3\n", "50 points as the header says")
-    refuse(header("ascii") + b"one two\n" * 200, "DATA: cannot be read")
-    refuse(header("binary") + table().tobytes()[:-1], "DATA: cannot be read")
-    refuse(header("binary_compressed") + b"\x00", "DATA: cannot be read")
+    refuse(header("ascii") + b"one two\n" * 200, r"DATA: expected .* \(cannot be read\)")
+    refuse(header("binary") + table().tobytes()[:-1], r"DATA: expected .* \(cannot be read\)")
+    refuse(header("binary_compressed") + b"\x00", r"DATA: expected .* \(cannot be read\)")
     whole = packed(by_field(table()))
-    refuse(header("binary_compressed") + whole[:-1], "DATA: cannot be read")
-    refuse(header("binary_compressed", 49) + whole, "DATA: cannot be read")
+    refuse(header("binary_compressed") + whole[:-1], r"DATA: expected .* \(cannot be read\)")
+    refuse(header("binary_compressed", 49) + whole, r"DATA: expected .* \(cannot be read\)")
 
 
 @given(st.integers(0, 2**32), st.sampled_from(["ascii", "binary", "binary_compressed"]))

@@ -28,7 +28,7 @@ def test_bodies_are_divided_where_they_may_overlap(body: Triangles, count: int) 
     assert len(parts) == count
     assert sum(len(part.faces) for part in parts) == len(mesh.faces)
     assert {part.extent for part in parts} == {mesh.extent}
-    assert all(part.watertight and part.flaws == () and part.name == "engine" for part in parts)
+    assert all(part.watertight and part.defects == () and part.name == "engine" for part in parts)
     points = np.random.default_rng(0).uniform((-1.2, -1.2, -1.2), (3.5, 1.2, 1.2), (500, 3))
     united = np.min([measure(part, points) for part in parts], axis=0)
     whole = measure(mesh, points)
@@ -36,9 +36,9 @@ def test_bodies_are_divided_where_they_may_overlap(body: Triangles, count: int) 
     np.testing.assert_allclose(united[united > 0.0], whole[united > 0.0], atol=1e-12)
 
 
-def test_the_first_part_has_all_flaws() -> None:
+def test_the_first_part_has_all_defects() -> None:
     parts = Mesh(*inverted(together(cube(), cube(0.5)))).bodies()
-    assert [len(part.flaws) for part in parts] == [1, 0]
+    assert [len(part.defects) for part in parts] == [1, 0]
 
 
 def test_shells_and_rooms_are_not_divided() -> None:

@@ -25,7 +25,7 @@ def read_points(file: Path) -> NDArray[Any]:
     check_file(file, tuple(READERS))
     points = READERS[file.suffix.lower()](file)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError("points", f"wrong shape {points.shape}", points, "three columns x, y, z", str(file))
+        raise InputError("points", f"shape {points.shape}", points, "three columns x, y, z", str(file))
     return points
 
 
@@ -62,7 +62,7 @@ def _text(file: Path) -> NDArray[Any]:
         return np.loadtxt(io.StringIO("\n".join(filled)), usecols=(0, 1, 2), ndmin=2)
     except ValueError as error:
         reason = " ".join(str(error).split()).split(";")[0]
-        raise InputError("points", "not numbers", reason, "x, y, z on every line", str(file)) from None
+        raise InputError("points", "", reason, "x, y, z on every line", str(file)) from None
 
 
 def _is_number(word: str) -> bool:

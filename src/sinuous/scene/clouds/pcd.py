@@ -25,7 +25,7 @@ def parse_pcd(content: bytes, file: str) -> NDArray[Any]:
         if axis not in names:
             _refuse(file, "FIELDS", f"has no {axis}", " ".join(names), "the fields x y z")
     if kind not in DECODERS:
-        _refuse(file, "DATA", "of an unknown kind", kind, "one of " + ", ".join(DECODERS))
+        _refuse(file, "DATA", "", kind, "one of " + ", ".join(DECODERS))
     points = _number(header, "POINTS", file)
     try:
         layout = _layout(header, names)
@@ -53,7 +53,7 @@ def _header(content: bytes, file: str) -> tuple[dict[str, list[str]], bytes]:
 def _number(header: dict[str, list[str]], key: str, file: str) -> int:
     text = header.get(key, [""])[0]
     if not text.isdecimal() or len(text) > 12:
-        _refuse(file, key, "not a count", text, "a whole number")
+        _refuse(file, key, "", text, "a whole number")
     return int(text)
 
 

@@ -101,5 +101,5 @@ def _radii(radius: Any, count: int) -> Floats:
     radii = checks.array("radius", radius, (count,))
     if (radii < 0.0).any():
         first = int(radii.argmin())
-        raise InputError(f"radius[{first}]", "out of range", float(radii[first]), "a number of at least 0")
+        raise InputError(f"radius[{first}]", "", float(radii[first]), "a number of at least 0")
     return radii

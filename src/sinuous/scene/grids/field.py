@@ -10,8 +10,8 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.scene.grids.samples import check_lipschitz, sample_points
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.sampled.samples import check_lipschitz, sample_points
 
 MOST = 2**26
 """Samples of a field: half a gigabyte."""
@@ -60,9 +60,7 @@ class Field(Obstacle):
         self, function: Callable[[Floats], Any], low: Any, high: Any, spacing: Any, *, name: Any = None
     ) -> None:
         if not callable(function):
-            raise InputError(
-                "function", "cannot be called", function, "a function from points (m, 3) to distances (m,)"
-            )
+            raise InputError("function", "", function, "a function from points (m, 3) to distances (m,)")
         start, end = checks.vector("low", low), checks.vector("high", high)
         if not (start < end).all():
             raise InputError("high", "is not beyond low", end.tolist(), f"greater in every entry than {start.tolist()}")
@@ -104,11 +102,11 @@ def evaluate(function: Callable[[Floats], Any], points: Floats) -> Floats:
     InputError
         For `function`, when that is not one finite number for each point.
     """
-    expected = f"finite numbers of shape ({len(points)},)"
+    expected = f"a function that returns {len(points)} finite numbers for as many points"
     result = np.asarray(function(points))
     if result.dtype.kind not in "iuf" or result.shape != (len(points),):
-        raise InputError("function", f"returns shape {result.shape}", result, expected)
+        raise InputError("function", f"shape {result.shape}", result, expected)
     bad = ~np.isfinite(result)
     if bad.any():
-        raise InputError("function", f"is not finite at {points[bad][0].tolist()}", float(result[bad][0]), expected)
+        raise InputError("function", f"at {points[bad][0].tolist()}", float(result[bad][0]), expected)
     return result.astype(np.float64)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.scene.grids.samples import check_lipschitz
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.sampled.samples import check_lipschitz
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -85,11 +85,11 @@ def _checked(key: str, values: Any, spacing: float) -> NDArray[Any]:
     try:
         given = np.array(values, order="C")
     except (ValueError, TypeError, OverflowError):
-        raise InputError(key, "not an array of numbers", values, expected) from None
+        raise InputError(key, "", values, expected) from None
     if given.dtype.kind not in "biuf":
-        raise InputError(key, "not numbers", given.dtype.name, expected)
+        raise InputError(key, "", given.dtype.name, expected)
     if given.ndim != 3 or not given.size:
-        raise InputError(key, f"wrong shape {given.shape}", values, expected)
+        raise InputError(key, f"shape {given.shape}", values, expected)
     if given.dtype.kind == "f":
         result: NDArray[Any] = _distances(key, given, spacing)
     else:
@@ -102,11 +102,11 @@ def _checked(key: str, values: Any, spacing: float) -> NDArray[Any]:
 
 def _distances(key: str, given: NDArray[Any], spacing: float) -> Floats:
     if min(given.shape) < 2:
-        raise InputError(key, f"wrong shape {given.shape}", given, "at least two points along every axis")
+        raise InputError(key, f"shape {given.shape}", given, "at least two points along every axis")
     result: Floats = given.astype(np.float64)
     bad = ~np.isfinite(result)
     if bad.any():
         place = [int(i) for i in np.argwhere(bad)[0]]
-        raise InputError(f"{key}{place}", "not finite", float(result[tuple(place)]), "a distance")
+        raise InputError(f"{key}{place}", "", float(result[tuple(place)]), "a distance")
     check_lipschitz(key, result, spacing, float(np.finfo(given.dtype).eps))
     return result

@@ -32,13 +32,13 @@ def read_arrays(file: Path) -> dict[str, NDArray[Any]]:
     except (OSError, EOFError, zipfile.BadZipFile, NotImplementedError) as error:
         raise InputError("file", f"cannot be read: {error}", str(file), "an NPZ file") from None
     if found["spacing"].size != 1:
-        raise InputError("spacing", "not one number", found["spacing"], "the same spacing along all axes", str(file))
+        raise InputError("spacing", "", found["spacing"], "the same spacing along all axes", str(file))
     return found
 
 
 def _array(arrays: Any, name: str) -> NDArray[Any]:
     if name not in arrays:
-        raise InputError(name, "is missing", list(arrays), "an array called " + ", ".join(NAMES))
+        raise InputError(name, "missing", list(arrays), "an array called " + ", ".join(NAMES))
     try:
         return np.asarray(arrays[name])
     except ValueError as error:  # an array of Python objects, or one whose header is no header

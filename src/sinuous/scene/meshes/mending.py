@@ -21,7 +21,7 @@ def mend(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool, lis
         Those worth keeping.
     solid : bool
         Whether they enclose a solid.
-    flaws : list of str
+    defects : list of str
         What was not as it should be, and what became of it; last what keeps it from being a solid.
 
     Raises
@@ -29,14 +29,14 @@ def mend(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool, lis
     InputError
         When no triangle has an area.
     """
-    flaws = []
+    defects = []
     if not topology.edges(faces).closed:
         vertices, faces = topology.merge_equal(vertices, faces)
     good = topology.are_triangles(vertices, faces)
     if not good.any():
         raise InputError("faces", "has only triangles without area", len(faces), "at least one triangle with an area")
     if not good.all():
-        flaws.append(f"{_counted(int((~good).sum()), 'triangle')} without area dropped")
+        defects.append(f"{_counted(int((~good).sum()), 'triangle')} without area dropped")
         if topology.edges(faces).closed:
             faces = without_slivers(vertices, faces)
         faces = faces[topology.are_triangles(vertices, faces)]
@@ -44,16 +44,16 @@ def mend(vertices: Floats, faces: Integers) -> tuple[Floats, Integers, bool, lis
     edges = topology.edges(faces)
     if edges.clashing and not edges.border and not edges.crowded:
         faces, turned = orientation.turn_alike(faces)
-        flaws += _turned(turned, "another way than the neighbours")
+        defects += _turned(turned, "another way than the neighbours")
         edges = topology.edges(faces)
     if edges.closed:
         faces, turned = orientation.turn_outwards(vertices, faces)
-        flaws += _turned(turned, "inwards")
+        defects += _turned(turned, "inwards")
     volume = topology.volume(vertices, faces)
     reason = _open(edges, volume)
     if reason:
-        flaws.append(f"{reason}, so it is used as a shell and not as a solid")
-    return vertices, faces, not reason, flaws
+        defects.append(f"{reason}, so it is used as a shell and not as a solid")
+    return vertices, faces, not reason, defects
 
 
 def _turned(count: int, how: str) -> list[str]:

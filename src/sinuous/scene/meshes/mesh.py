@@ -50,7 +50,7 @@ class Mesh(Obstacle):
         As used, after what is said above.
     watertight : bool
         Whether it is a solid.
-    flaws : tuple of str
+    defects : tuple of str
         What is not as it should be, and what became of it; one sentence each.
     extent : float
         Length of the diagonal of its box; of a mesh that is one of several `bodies`, of all together.
@@ -69,7 +69,7 @@ class Mesh(Obstacle):
     thickness: float
     inside: bool
     watertight: bool
-    flaws: tuple[str, ...]
+    defects: tuple[str, ...]
     extent: float
     scale: float | None
 
@@ -77,12 +77,12 @@ class Mesh(Obstacle):
         self, vertices: Any, faces: Any, *, thickness: Any = 0.0, inside: Any = False, name: Any = None
     ) -> None:
         places = checks.points("vertices", vertices)
-        clean, used, solid, flaws = mend(places, _indices(faces, len(places)))
+        clean, used, solid, defects = mend(places, _indices(faces, len(places)))
         width, within = checks.number("thickness", thickness, low=0.0), checks.truth("inside", inside)
         if width > 0.0 and solid:
             raise InputError("thickness", "is for open meshes", width, "none: this mesh is watertight, a solid")
         if within and not solid:
-            raise InputError("inside", "needs a watertight mesh", within, f"another mesh: {flaws[-1]}")
+            raise InputError("inside", "needs a watertight mesh", within, f"another mesh: {defects[-1]}")
         clean.flags.writeable = used.flags.writeable = False
         self._keep(
             name,
@@ -91,7 +91,7 @@ class Mesh(Obstacle):
             thickness=width,
             inside=within,
             watertight=solid,
-            flaws=tuple(flaws),
+            defects=tuple(defects),
             extent=float(np.linalg.norm(np.ptp(clean, axis=0))),
             scale=None,
         )
@@ -147,14 +147,14 @@ class Mesh(Obstacle):
 
         Distances to bodies that overlap are known to each of them only, not to their triangles taken together. A mesh
         that needs no dividing, is a shell, or is to be stayed within, is returned as it is. The first part has
-        all flaws.
+        all defects.
         """
         groups = apart(self.vertices, self.faces) if self.watertight and not self.inside else []
         if len(groups) < 2:
             return (self,)
         parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
         for i, part in enumerate(parts):
-            part._keep(self.name, flaws=() if i else self.flaws, extent=self.extent, scale=self.scale)
+            part._keep(self.name, defects=() if i else self.defects, extent=self.extent, scale=self.scale)
         return parts
 
     def check_size(self, length: float) -> None:
@@ -177,17 +177,17 @@ class Mesh(Obstacle):
 
 def _indices(faces: Any, count: int) -> Integers:
     """Check triangles as rows of three vertex numbers below `count`."""
-    expected = f"whole numbers from 0 to {count - 1}, of shape (any, 3)"
+    expected = f"rows of 3 whole numbers from 0 to {count - 1}"
     try:
         result = np.array(faces)
     except (ValueError, TypeError, OverflowError):
-        raise InputError("faces", "not an array of numbers", faces, expected) from None
+        raise InputError("faces", "", faces, expected) from None
     if result.size == 0:
-        raise InputError("faces", "has no triangles", faces, "at least one")
+        raise InputError("faces", "", faces, "at least one triangle")
     if result.dtype.kind not in "iu":
-        raise InputError("faces", "not whole numbers", faces, expected)
+        raise InputError("faces", "", faces, expected)
     if result.ndim != 2 or result.shape[1] != 3:
-        raise InputError("faces", f"wrong shape {result.shape}", faces, expected)
+        raise InputError("faces", f"shape {result.shape}", faces, expected)
     wrong = ((result < 0) | (result >= count)).any(axis=1)
     if wrong.any():
         first = int(wrong.argmax())

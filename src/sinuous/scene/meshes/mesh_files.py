@@ -25,7 +25,7 @@ def read_mesh(file: Path) -> tuple[Floats, Integers]:
     scene = load(file)
     triangles = [body for body in scene.dump() if len(getattr(body, "faces", ())) > 0]
     if not triangles:
-        raise InputError("file", "has no triangles", str(file), "a mesh with at least one triangle")
+        raise InputError("file", "", str(file), "a mesh with at least one triangle")
     counts = np.cumsum([0, *(len(body.vertices) for body in triangles)])
     faces = [np.asarray(body.faces, np.int64) + first for body, first in zip(triangles, counts, strict=False)]
     return np.concatenate([np.asarray(body.vertices, np.float64) for body in triangles]), np.concatenate(faces)

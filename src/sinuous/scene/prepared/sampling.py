@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.scene.sampled import kept
+from sinuous.scene.prepared import kept
 
 Progress = Callable[[float], None]
 """Called with the share of the work that is done, 0 to 1."""

@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sinuous.scene import tables
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.sampled import kept, sampling, trees
+from sinuous.scene.prepared import kept, parts, sampling, trees
 from sinuous.scene.scene import Scene
 from tests.helpers import refused
 from tests.scene import shapes
@@ -33,7 +32,7 @@ def test_a_lattice_holds_the_box_and_its_cells_are_as_small_as_allowed(
 
 def test_samples_are_exact_distances() -> None:
     mesh = Mesh(*shapes.ball(3))
-    part = tables.prepare(mesh, "ball")
+    part = parts.prepare(mesh, "ball")
     pieces = trees.triangles(mesh)
     low, spacing, shape = sampling.lattice(pieces.low, pieces.high, sampling.LEAST)
     index = np.random.default_rng(0).integers(0, shape, (300, 3))

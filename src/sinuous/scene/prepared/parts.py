@@ -35,9 +35,9 @@ from sinuous.scene.grids.field import Field
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
-from sinuous.scene.sampled import sampling, trees
-from sinuous.scene.sampled.sampling import Progress
-from sinuous.scene.sampled.trees import Pieces
+from sinuous.scene.prepared import sampling, trees
+from sinuous.scene.prepared.sampling import Progress
+from sinuous.scene.prepared.trees import Pieces
 
 NOTHING = np.empty(0)
 
@@ -57,8 +57,27 @@ class Part:
     store: Floats
 
 
-_PREPARED: "WeakKeyDictionary[Obstacle, Part]" = WeakKeyDictionary()
-_LOCK = threading.RLock()
+class _Entry:
+    """What is prepared of one obstacle, and the lock of whoever prepares it."""
+
+    __slots__ = ("lock", "part")
+
+    def __init__(self) -> None:
+        self.lock = threading.Lock()
+        self.part: Part | None = None
+
+
+_ENTRIES: "WeakKeyDictionary[Obstacle, _Entry]" = WeakKeyDictionary()
+_LOCK = threading.Lock()
+"""Held while an entry is looked up, never while an obstacle is prepared: different ones do not wait for each other."""
+
+
+def _entry(obstacle: Obstacle) -> _Entry:
+    with _LOCK:
+        entry = _ENTRIES.get(obstacle)
+        if entry is None:
+            entry = _ENTRIES[obstacle] = _Entry()
+        return entry
 
 
 def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> Part:
@@ -71,18 +90,20 @@ def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> 
     """
     if isinstance(obstacle, Primitive):
         return Part(obstacle.row, NOTHING)
-    with _LOCK:
-        part = _PREPARED.get(obstacle)
-        if part is None:
-            part = _PREPARED[obstacle] = _prepare(obstacle, name, progress)
-    return part
+    entry = _entry(obstacle)
+    with entry.lock:
+        if entry.part is None:
+            entry.part = _prepare(obstacle, name, progress)
+        return entry.part
 
 
 def live(cloud: PointCloud) -> Part:
     """Make what the kernels read of a cloud that will soon be replaced: without samples, which take longer."""
-    with _LOCK:
-        part = _PREPARED[cloud] = _of_pieces(trees.balls(cloud))
-    return part
+    entry = _entry(cloud)
+    with entry.lock:
+        if entry.part is None:
+            entry.part = _of_pieces(trees.balls(cloud))
+        return entry.part
 
 
 def join(parts: Sequence[Part]) -> Floats:
@@ -142,7 +163,7 @@ def _of_samples(values: Floats, low: Floats, spacing: float) -> Part:
 
 
 def _with_grid(row: Floats, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
-
+    """Return a row that says where its samples are."""
     result = row.copy()
     result[FIRST_SAMPLE], result[SPACING] = at, spacing
     result[SHAPE : SHAPE + 3] = shape

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.scene.sampled import kept
+from sinuous.scene.prepared import kept
 
 VALUES = np.random.default_rng(0).normal(size=(3, 4, 5))
 

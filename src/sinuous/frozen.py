@@ -1,0 +1,53 @@
+"""The base of everything that does not change once it is made."""
+
+from collections.abc import Mapping
+from dataclasses import FrozenInstanceError
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+
+class Frozen:
+    """Attributes cannot be set, and arrays stay read-only when they are pickled. A copy is the object itself.
+
+    NumPy forgets in a pickle that an array was read-only. So every array that is unpickled is made read-only, except
+    those that kernels read: kernels are compiled for writable arrays alone.
+    """
+
+    __slots__ = ()
+
+    _tables: ClassVar[frozenset[str]] = frozenset()
+    """Names of the attributes that kernels read."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise FrozenInstanceError(f"cannot set {name!r}: {type(self).__name__} is frozen")
+
+    def __delattr__(self, name: str) -> None:
+        raise FrozenInstanceError(f"cannot delete {name!r}: {type(self).__name__} is frozen")
+
+    def _set(self, **values: Any) -> None:
+        """Set attributes while the object is made."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
+
+    def __setstate__(self, state: Any) -> None:
+        parts: tuple[Mapping[str, Any] | None, ...] = state if isinstance(state, tuple) else (state,)
+        for part in parts:  # attributes of the instance, then those in slots
+            for name, value in (part or {}).items():
+                self._set(**{name: self._restored(name, value)})
+
+    def _restored(self, name: str, value: Any) -> Any:
+        """Give an array back the flag that it had."""
+        if not isinstance(value, np.ndarray):
+            return value
+        if name not in self._tables:
+            value.flags.writeable = False
+        elif not value.flags.writeable:  # unpickled into memory of somebody else
+            return value.copy()
+        return value

@@ -1,0 +1,76 @@
+"""Bounds on where a robot can reach, from its lengths and bends alone."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.measures.targets import backbone_end
+from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
+from sinuous.robot.robot import Robot
+
+
+class Bound(NamedTuple):
+    """What a target needs and the robot has; no configuration gets there when `needed` is greater than `available`.
+
+    Attributes
+    ----------
+    name : str
+        See `sinuous.solution.reasons.Reason`.
+    needed, available : float
+        Lengths; for `turning` angles (rad).
+    """
+
+    name: str
+    needed: float
+    available: float
+
+
+def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound]:
+    """Yield what a target asks for, and what the lengths and bends of the segments before it allow at most."""
+    last = len(robot) if target.segment is None else target.segment
+    near, angle = tolerance.position or 0.0, tolerance.angle
+    segments = robot.segments[:last]
+    low, high = (np.array([segment.length[i] for segment in segments]) for i in range(2))
+    bends = np.array([min(s.max_bend, s.max_curvature * s.length[1]) if s.length[1] else 0.0 for s in segments])
+    turning = float(bends.sum())
+    axis = robot.base[:3, 2]
+    own_tool = last == len(robot)
+    if target.position is not None:
+        place, loose = backbone_end(robot, target, last, angle)
+        loose += near
+        chord = place - robot.base[:3, 3]
+        far = float(np.linalg.norm(chord))
+        yield Bound("length", far - loose, float(high.sum()))
+        if turning < math.pi:
+            yield Bound("near", float(low.sum()) * math.cos(0.5 * turning), far + loose)
+        yield from _cone(low, high, bends, chord, axis, loose)
+        tangent = target.direction if target.rotation is None else target.rotation[:, 2]
+        if tangent is not None and not (own_tool and robot.tool[2, 2] != 1.0):
+            swing = loose + min(2.0, angle) * far
+            yield from _cone(low[::-1], high[::-1], bends[::-1], -chord, -tangent, swing)
+    if target.direction is not None and turning < math.pi:
+        off = math.acos(np.clip(robot.tool[2, 2], -1.0, 1.0)) if own_tool else 0.0
+        yield Bound("turning", math.acos(np.clip(axis @ target.direction, -1.0, 1.0)), turning + off + angle)
+
+
+def _cone(low: Floats, high: Floats, bends: Floats, chord: Floats, axis: Floats, loose: float) -> Iterator[Bound]:
+    """How far aside of the tangent that it begins with a curve may end at most, and how far ahead at least."""
+    turned = np.concatenate([[0.0], np.cumsum(bends)])
+    sine = _mean(lambda t: np.sin(np.minimum(t, 0.5 * math.pi)), turned)
+    cosine = _mean(lambda t: np.cos(np.minimum(t, math.pi)), turned)
+    ahead = float(chord @ axis)
+    yield Bound("aside", float(np.linalg.norm(chord - ahead * axis)) - loose, float(high @ sine))
+    yield Bound("behind", float(np.where(cosine > 0.0, low, high) @ cosine), ahead + loose)
+
+
+def _mean(function: Callable[[Floats], Floats], ends: Floats) -> Floats:
+    """Mean of a function between neighbouring ends, by Gauss's rule on pieces of the intervals."""
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    pieces = (np.arange(64)[:, None] + 0.5 * (nodes + 1.0)) / 64.0
+    at = ends[:-1, None, None] + np.diff(ends)[:, None, None] * pieces
+    result: Floats = (function(at) @ weights).sum(axis=-1) / 128.0
+    return result

@@ -1,0 +1,33 @@
+"""What to like better among all solutions."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from sinuous import checks
+from sinuous.frozen import Frozen
+
+
+@dataclass(frozen=True, init=False)
+class Preferences(Frozen):
+    """What to like better among all solutions; feasibility comes first, always.
+
+    Parameters
+    ----------
+    start : float
+        Weight of staying close to the start (bends in rad, lengths relative to their mean).
+    bends : float
+        Weight of small bends.
+    clearance : float
+        Clearance that is wished for, in the length unit; less than that is disliked.
+    """
+
+    start: float
+    bends: float
+    clearance: float
+
+    def __init__(self, start: Any = 0.0, bends: Any = 0.0, clearance: Any = 0.0) -> None:
+        for key, value in (("start", start), ("bends", bends), ("clearance", clearance)):
+            self._set(**{key: checks.number(key, value, low=0.0)})
+
+    def __bool__(self) -> bool:
+        return self.start > 0.0 or self.bends > 0.0 or self.clearance > 0.0

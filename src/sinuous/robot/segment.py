@@ -1,0 +1,79 @@
+"""One piece of a robot that bends into a circular arc and may stretch."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from sinuous import checks
+from sinuous.errors import InputError
+from sinuous.frozen import Frozen
+from sinuous.robot.actuators import Chambers, Tendons
+
+
+@dataclass(frozen=True, init=False, eq=False)
+class Segment(Frozen):
+    """One constant-curvature piece of a robot, and its limits.
+
+    Parameters
+    ----------
+    length : float or (float, float)
+        Length of the backbone, or its range; one number means inextensible. The lower end may be 0 (an insertion
+        stage).
+    max_bend : float
+        Largest norm of the bending vector, rad; 0 = the segment cannot bend.
+    max_curvature : float, optional
+        Largest bend divided by length, in 1 / length unit.
+    radius : float
+        Radius of the body.
+    tendons : Tendons, optional
+        Tendons that end at the end of this segment.
+    chambers : Chambers, optional
+        Chambers along this segment.
+
+    Raises
+    ------
+    InputError
+        When a limit is negative, NaN, or the wrong way round, or when the straight segment breaks a limit of its
+        chambers.
+    """
+
+    length: tuple[float, float]
+    max_bend: float
+    max_curvature: float
+    radius: float
+    tendons: Tendons | None
+    chambers: Chambers | None
+
+    def __init__(
+        self,
+        length: Any,
+        max_bend: Any = math.pi,
+        max_curvature: Any = None,
+        radius: Any = 0.0,
+        tendons: Tendons | None = None,
+        chambers: Chambers | None = None,
+    ) -> None:
+        low, high = checks.interval("length", length, low=0.0)
+        curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
+        for key, value, kind in (("tendons", tendons, Tendons), ("chambers", chambers, Chambers)):
+            if value is not None and not isinstance(value, kind):
+                raise InputError(key, "", value, f"{kind.__name__} or nothing")
+        if chambers is not None:
+            low, high = max(low, chambers.length[0]), min(high, chambers.length[1])
+            if low > high:
+                raise InputError(
+                    "chambers.length", "excludes the straight segment", chambers.length, f"overlap with {length}"
+                )
+        self._set(
+            length=(low, high),
+            max_bend=checks.number("max_bend", max_bend, low=0.0),
+            max_curvature=curvature,
+            radius=checks.number("radius", radius, low=0.0),
+            tendons=tendons,
+            chambers=chambers,
+        )
+
+    def __repr__(self) -> str:
+        low, high = self.length
+        shown = f"{low:g}" if low == high else f"({low:g}, {high:g})"
+        return f"Segment(length={shown}, max_bend={self.max_bend:g}, radius={self.radius:g})"

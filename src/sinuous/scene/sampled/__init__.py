@@ -1,1 +1,0 @@
-"""Trees and samples of large obstacles."""

@@ -30,6 +30,10 @@ LAMP = sn.Sphere((1.5, 0.0, 1.0), 0.3, name="lamp")
 SCENE = sn.Scene([LAMP, sn.PointCloud(np.array([[3.0, 0.0, 1.0], [3.0, 0.5, 1.0]]), 0.1)])
 
 
+TABLES = {"Target": ("table",), "Problem": ("rows",), "Snapshot": ("group",)}
+"""What kernels read of targets, problems and snapshots; kernels are compiled for writable arrays alone."""
+
+
 def plane(points: Any) -> Any:
     return points[:, 2] + 2.0
 
@@ -71,13 +75,19 @@ def attributes(noun: Any) -> dict[str, Any]:
     """Everything that a noun holds, but locks, and what it computes only when it is asked."""
     slots = [name for kind in type(noun).__mro__ for name in getattr(kind, "__slots__", ())]
     names = [*getattr(noun, "__dict__", {}), *slots]
-    return {name: getattr(noun, name) for name in names if name not in ("_lock", "reason", "worst")}
+    return {name: getattr(noun, name) for name in names if name not in ("_lock", "_reason", "_worst")}
+
+
+def public(noun: Any) -> list[str]:
+    """Names of everything that users see."""
+    properties = [name for name in dir(type(noun)) if isinstance(getattr(type(noun), name), property)]
+    return [name for name in {*attributes(noun), *properties} if not name.startswith("_")]
 
 
 def assert_equal(a: Any, b: Any) -> None:
     """Equal in content, and as writable."""
     assert type(a) is type(b)
-    if isinstance(a, Frozen):
+    if isinstance(a, Frozen | sn.Solution):
         mine, other = attributes(a), attributes(b)
         assert mine.keys() == other.keys()
         for name in mine:
@@ -101,10 +111,11 @@ def assert_equal(a: Any, b: Any) -> None:
 @pytest.mark.parametrize("name", NOUNS)
 def test_attributes_cannot_be_set(name: str) -> None:
     noun = NOUNS[name]()
-    for attribute in [*attributes(noun), "anything"]:
+    assert public(noun)
+    for attribute in [*public(noun), "anything"]:
         with pytest.raises(AttributeError):
             setattr(noun, attribute, None)
-    for attribute in attributes(noun):
+    for attribute in public(noun):
         with pytest.raises(AttributeError):
             delattr(noun, attribute)
 
@@ -112,9 +123,10 @@ def test_attributes_cannot_be_set(name: str) -> None:
 @pytest.mark.parametrize("name", NOUNS)
 def test_arrays_are_read_only_but_those_for_kernels(name: str) -> None:
     noun = NOUNS[name]()
-    for attribute, value in attributes(noun).items():
-        if isinstance(value, np.ndarray):
-            assert value.flags.writeable == (attribute in noun._tables or attribute == "_group"), attribute
+    for attribute in public(noun):
+        value = getattr(noun, attribute)
+        if isinstance(value, np.ndarray) and attribute not in ("frame", "row", "arms"):  # made anew for every caller
+            assert value.flags.writeable == (attribute in TABLES.get(type(noun).__name__, ())), attribute
 
 
 @pytest.mark.parametrize("name", NOUNS)

@@ -1,13 +1,11 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
-from sinuous.frozen import Frozen
 from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.solution.status import Status, status_of
@@ -21,19 +19,7 @@ _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET
 """Statuses of which clearance is the reason."""
 
 
-class _Open:
-    """A solution while it is put together."""
-
-    problem: "Problem"
-    status: Status
-    q: Floats
-    seconds: float
-    method: str
-    seed: int
-    _outcome: Outcome
-
-
-class Solution(_Open, Frozen):
+class Solution:
     """What a solve found; frozen. On failure it holds the best configuration found.
 
     With the method `newton` that one keeps all limits; other methods may violate some, and `worst` says which.
@@ -59,25 +45,60 @@ class Solution(_Open, Frozen):
         What was asked, with the obstacles as they were then.
     """
 
-    __slots__ = ()
+    # Properties over private slots: setting attributes as `sinuous.frozen.Frozen` does would cost a solve 0.3 us.
+    __slots__ = ("_method", "_outcome", "_problem", "_reason", "_seconds", "_seed", "_status", "_worst")
 
-    def __new__(cls, problem: "Problem", outcome: Outcome, seconds: float, method: str, seed: int) -> "Solution":
-        """Put together what a solve found; the configuration of `outcome` becomes read-only."""
-        answer: Any = _Open()
-        answer.problem = problem
-        answer.status = status_of(outcome)
-        answer.q = outcome.q
-        answer.seconds = seconds
-        answer.method = method
-        answer.seed = seed
-        answer._outcome = outcome
-        outcome.q.setflags(write=False)
-        answer.__class__ = cls  # closes it; seven calls of `object.__setattr__` would cost 0.3 us
-        made: Solution = answer
-        return made
+    _reason: Reason | None
+    _worst: Worst | None
+
+    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, method: str, seed: int) -> None:
+        self._problem = problem
+        self._status = status_of(outcome)
+        self._outcome = outcome
+        self._seconds = seconds
+        self._method = method
+        self._seed = seed
+        # By position: by its name, or by `flags`, it takes three times as long.
+        outcome.q.setflags(False)  # type: ignore[call-arg]
+
+    def __copy__(self) -> "Solution":
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "Solution":
+        return self
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Solution, (self.problem, self._outcome, self.seconds, self.method, self.seed)
+
+    @property
+    def problem(self) -> "Problem":
+        """What was asked, with the obstacles as they were then."""
+        return self._problem
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        return self._status
+
+    @property
+    def q(self) -> Floats:
+        """Configuration (n, 3), read-only."""
+        return self._outcome.q
+
+    @property
+    def seconds(self) -> float:
+        """Time of the solve alone."""
+        return self._seconds
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self._method
+
+    @property
+    def seed(self) -> int:
+        """Of the scattered starts."""
+        return self._seed
 
     @property
     def iterations(self) -> int:
@@ -123,9 +144,21 @@ class Solution(_Open, Frozen):
         """Pose (4, 4) of the robot's base."""
         return self.problem.robot.base
 
-    @cached_property
+    @property
     def reason(self) -> Reason | None:
         """What proves that there is no solution; `None` when nothing does."""
+        if not hasattr(self, "_reason"):
+            self._reason = self._find_reason()
+        return self._reason
+
+    @property
+    def worst(self) -> Worst | None:
+        """The constraint farthest from being met; `None` when solved."""
+        if not hasattr(self, "_worst"):
+            self._worst = None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
+        return self._worst
+
+    def _find_reason(self) -> Reason | None:
         if self.status is Status.OUT_OF_REACH:
             return unreachable(self.problem)
         if self.status is Status.TARGET_BLOCKED:
@@ -135,11 +168,6 @@ class Solution(_Open, Frozen):
         if self.status is Status.NO_ROUTE:
             return closed_in(self.problem, self._outcome.cell)
         return None
-
-    @cached_property
-    def worst(self) -> Worst | None:
-        """The constraint farthest from being met; `None` when solved."""
-        return None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
 
     def verify(self) -> Verification:
         """Recompute everything by an independent, slow path; see `sinuous.solution.verification`."""

@@ -58,7 +58,7 @@ def check_lipschitz(key: str, values: Floats, spacing: float, rounding: float) -
 def _rise(values: Floats, step: tuple[int, ...]) -> Floats:
     """Differences between all pairs of values that are one `step` apart, as an array of their first places."""
     first, second = (
-        tuple(slice(max(0, -s), None if s <= 0 else -s) for s in way) for way in (step, tuple(-s for s in step))
+        tuple(slice(max(0, -s), None if s <= 0 else -s) for s in shift) for shift in (step, tuple(-s for s in step))
     )
     result: Floats = values[second] - values[first]
     return np.abs(result, out=result)

@@ -12,6 +12,7 @@ from benchmarks.paper.entrants import FAITHFUL, Entrant, divide, entrants, gradi
 from benchmarks.paper.scenes import paper_pose, path_through
 from benchmarks.problems import ProblemSet, among_spheres, arm, reachable
 from sinuous.errors import InputError
+from sinuous.kernels.tables import FAILED
 from sinuous.methods.registry import METHODS
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
@@ -100,7 +101,9 @@ def test_an_answer_that_touches_is_a_wrong_claim() -> None:
 def test_an_answer_that_is_right_but_not_claimed_does_not_count() -> None:
     problems = paper_pose("B", 1)
     solution = Solver(problems.robot, tolerance=problems.tolerance).solve(problems.targets[0])
-    solution.status = Status.STALLED
+    claimed = solution._outcome._replace(code=FAILED, clearance=1.0, bound=False)
+    solution = Solution(solution.problem, claimed, solution.seconds, solution.method, solution.seed)
+    assert solution.status is Status.STALLED
     record = Judge(problems).record(0, solution, 1e-5, keep=False)
     assert not record["right"]
     assert not record["claimed"]

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.kernels.body import body
-from sinuous.kernels.body.body import CLEAR, PER_SEGMENT, TOUCHING, UNDECIDED
+from sinuous.kernels.body import proof
+from sinuous.kernels.body.contacts import PER_SEGMENT, SOFTNESS, Body, Look
+from sinuous.kernels.body.contacts import contacts as kernel_contacts
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.rows import INNER, SOFT
 from sinuous.kernels.fields.solids import EXACT
 from sinuous.robot.robot import Robot
@@ -70,7 +72,7 @@ def sampled(q: Floats, scene: Scene, mount: float = 0.0) -> tuple[float, float]:
 
 def prove(q: Floats, scene: Scene, mount: float = 0.0, slack: float = SLACK) -> tuple[int, float, int, float, int]:
     among = np.empty(len(scene), np.int64)
-    return body.prove(ROBOT.limits, q, frames_of(q), kernel_scene(scene), mount, slack, FINEST, among)
+    return proof.prove(ROBOT.limits, q, frames_of(q), kernel_scene(scene), mount, slack, FINEST, among)
 
 
 @pytest.mark.parametrize("reach", [0.7, 2.0, 5.0])
@@ -185,21 +187,8 @@ def contacts(
 ) -> tuple[Any, int, float]:
     rows: Any = make_rows(len(q), PER_SEGMENT)
     among = np.empty(len(scene), np.int64)
-    at, least = body.contacts(
-        ROBOT.limits,
-        q,
-        frames,
-        kernel_scene(scene),
-        k,
-        mount,
-        *margins,
-        depth,
-        EXACT,
-        2.0,
-        among,
-        rows,
-        0,
-    )
+    own = Body(ROBOT.limits, q, frames, 2.0)
+    at, least = kernel_contacts(own, kernel_scene(scene), k, mount, Look(*margins, depth, EXACT), among, rows, 0)
     return rows, at, least
 
 
@@ -253,7 +242,7 @@ def test_wishes_for_clearance_become_soft_rows() -> None:
     assert at == 1
     rows, at, _ = contacts(q, frames, scene, 0, (0.05, 0.4), 0)
     assert rows.kind[:at].tolist() == [SOFT, INNER]
-    assert rows.value[0] == pytest.approx(body.SOFTNESS * 0.1 / 2.0)
+    assert rows.value[0] == pytest.approx(SOFTNESS * 0.1 / 2.0)
     assert rows.value[1] == pytest.approx(0.04 / 2.0)
 
 

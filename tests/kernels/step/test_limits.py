@@ -44,11 +44,11 @@ def excess(k: int, q: Any) -> float:
 @given(ONES, bends, angles, lengths)
 def test_retract_ends_within_the_limits_and_stays(k: int, bend: float, angle: float, length: float) -> None:
     q = (bend * math.cos(angle), bend * math.sin(angle), length)
-    once = limits.retract(TABLE, k, *q)
+    once = limits.project_segment(TABLE, k, *q)
     assert excess(k, once) <= 1e-12
     assert once[2] == min(max(length, SEGMENTS[k].length[0]), SEGMENTS[k].length[1])
     assert abs(once[0] * q[1] - once[1] * q[0]) <= 1e-12 * (1.0 + bend) ** 2  # the direction of the bend is kept
-    np.testing.assert_allclose(limits.retract(TABLE, k, *once), once, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(limits.project_segment(TABLE, k, *once), once, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("beyond", [1e-15, 1e-9, 1e-4, 1e-2])
@@ -56,11 +56,11 @@ def test_a_little_beyond_a_limit_is_brought_back_too(beyond: float) -> None:
     for k, segment in enumerate(SEGMENTS):
         for length in np.linspace(*segment.length, 5):
             bend = cap(k, length) * (1.0 + beyond)
-            got = limits.retract(TABLE, k, bend * math.cos(2.0), bend * math.sin(2.0), float(length))
+            got = limits.project_segment(TABLE, k, bend * math.cos(2.0), bend * math.sin(2.0), float(length))
             assert math.hypot(*got[:2]) == pytest.approx(cap(k, length), rel=1e-14, abs=0.0)
         low, high = segment.length
-        assert limits.retract(TABLE, k, 0.0, 0.0, low - beyond)[2] == low
-        assert limits.retract(TABLE, k, 0.0, 0.0, high + beyond)[2] == high
+        assert limits.project_segment(TABLE, k, 0.0, 0.0, low - beyond)[2] == low
+        assert limits.project_segment(TABLE, k, 0.0, 0.0, high + beyond)[2] == high
 
 
 @given(ONES, st.floats(0.0, 1.0), angles, st.floats(0.0, 1.0))
@@ -70,12 +70,12 @@ def test_retract_leaves_alone_what_is_within(k: int, part: float, angle: float, 
     bend = part * cap(k, length) * (1 - 1e-15)
     q = (bend * math.cos(angle), bend * math.sin(angle), length)
     if excess(k, q) <= 0.0:
-        assert limits.retract(TABLE, k, *q) == q
+        assert limits.project_segment(TABLE, k, *q) == q
 
 
 def test_a_length_that_is_zero_does_not_confuse_an_absent_curvature_limit() -> None:
     table = Robot([Segment((0.0, 1.0), 2.0)]).limits
-    assert limits.retract(table, 0, 1.0, 0.5, 0.0) == (1.0, 0.5, 0.0)
+    assert limits.project_segment(table, 0, 1.0, 0.5, 0.0) == (1.0, 0.5, 0.0)
     assert limits.bend_cap(table, 0, 0.0) == 2.0
 
 
@@ -87,7 +87,7 @@ def within(rng: np.random.Generator) -> Floats:
         length = rng.choice([low, high, rng.uniform(low, high)])
         bend = rng.choice([0.0, 1.0, rng.random()]) * cap(k, length)
         angle = rng.uniform(-math.pi, math.pi)
-        out.append(limits.retract(TABLE, k, bend * math.cos(angle), bend * math.sin(angle), length))
+        out.append(limits.project_segment(TABLE, k, bend * math.cos(angle), bend * math.sin(angle), length))
     return np.array(out)
 
 

@@ -33,7 +33,7 @@ def _cell(x: float, count: int) -> tuple[int, float]:
 
 @kernel
 def look_up(store: Array, grid: Grid, p: Vec) -> tuple[Corners, Vec, Vec]:
-    """Corners of the cell of `p`, the place in that cell, and mode far `p` is out of the grid along every axis."""
+    """Corners of the cell of `p`, the place in that cell, and how far `p` is out of the grid along every axis."""
     nx, ny, nz = grid.shape
     per = 1.0 / grid.spacing
     x, y, z = (p[0] - grid.low[0]) * per, (p[1] - grid.low[1]) * per, (p[2] - grid.low[2]) * per

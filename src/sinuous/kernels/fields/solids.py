@@ -107,7 +107,7 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
     """Find the primitive closest to `p`, if it is closer than `reach`.
 
     Returns its number or -1, its lifted distance, and whether that is the signed one: of a triangle it is where `p` is
-    known to be free. Samples tell mode far the closest one is at most, and whether `p` is free; only then may a surface
+    known to be free. Samples tell how far the closest one is at most, and whether `p` is free; only then may a surface
     be left out for being far.
     """
     tree = tree_of(table, i)

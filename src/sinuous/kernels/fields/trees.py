@@ -75,7 +75,7 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
 
 @kernel
 def closest(store: Array, tree: Tree, p: Vec, best: float) -> tuple[int, float]:
-    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and mode far it is."""
+    """Find the primitive closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is."""
     found = -1
     if box_distance(store, tree.nodes + NODE_SIZE, p) >= best:
         return found, best

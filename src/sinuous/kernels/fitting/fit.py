@@ -7,7 +7,7 @@ from sinuous.kernels.fitting.curve import Curve, closest_on, length_of, point_at
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
-from sinuous.kernels.step.newton import add_targets, close, enter, move, rest, step
+from sinuous.kernels.step.newton import add_targets, close, move, project_to_limits, rest, step
 from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
 from sinuous.kernels.step.targets import X, Y, Z
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
@@ -120,7 +120,7 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
     for k in range(n):
         own = problem.limits[k, MIN_LENGTH] + share * (problem.limits[k, MAX_LENGTH] - problem.limits[k, MIN_LENGTH])
         put_vec(q, k, 0, (0.0, 0.0, own))
-    enter(problem, pick(states, at), work)
+    project_to_limits(problem, pick(states, at), work)
     for grown in range(1, n + 1):
         for _ in range(ROUNDS):
             at = _pull(problem, states, at, work, curve, grown, False)

@@ -9,7 +9,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.body.body import CLEAR, TOUCHING, UNDECIDED, prove
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (

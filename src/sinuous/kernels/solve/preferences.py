@@ -7,7 +7,7 @@ the sweeps; rows of the targets and contacts, met exactly, take out of it what f
 
 from collections import namedtuple
 
-from sinuous.kernels.body.body import CLEAR
+from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids

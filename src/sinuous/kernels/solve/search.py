@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from sinuous.kernels.body.body import CLEAR, UNDECIDED
+from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids

@@ -9,7 +9,7 @@ from sinuous.kernels.chain.single_arc import arc_to
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import bend_cap, retract
+from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
 from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
 
@@ -92,7 +92,7 @@ def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
         bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], math.pi)
         angle = 2.0 * math.pi * _uniform(key + np.uint64(2))
         key += np.uint64(3)
-        put_vec(q, k, 0, retract(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))
+        put_vec(q, k, 0, project_segment(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))
 
 
 @kernel

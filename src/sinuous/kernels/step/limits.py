@@ -19,7 +19,7 @@ def bend_cap(limits: Array, k: int, length: float) -> float:
 
 
 @kernel
-def retract(limits: Array, k: int, ux: float, uy: float, length: float) -> Vec:
+def project_segment(limits: Array, k: int, ux: float, uy: float, length: float) -> Vec:
     """Bring one segment within its limits; what is within them already stays as it is."""
     length = min(max(length, limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
     cap = bend_cap(limits, k, length)
@@ -34,7 +34,7 @@ def retract(limits: Array, k: int, ux: float, uy: float, length: float) -> Vec:
 def move(limits: Array, q: Array, step: Array, out: Array) -> None:
     """out = q + step, within all limits."""
     for k in range(q.shape[0]):
-        put_vec(out, k, 0, retract(limits, k, q[k, 0] + step[k, 0], q[k, 1] + step[k, 1], q[k, 2] + step[k, 2]))
+        put_vec(out, k, 0, project_segment(limits, k, q[k, 0] + step[k, 0], q[k, 1] + step[k, 1], q[k, 2] + step[k, 2]))
 
 
 @kernel

@@ -2,7 +2,8 @@
 
 import math
 
-from sinuous.kernels.body.body import CLEAR, SOFTNESS, contacts, prove
+from sinuous.kernels.body.contacts import SOFTNESS, Body, Look, contacts
+from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import now
@@ -72,34 +73,21 @@ def close(state: State, count: int) -> None:
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
-    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `body.contacts`).
+    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`).
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
     off = turn = 0.0
     seen = math.inf
     mount = problem.mount
+    body = Body(problem.limits, q, frames, problem.unit)
+    look = Look(problem.margin, wish, depth, mode)
     at = actuator = 0
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
         if problem.scene.table.shape[0] > 0:
-            at, least = contacts(
-                problem.limits,
-                q,
-                frames,
-                problem.scene,
-                k,
-                mount,
-                problem.margin,
-                wish,
-                depth,
-                mode,
-                problem.unit,
-                work.among,
-                rows,
-                at,
-            )
+            at, least = contacts(body, problem.scene, k, mount, look, work.among, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
         at, miss, angle = add_targets(problem, state, k, at)
@@ -146,11 +134,11 @@ def move(problem: Problem, state: State, work: Work, trial: State) -> None:
 
 
 @kernel
-def enter(problem: Problem, state: State, work: Work) -> None:
+def project_to_limits(problem: Problem, state: State, work: Work) -> None:
     """Bring the configuration of `state` within all limits."""
     q = state.q
     for k in range(q.shape[0]):
-        put_vec(q, k, 0, limits.retract(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
+        put_vec(q, k, 0, limits.project_segment(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
     actuation.straighten(problem.actuation, q, work.step)
 
 
@@ -173,7 +161,7 @@ def met_by(state: State, loose: float) -> bool:
 
 @kernel
 def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
-    """Verdict and clearance of the whole body at `state`; see `body.prove`."""
+    """Verdict and clearance of the whole body at `state`; see `proof.prove`."""
     if problem.scene.table.shape[0] == 0:
         return CLEAR, math.inf
     slack = SAMPLED_SLACK if coarseness(problem.scene) > 0.0 else SLACK
@@ -199,7 +187,7 @@ def descend(
     Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
     the clearance that the proof saw, and whether limits bound the last step.
     """
-    enter(problem, pick(states, at), work)
+    project_to_limits(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
     # Samples may see an overlap where there is none; then the proof decides.
     loose = coarseness(problem.scene)

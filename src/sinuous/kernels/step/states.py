@@ -4,7 +4,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.body.body import PER_SEGMENT
+from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.compile import kernel

@@ -17,7 +17,7 @@ from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.solve.driver import Start, begin_from, driver
 from sinuous.kernels.solve.judge import Answer, Check, check_size, offer
-from sinuous.kernels.step.limits import retract
+from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.step.targets import add_rows
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 
@@ -118,7 +118,10 @@ def step(problem: Problem, work: Work, count: int, damping: float, clamp: float)
             length += work.jacobian[i, 3 * k + 2] * work.solution[i]
         bend, stretch = problem.limits[k, BEND_SCALE], problem.limits[k, LENGTH_SCALE]
         put_vec(
-            q, k, 0, retract(problem.limits, k, q[k, 0] + bend * ux, q[k, 1] + bend * uy, q[k, 2] + stretch * length)
+            q,
+            k,
+            0,
+            project_segment(problem.limits, k, q[k, 0] + bend * ux, q[k, 1] + bend * uy, q[k, 2] + stretch * length),
         )
 
 
@@ -131,7 +134,7 @@ def descend(
     Begins at `work.q`; fills `work.kept` with the best and returns the number of steps.
     """
     for k in range(work.q.shape[0]):
-        put_vec(work.q, k, 0, retract(problem.limits, k, work.q[k, 0], work.q[k, 1], work.q[k, 2]))
+        put_vec(work.q, k, 0, project_segment(problem.limits, k, work.q[k, 0], work.q[k, 1], work.q[k, 2]))
     origin = frame(check.frames, 0)[1]
     least, slow, iteration = math.inf, 0, 0
     while True:

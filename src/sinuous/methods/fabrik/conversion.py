@@ -19,7 +19,7 @@ from sinuous.kernels.maths.vectors import (
     vec_mat,
 )
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.limits import retract
+from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.step.targets import direction_vector
 from sinuous.kernels.tables import GOAL, MAX_LENGTH, MIN_LENGTH, ORIENTATION, TARGET_POSITION
 from sinuous.methods.fabrik.links import Chain, cap_of, links
@@ -36,7 +36,7 @@ def fold(limits: Array, chain: Chain, frames: Array, stretch: bool, q: Array) ->
         begin, end = chain.first[i], chain.first[i + 1]
         bx = by = total = 0.0
         for k in range(begin, end):
-            ux, uy, length = retract(limits, k, q[k, 0], q[k, 1], q[k, 2])
+            ux, uy, length = project_segment(limits, k, q[k, 0], q[k, 1], q[k, 2])
             bx, by, total = bx + ux, by + uy, total + length
             chain.part[k] = length
         low, high = 0.0, math.inf

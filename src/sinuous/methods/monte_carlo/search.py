@@ -22,7 +22,7 @@ from sinuous.kernels.problem import Problem
 from sinuous.kernels.solve.driver import Start, begin_from, driver
 from sinuous.kernels.solve.judge import Answer, Check, check_size, has_obstacles, offer, target_errors
 from sinuous.kernels.step.actuation import straighten
-from sinuous.kernels.step.limits import bend_cap, retract
+from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
 
 LOOKS = 8
@@ -75,7 +75,7 @@ def draw(state: Array) -> float:
 def project_to_limits(problem: Problem, q: Array, straight: Array) -> None:
     """Bring `q` (n, 3) within all limits; `straight` (n, 3) is scratch."""
     for k in range(q.shape[0]):
-        put_vec(q, k, 0, retract(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
+        put_vec(q, k, 0, project_segment(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
     straighten(problem.actuation, q, straight)
 
 

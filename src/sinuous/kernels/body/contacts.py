@@ -1,0 +1,78 @@
+"""Contacts: rows of a step that push places of the body away from obstacles that are too near."""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.body.pieces import closest, following, free_part, near
+from sinuous.kernels.body.rows import INNER, SOFT, Place, Rows, put_body_row
+from sinuous.kernels.chain.kinematics import body_point
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import Scene, slope
+from sinuous.kernels.maths.vectors import Array, scale
+from sinuous.kernels.tables import RADIUS
+
+PER_SEGMENT = 32
+"""Most contacts of one segment that enter a step."""
+
+SOFTNESS = 1e-4
+"""Scale of rows that are only wished for; with the least damping, 1e-10, they weigh 100 times a radian."""
+
+Body = namedtuple("Body", ["limits", "q", "frames", "unit"])
+"""Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
+
+Look = namedtuple("Look", ["margin", "wish", "depth", "mode"])
+"""How closely contacts are looked for: clearance that is needed, clearance that is wished for (lengths), how often a
+segment is halved where it may be too near, and the mode of the distances, STEP or EXACT."""
+
+
+@kernel
+def contacts(
+    body: Body, scene: Scene, k: int, mount: float, look: Look, among: Array, rows: Rows, at: int
+) -> tuple[int, float]:
+    """Write a row for every place of segment `k` that is closer than `look.margin` to an obstacle, from row `at` on.
+
+    Between `look.margin` and `look.wish` the row is SOFT. `mount` is what is left of the mount where the segment
+    begins; `among` (m,) int64 is scratch. Returns the next free row and the least clearance that was seen at a place
+    (infinite: none was looked at closely).
+    """
+    q, frames = body.q, body.frames
+    start, length, radius = free_part(q, k, mount), q[k, 2], body.limits[k, RADIUS]
+    part = 1.0 - start
+    least = math.inf
+    if part <= 0.0:
+        return at, least
+    half = 0.5 * length * part
+    needed, wished = radius + look.margin, radius + max(look.margin, look.wish)
+    count, _ = near(scene, body_point(q, frames, k, start + 0.5 * part), wished + half, among)
+    last = at + PER_SEGMENT
+    level, piece = 0, 0
+    while count > 0 and piece < 1 << level:
+        width = part / (1 << level)
+        s = start + (piece + 0.5) * width
+        p = body_point(q, frames, k, s)
+        d, _, _ = closest(scene, among, count, p, wished + 0.5 * length * width, look.mode)
+        if level < look.depth and d < wished + 0.5 * length * width:
+            level, piece = level + 1, 2 * piece
+            continue
+        level, piece = following(level, piece)
+        least = min(least, d - radius)
+        if d < wished:
+            for j in range(count):
+                if at < last:
+                    at = _contact(body, scene, among[j], (k, s, p), (needed, wished), look.mode, rows, at)
+    return at, least
+
+
+@kernel
+def _contact(
+    body: Body, scene: Scene, i: int, place: Place, distances: tuple[float, float], mode: int, rows: Rows, at: int
+) -> int:
+    """Write the row of a place near obstacle `i`; `distances`: what is needed, and what is wished for."""
+    needed, wished = distances
+    d, g = slope(scene, i, place[2], wished, mode)
+    if d >= wished:
+        return at
+    soft = d >= needed
+    weight = (SOFTNESS if soft else 1.0) / body.unit
+    value = weight * ((wished if soft else needed) - d)
+    return put_body_row(rows, at, body.q, body.frames, place, scale(weight, g), SOFT if soft else INNER, value)

@@ -1,0 +1,61 @@
+"""Pieces of segments, and the obstacles that may be near them: what contacts and the proof have in common."""
+
+import math
+
+from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.fields.distances import Scene, look
+from sinuous.kernels.fields.solids import BOUND
+from sinuous.kernels.maths.vectors import Array, Vec
+
+look_here = inline(look)
+
+
+@kernel
+def free_part(q: Array, k: int, mount: float) -> float:
+    """Fraction of segment `k` that lies within the mount; `mount` is what is left of it where the segment begins."""
+    if mount <= 0.0:
+        return 0.0
+    if mount >= q[k, 2]:
+        return 1.0
+    return mount / q[k, 2]
+
+
+@kernel
+def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
+    """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others."""
+    count, rest = 0, math.inf
+    for i in range(scene.table.shape[0]):
+        d, _ = look_here(scene, i, p, reach, BOUND)
+        if d < reach:
+            among[count] = i
+            count += 1
+        elif d < rest:
+            rest = d
+    return count, rest
+
+
+@kernel
+def following(level: int, piece: int) -> tuple[int, int]:
+    """Piece that comes after this one, as large as its place allows; (0, 1) when there is none.
+
+    Piece number `piece` of level `level` is one of `2 ** level` equal parts of the segment.
+    """
+    piece += 1
+    while level > 0 and piece & 1 == 0:
+        level, piece = level - 1, piece >> 1
+    return level, piece
+
+
+@kernel
+def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, mode: int) -> tuple[float, float, int]:
+    """Least distance of `p` to the first `count` obstacles that `among` lists, an upper bound of it, and the obstacle.
+
+    `mode` of the query, and `reach`, beyond which a distance does not matter: see `distances.look`. `among` (m,) int64.
+    """
+    least, most, which = math.inf, math.inf, -1
+    for j in range(count):
+        d, upper = look_here(scene, among[j], p, min(reach, least), mode)
+        most = min(most, upper)
+        if d < least:
+            least, which = d, among[j]
+    return least, most, which

@@ -1,0 +1,89 @@
+"""The proof that the whole body is clear of every obstacle.
+
+A distance field is 1-Lipschitz: it changes by at most the distance moved. Of a piece of backbone of arc length h, no
+point is farther than h / 2 from the midpoint, so `distance(midpoint) - h / 2 - radius` bounds the clearance of the
+piece from below. Pieces are halved until that bound decides. Obstacles that a whole segment is clear of are not asked
+again for its pieces. Where an obstacle has samples, their lower bound is tried first; the exact distance is asked only
+where that bound is what keeps a piece from being decided.
+"""
+
+import math
+
+from sinuous.kernels.body.pieces import closest, following, free_part, near
+from sinuous.kernels.chain.kinematics import body_point, frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import Scene
+from sinuous.kernels.fields.solids import BOUND, EXACT
+from sinuous.kernels.maths.vectors import Array, norm
+from sinuous.kernels.tables import RADIUS
+
+ROUNDING = 1e-13
+"""What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
+
+LOOSENESS = 2.0
+"""How much of half a piece the samples may leave open before the exact distance is asked for, not a shorter piece."""
+
+CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
+"""Verdicts."""
+
+
+@kernel
+def _decided(sure: float, least: float, slack: float) -> bool:
+    """Whether a bound proves something, and as much as is worth proving when `least` is the best that can be true."""
+    return sure > 0.0 and sure >= (1.0 - slack) * least
+
+
+@kernel
+def prove(
+    limits: Array, q: Array, frames: Array, scene: Scene, mount: float, slack: float, finest: float, among: Array
+) -> tuple[int, float, int, float, int]:
+    """Prove that the whole body is clear of every obstacle, or find where it is not.
+
+    Returns the verdict (CLEAR, TOUCHING, UNDECIDED), the clearance, and where the worst was seen: segment, fraction,
+    obstacle. With CLEAR the clearance is a lower bound, at most `slack` of it below the truth; otherwise it is the
+    least one that was seen. Pieces shorter than `finest` are not halved any more.
+    """
+    bound = least = math.inf
+    where, fraction, which = -1, 0.0, -1
+    undecided = False
+    rounding = norm(frame(frames, 0)[1])
+    for k in range(q.shape[0]):
+        rounding += q[k, 2]
+    rounding *= ROUNDING
+    for k in range(q.shape[0]):
+        start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
+        mount -= length
+        part = 1.0 - start
+        if part <= 0.0:
+            continue
+        # Whoever is farther than the best clearance so far cannot matter to any piece of this segment.
+        reach = 0.5 * length * part + radius + rounding
+        count, rest = near(scene, body_point(q, frames, k, start + 0.5 * part), reach + max(0.0, least), among)
+        bound = min(bound, rest - reach)
+        level, piece = 0, 0
+        while count > 0 and piece < 1 << level:
+            width = part / (1 << level)
+            s = start + (piece + 0.5) * width
+            half = 0.5 * length * width
+            p = body_point(q, frames, k, s)
+            away = max(0.0, least) + half + radius + rounding
+            d, most, nearest_one = closest(scene, among, count, p, away, BOUND)
+            sure = d - half - radius - rounding
+            decided = _decided(sure, min(least, most - radius), slack)
+            if not decided and most > d and (most - d > LOOSENESS * half or 2.0 * half <= finest):
+                d, most, nearest_one = closest(scene, among, count, p, away, EXACT)
+                sure = d - half - radius - rounding
+                decided = _decided(sure, min(least, most - radius), slack)
+            if most - radius < least:
+                least, where, fraction, which = most - radius, k, s, nearest_one
+            if least < 0.0:
+                return TOUCHING, least, where, fraction, which
+            if 2.0 * half > finest and not decided:
+                level, piece = level + 1, 2 * piece
+                continue
+            undecided = undecided or sure <= 0.0
+            bound = min(bound, sure)
+            level, piece = following(level, piece)
+    if undecided:
+        return UNDECIDED, least, where, fraction, which
+    return CLEAR, bound, where, fraction, which

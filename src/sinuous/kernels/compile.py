@@ -104,7 +104,7 @@ def _quickened(compiled: Any) -> Any:
 
     def compile_quickly(signature: Any) -> Any:
         if isinstance(signature, tuple):
-            signature = tuple(types.unliteral(each) for each in signature)
+            signature = tuple(types.unliteral(each) for each in signature)  # type: ignore[no-untyped-call]
         collecting = gc.isenabled()
         gc.disable()
         try:

@@ -1,7 +1,9 @@
 """Settings that all tests share."""
 
 import os
+from pathlib import Path
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 from tests import callable_kernels
@@ -24,3 +26,26 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("sinuous")
+
+HERE = Path(__file__).parent
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """Share the whole suite among the processors, unless the command says how; single files run in this process.
+
+    A file stays together: its tests call the same kernels, and what one process compiles the others find on disk.
+    """
+    mine = config.pluginmanager.hasplugin("xdist") and not hasattr(config, "workerinput")
+    if mine and config.option.numprocesses is None and [Path(arg).resolve() for arg in config.args] == [HERE]:
+        config.option.numprocesses = "auto"
+        config.option.dist = "loadfile"
+        config.option.loadscopereorder = False
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with files that compile much, and have nothing of that in common."""
+    items.sort(key=lambda item: FIRST.get(item.path.relative_to(HERE).as_posix(), len(FIRST)))
+
+
+FIRST: dict[str, int] = {}

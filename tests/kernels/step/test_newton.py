@@ -1,0 +1,226 @@
+"""The step against a dense least squares problem, and the laws of a descent."""
+
+import math
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from sinuous.kernels.body.body import CLEAR
+from sinuous.kernels.fields import solids
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.step import newton
+from sinuous.kernels.step.newton import MISSED
+from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN
+from sinuous.poses import pose
+from sinuous.problem.problem import Tolerance
+from sinuous.problem.target import Target
+from sinuous.robot.actuators import Tendons
+from sinuous.robot.robot import Robot, Segment
+from sinuous.scene.obstacles import Sphere
+from tests.helpers import Floats, kernel_problem, random_pose
+from tests.kernels.workspace import make_states, make_work, put, state_of
+
+WIDE = Robot(
+    [Segment((0.5, 1.5), 6.0), Segment(1.0, 6.0), Segment((0.2, 0.8), 6.0), Segment((0.9, 1.1), 6.0)],
+    base=random_pose(np.random.default_rng(1)),
+    tool=random_pose(np.random.default_rng(2), 0.1),
+)
+TIGHT = Robot(
+    [
+        Segment((0.5, 1.5), 1.0, max_curvature=0.9, tendons=Tendons(3, 0.05, displacement=(-0.03, 0.04))),
+        Segment(1.0, 0.7),
+        Segment((0.2, 0.8), 2.0),
+    ]
+)
+MIRROR = np.diag([1.0, -1.0, 1.0])
+LATER = math.inf
+
+
+def shape(robot: Robot, seed: int, share: float = 0.4) -> Floats:
+    """Return a configuration well within the limits."""
+    rng = np.random.default_rng(seed)
+    low, high, bend = robot.limits[:, :3].T
+    angle, size = rng.uniform(-math.pi, math.pi, len(robot)), share * bend * rng.random(len(robot))
+    length = low + (high - low) * rng.uniform(0.3, 0.7, len(robot))
+    return np.stack([size * np.cos(angle), size * np.sin(angle), length], axis=-1)
+
+
+def targets_at(robot: Robot, q: Floats, seed: int) -> list[Target]:
+    """Targets that a configuration meets: the whole pose of the tip, and the place of a segment before it."""
+    tip, inner = robot.tip(q), robot.forward(q)
+    first = Target(tip[:3, 3], rotation=tip[:3, :3])
+    return [first] if seed % 2 else [first, Target(inner[1, :3, 3], segment=2)]
+
+
+def dense(robot: Robot, targets: list[Target], q: Floats) -> tuple[Floats, Floats]:
+    """Jacobian and what is missing, in the units of a step: lengths relative to that of the robot."""
+    unit = robot.mean_length
+    matrices, missing = [], []
+    for target in targets:
+        jacobian = robot.jacobian(q, target.segment)
+        end = robot.tip(q) if target.segment is None else robot.forward(q)[target.segment - 1]
+        assert target.position is not None
+        matrices.append(jacobian[3:] / unit)
+        missing.append((target.position - end[:3, 3]) / unit)
+        if target.rotation is not None:
+            matrices.append(jacobian[:3])
+            missing.append(Rotation.from_matrix(target.rotation @ end[:3, :3].T).as_rotvec())
+    return np.concatenate(matrices), np.concatenate(missing)
+
+
+def linearised(problem: Problem, q: Floats) -> tuple[Any, Any]:
+    states, work = make_states(problem), make_work(problem)
+    state = put(states, 0, q)
+    newton.linearise(problem, state, work, 3, solids.EXACT, 0.0)
+    return state, work
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_norms_are_what_is_missing(seed: int) -> None:
+    q, targets = shape(WIDE, seed), targets_at(WIDE, shape(WIDE, seed + 100), seed)
+    problem = kernel_problem(WIDE, targets)
+    state, _ = linearised(problem, q)
+    _, missing = dense(WIDE, targets, q)
+    off, turn = missing[:3], missing[3:6]
+    inner = missing[6:] if len(missing) > 6 else np.zeros(3)
+    farthest = max(np.linalg.norm(off), np.linalg.norm(inner)) * WIDE.mean_length
+    assert state.norms[MERIT] == pytest.approx(missing @ missing)
+    assert state.norms[POSITION] == pytest.approx(farthest)
+    assert state.norms[ANGLE] == pytest.approx(np.linalg.norm(turn))
+    assert state.norms[SEEN] == math.inf
+
+
+@pytest.mark.parametrize("mu", [1e-6, 1e-2, 10.0])
+@pytest.mark.parametrize("seed", range(8))
+def test_the_step_is_the_dense_damped_gauss_newton_step(seed: int, mu: float) -> None:
+    """Among limits that it does not reach: a small way from where the targets are met."""
+    goal = shape(WIDE, seed)
+    rng = np.random.default_rng(seed)
+    q = goal + 1e-3 * rng.normal(size=goal.shape) * [1, 1, 0]
+    targets = targets_at(WIDE, goal, seed)
+    state, work = linearised(kernel_problem(WIDE, targets), q)
+    bound = newton.step(kernel_problem(WIDE, targets), state, work, mu)
+    jacobian, missing = dense(WIDE, targets, q)
+    scale = WIDE.limits[:, [5, 5, 6]].ravel()
+    system = np.concatenate([jacobian * scale / math.sqrt(mu), np.eye(len(scale))])
+    z = np.linalg.lstsq(system, np.concatenate([missing / math.sqrt(mu), np.zeros(len(scale))]))[0]
+    assert not bound
+    np.testing.assert_allclose(work.step.ravel(), scale * z, atol=1e-9)
+    # A segment that cannot stretch does not.
+    np.testing.assert_array_equal(work.step[1, 2], 0.0)
+
+
+@given(st.integers(0, 10**6), st.sampled_from([1e-10, 1e-3, 1.0]))
+def test_a_step_keeps_the_limits(seed: int, mu: float) -> None:
+    far = random_pose(np.random.default_rng(seed), 2.0)
+    problem = kernel_problem(TIGHT, Target(far[:3, 3], rotation=far[:3, :3]))
+    states, work = make_states(problem), make_work(problem)
+    put(states, 0, shape(TIGHT, seed, 3.0))
+    newton.enter(problem, state_of(states, 0), work)
+    assert TIGHT.excess(states.q[0]) <= 1e-12
+    newton.linearise(problem, state_of(states, 0), work, 3, solids.EXACT, 0.0)
+    newton.step(problem, state_of(states, 0), work, mu)
+    newton.move(problem, state_of(states, 0), work, state_of(states, 1))
+    assert TIGHT.excess(states.q[1]) <= 1e-11
+
+
+def descended(problem: Problem, q: Floats, most: int = 60, deadline: float = LATER) -> tuple[Floats, Any, int, int]:
+    """Configuration, its norms, verdict and iterations of a descent."""
+    states, work = make_states(problem), make_work(problem)
+    put(states, 0, q)
+    at, verdict, used, _, _ = newton.descend(problem, states, 0, work, most, deadline)
+    return states.q[at].copy(), states.norms[at].copy(), verdict, used
+
+
+@given(st.integers(0, 10**6), st.sampled_from([WIDE, TIGHT]))
+def test_the_merit_never_grows(seed: int, robot: Robot) -> None:
+    """A descent that may take one step more is the same one, and its best is no worse."""
+    targets = targets_at(robot, shape(robot, seed + 1), seed)
+    problem = kernel_problem(robot, targets)
+    q, last = shape(robot, seed), math.inf
+    for most in range(12):
+        found, norms, verdict, used = descended(problem, q, most)
+        assert used <= most
+        assert norms[MERIT] <= last
+        assert robot.excess(found) <= 1e-11
+        last = norms[MERIT]
+        _, missing = dense(robot, targets, found)
+        assert norms[MERIT] == pytest.approx(missing @ missing, rel=1e-9, abs=1e-15)
+        assert (verdict == CLEAR) == (
+            norms[POSITION] <= problem.position_tolerance and norms[ANGLE] <= problem.angle_tolerance
+        )
+
+
+@given(st.integers(0, 10**6))
+def test_a_solution_is_found_in_no_iteration_and_not_changed(seed: int) -> None:
+    q = shape(WIDE, seed)
+    found, _, verdict, used = descended(kernel_problem(WIDE, targets_at(WIDE, q, seed)), q)
+    assert (verdict, used) == (CLEAR, 0)
+    np.testing.assert_array_equal(found, q)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_close_to_a_solution_it_converges_like_newton(seed: int) -> None:
+    q = shape(WIDE, seed)
+    rng = np.random.default_rng(seed)
+    near = q + 0.02 * rng.normal(size=q.shape) * [1, 1, 0]
+    targets = targets_at(WIDE, q, seed)
+    _, _, verdict, used = descended(kernel_problem(WIDE, targets, tolerance=Tolerance(1e-9, 1e-9)), near)
+    assert verdict == CLEAR
+    assert used <= 5
+
+
+def test_a_deadline_ends_a_descent_within_four_iterations() -> None:
+    problem = kernel_problem(WIDE, Target((0.0, 0.0, 99.0), direction=(1, 0, 0)))
+    q = shape(WIDE, 3)
+    *_, free = descended(problem, q)
+    *_, verdict, used = descended(problem, q, deadline=time.monotonic() - 1.0)
+    assert verdict == MISSED
+    assert used <= 3 < free
+
+
+def test_nothing_is_missed_beyond_tolerance_by_an_obstacle_alone() -> None:
+    """In the way is a ball: the descent goes round it, and what it says of clearance was proved."""
+    robot = Robot.uniform(4, (0.5, 1.5), 2.0, radius=0.05)
+    straight = np.tile([1e-3, 0.0, 1.0], (4, 1))
+    ball = Sphere((0.05, 0.0, 2.0), 0.3)
+    problem = kernel_problem(robot, Target((0.0, 0.0, 4.0 - 0.2)), [ball])
+    states, work = make_states(problem), make_work(problem)
+    put(states, 0, straight)
+    at, verdict, used, clearance, _ = newton.descend(problem, states, 0, work, 60, LATER)
+    assert verdict == CLEAR
+    assert used > 0
+    sampled = np.linalg.norm(robot.backbone(states.q[at], 200) - [0.05, 0.0, 2.0], axis=1).min() - 0.3 - 0.05
+    assert 0.0 < clearance <= sampled + 1e-9
+
+
+@given(st.integers(0, 10**6))
+def test_a_change_of_base_changes_nothing(seed: int) -> None:
+    """Robot and targets are moved together: the descent is the same, to rounding."""
+    q, goal = shape(WIDE, seed), shape(WIDE, seed + 1, 0.2)
+    moved = random_pose(np.random.default_rng(seed), 3.0)
+    other = Robot(WIDE.segments, base=moved @ WIDE.base, tool=WIDE.tool)
+    first, norms, *said = descended(kernel_problem(WIDE, targets_at(WIDE, goal, seed)), q, 4)
+    second, others, *same = descended(kernel_problem(other, targets_at(other, goal, seed)), q, 4)
+    assert said == same
+    np.testing.assert_allclose(second, first, atol=1e-7)
+    np.testing.assert_allclose(others[:3], norms[:3], atol=1e-7)
+
+
+@given(st.integers(0, 10**6))
+def test_a_mirror_image_is_solved_by_the_mirror_image(seed: int) -> None:
+    robot = Robot.uniform(4, (0.5, 1.5), 2.0, tool=pose((0.1, 0.0, 0.2)))
+    q, goal = shape(robot, seed), shape(robot, seed + 1, 0.2)
+    tip = robot.tip(goal)
+    one = Target(tip[:3, 3], direction=tip[:3, 2])
+    other = Target(MIRROR @ tip[:3, 3], direction=MIRROR @ tip[:3, 2])
+    first, norms, *said = descended(kernel_problem(robot, one), q, 4)
+    second, others, *same = descended(kernel_problem(robot, other), q * [1.0, -1.0, 1.0], 4)
+    assert said == same
+    np.testing.assert_allclose(second * [1.0, -1.0, 1.0], first, atol=1e-7)
+    np.testing.assert_allclose(others[:3], norms[:3], atol=1e-7)

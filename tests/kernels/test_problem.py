@@ -12,10 +12,12 @@ from sinuous.kernels import tables as t
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import answer_of, read_problem
-from sinuous.problem.problem import Preferences, Tolerance
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target, target_table
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
 from sinuous.scene.scene import Scene

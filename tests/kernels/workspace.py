@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from sinuous.kernels.body.body import PER_SEGMENT
+from sinuous.kernels.body.contacts import PER_SEGMENT
+from sinuous.kernels.body.rows import Rows
 from sinuous.kernels.chain.kinematics import put_frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.states import STATES, State, Work
-from sinuous.kernels.step.sweeps import Rows
 from tests.helpers import Floats, mat, vec
 
 

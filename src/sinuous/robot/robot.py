@@ -95,14 +95,12 @@ class Robot(Frozen):
         *,
         tendons: Tendons | None = None,
         chambers: Chambers | None = None,
-        mount: Any = 0.0,
-        base: Any = None,
-        tool: Any = None,
+        **whole: Any,
     ) -> "Robot":
-        """Make a robot of `count` equal segments; the rest as for `Segment` and `Robot`."""
+        """Make a robot of `count` equal segments; the rest as for `Segment`, and mount, base, tool as for `Robot`."""
         number = checks.integer("count", count, 1, MOST_SEGMENTS)
         segment = Segment(length, max_bend, max_curvature, radius, tendons, chambers)
-        return cls([segment] * number, mount=mount, base=base, tool=tool)
+        return cls([segment] * number, **whole)
 
     def __len__(self) -> int:
         return len(self.segments)

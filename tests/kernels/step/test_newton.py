@@ -9,18 +9,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-
 from sinuous.kernels.body.body import CLEAR
+
 from sinuous.kernels.fields import solids
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.newton import MISSED
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN
 from sinuous.poses import pose
-from sinuous.problem.problem import Tolerance
 from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.actuators import Tendons
-from sinuous.robot.robot import Robot, Segment
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from tests.helpers import Floats, kernel_problem, random_pose
 from tests.kernels.workspace import make_states, make_work, put, state_of
@@ -121,7 +122,7 @@ def test_a_step_keeps_the_limits(seed: int, mu: float) -> None:
     problem = kernel_problem(TIGHT, Target(far[:3, 3], rotation=far[:3, :3]))
     states, work = make_states(problem), make_work(problem)
     put(states, 0, shape(TIGHT, seed, 3.0))
-    newton.enter(problem, state_of(states, 0), work)
+    newton.project_to_limits(problem, state_of(states, 0), work)
     assert TIGHT.excess(states.q[0]) <= 1e-12
     newton.linearise(problem, state_of(states, 0), work, 3, solids.EXACT, 0.0)
     newton.step(problem, state_of(states, 0), work, mu)

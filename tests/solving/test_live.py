@@ -149,8 +149,8 @@ def test_solving_while_the_cloud_changes() -> None:
     worker = threading.Thread(target=work)
     worker.start()
     for i in range(60):
-        before = len(found)
         scene.update(seen(i))
+        before = len(found)  # after the update, which takes longer than some solves
         while worker.is_alive() and len(found) < before + len(asked):
             time.sleep(1e-4)
     stop.set()

@@ -2,7 +2,7 @@
 
 import time as clock
 from collections.abc import Iterable
-from typing import Any, NamedTuple, Never
+from typing import Any, Never
 
 import numpy as np
 
@@ -30,13 +30,6 @@ CANDIDATES = 4
 
 TOGETHER = 256
 """Most problems that `solve_many` hands over in one call, so that an interrupt is seen."""
-
-
-class _Place(NamedTuple):
-    """A snapshot of the scene, and whether the base is blocked in it."""
-
-    scene: Snapshot
-    base_blocked: bool
 
 
 class Solver:
@@ -76,9 +69,10 @@ class Solver:
         takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
         router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
         self._portfolio = Portfolio(chosen.max_starts, router)
+        self._seed = chosen.seed
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._no_initial: Floats = np.empty((0, len(robot), 3))
-        self._place = _Place(Snapshot(()), False)
+        self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
 
     def solve(
@@ -107,13 +101,17 @@ class Solver:
         began = clock.perf_counter()
         if renamed:
             refuse_renamed(renamed)
-        problem, blocked = self._problem(target)
+        scene, blocked = self._place
+        if scene is not self.scene.snapshot():
+            scene, blocked = self._look_at_base()
+        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given = self._no_initial if initial is None else self._given("initial", initial)
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self.method, self.options.seed)
+        return Solution(problem, outcome, clock.perf_counter() - began, self.method, self._seed)
 
     def build(self, target: Targets, initial: "Solution | Any" = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
@@ -241,17 +239,15 @@ class Solver:
 
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
+        scene, blocked = self._look_at_base()
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
-        place = self._place
-        if place.scene is not self.scene.snapshot():
-            place = self._look_at_base()
-        return Problem.prepared(self.robot, targets, place.scene, self.tolerance), place.base_blocked
+        return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
 
-    def _look_at_base(self) -> _Place:
+    def _look_at_base(self) -> tuple[Snapshot, bool]:
         """Take the scene as it is now, and look at the base in it: at first, and after an update."""
         place, scene = self._place, self.scene.snapshot()
-        if place.scene is not scene:
-            place = self._place = _Place(scene, base_blocked(self.robot, scene))
+        if place[0] is not scene:
+            place = self._place = scene, base_blocked(self.robot, scene)
         return place
 
     def _budget(self, given: int, time: Any) -> Budget:

@@ -69,6 +69,9 @@ def close(state: State, count: int) -> None:
     state.norms[WISH] = wished / (SOFTNESS * SOFTNESS)
 
 
+add_targets_here, close_here = inline(add_targets), inline(close)
+
+
 @kernel
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
@@ -90,9 +93,9 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
             at, least = contacts(body, problem.scene, k, mount, look, work.among, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
-        at, miss, angle = add_targets(problem, state, k, at)
+        at, miss, angle = add_targets_here(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
-    close(state, at)
+    close_here(state, at)
     state.norms[POSITION], state.norms[ANGLE], state.norms[SEEN] = off, turn, seen
 
 

@@ -55,10 +55,10 @@ def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[li
     rows = target_table(robot, tuple(targets)).copy()
     table, store = packing.scene_parts(scene.group)
     shapes = [(len(robot), 7), (len(robot.actuation), 7), (1, 12), (1, 12), table.shape, store.shape, rows.shape]
-    parts = [np.full(shape, np.nan) for shape in shapes]
+    parts: Any = tuple(np.full(shape, np.nan) for shape in shapes)
     numbers = np.full(len(FIELDS), np.nan)
-    take_apart(packing.robot_group(robot), scene.group, settings, rows, tuple(parts), numbers)
-    return parts, dict(zip(FIELDS, numbers.tolist(), strict=True))
+    take_apart(packing.robot_group(robot), scene.group, settings, rows, parts, numbers)
+    return list(parts), dict(zip(FIELDS, numbers.tolist(), strict=True))
 
 
 lengths = st.tuples(st.floats(0.1, 5.0), st.floats(0.0, 2.0)).map(lambda pair: (pair[0], pair[0] + pair[1]))

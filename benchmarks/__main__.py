@@ -91,7 +91,7 @@ def _measure(chosen: "Chosen", output: "Output") -> int:
 
     for option, file in (("--against", output.against), ("--save-baseline", output.save_baseline)):
         if file is not None and chosen.name not in OF_LINES:
-            raise InputError(option, f"is not for {chosen.name}", str(file), "one of " + ", ".join(OF_LINES))
+            raise InputError(option, "is for " + ", ".join(OF_LINES), str(file), f"nothing with {chosen.name}")
     if output.save_baseline is not None:
         check_writable("--save-baseline", output.save_baseline)
     require()
@@ -134,7 +134,7 @@ class Chosen:
         from sinuous import checks  # noqa: PLC0415
 
         if self.name not in BENCHMARKS:
-            raise InputError("NAME", "no such measurement", self.name, "one of " + ", ".join(BENCHMARKS))
+            raise InputError("NAME", "", self.name, "one of " + ", ".join(BENCHMARKS))
         checks.integer("--seed", self.seed, 0, 2**31 - 1)
         checks.integer("--rounds", self.rounds, 1, 100)
         for option, given, able in (
@@ -143,7 +143,7 @@ class Chosen:
             ("--rounds", self.rounds if self.rounds > 1 else None, OF_LINES),
         ):
             if given and self.name not in able:
-                raise InputError(option, f"is not for {self.name}", given, "one of " + ", ".join(able))
+                raise InputError(option, "is for " + ", ".join(able), given, f"nothing with {self.name}")
 
     def experiment(self) -> "Experiment":
         """Prepare it; what it needs is imported now.

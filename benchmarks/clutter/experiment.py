@@ -29,7 +29,7 @@ class Clutter(OfLines):
         super().__init__("clutter", plan)
         for name in families:
             if name not in FAMILIES:
-                raise InputError("--family", "is not known", name, "one of " + ", ".join(FAMILIES))
+                raise InputError("--family", "", name, "one of " + ", ".join(FAMILIES))
         self._families = families
 
     def parts(self) -> Iterator[tuple[str, Measurement]]:

@@ -1,11 +1,16 @@
 """A picture of the places that `clutter` measures, solved: `python -m benchmarks.clutter.gallery FILE`."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+import typer
 
 from benchmarks.places import make
+from sinuous.cli.app import execute
+from sinuous.cli.options import check_writable
 from sinuous.pictures.plot import check_picture, draw_shape
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
@@ -46,7 +51,7 @@ def draw(file: Path, shown: dict[str, int] = SHOWN) -> None:
     InputError
         When Matplotlib is missing, or does not know the kind of file.
     """
-    check_picture("file", file)
+    check_picture("FILE", file)
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
     from matplotlib.figure import Figure  # noqa: PLC0415
 
@@ -65,5 +70,26 @@ def draw(file: Path, shown: dict[str, int] = SHOWN) -> None:
     figure.savefig(file)
 
 
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+
+
+@app.command()
+def run(file: Annotated[Path, typer.Argument(metavar="FILE", help="Picture to write, like places.png.")]) -> None:
+    """Draw one place of each kind, solved."""
+    check_writable("FILE", file)
+    draw(file)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Default: those of the process.
+    """
+    return execute(app, "python -m benchmarks.clutter.gallery", arguments)
+
+
 if __name__ == "__main__":
-    draw(Path(sys.argv[1]))
+    sys.exit(main())

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from inspect import signature
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
@@ -101,9 +100,9 @@ def examine(task: Task) -> Trial:
     solver, prepare = (_shared if FAMILIES[family].published else _prepared)(place.robot, place.scene, place.tolerance)
     ours, solution = _attempt(place, solver)
     others = {}
-    for name, starts in ((ARC, 1), (RANDOM, 1 + RANDOM_STARTS)):
+    for name, most in ((ARC, 1), (RANDOM, 1 + RANDOM_STARTS)):
         if name in compared:
-            others[name], _ = _attempt(place, _local(place.robot, solver.scene, place.tolerance, starts))
+            others[name], _ = _attempt(place, _local(place.robot, solver.scene, place.tolerance, most))
     if IPOPT in compared and AmongSpheres.takes(place.robot, place.scene):
         others[IPOPT] = _interior(place)
     return Trial(family, seed, prepare, ours, _proof(solver, place, solution), others)
@@ -121,10 +120,9 @@ _shared = lru_cache(maxsize=16)(_prepared)
 
 
 @lru_cache(maxsize=2)
-def _local(robot: Robot, scene: Scene, tolerance: Tolerance, starts: int) -> Solver:
-    """Return a solver without routes."""
-    options: dict[str, Any] = {"routes": False} if "routes" in signature(Solver).parameters else {}
-    return Solver(robot, scene, tolerance=tolerance, starts=starts, **options)
+def _local(robot: Robot, scene: Scene, tolerance: Tolerance, most: int) -> Solver:
+    """Return a solver without routes, which follows so many starts at most."""
+    return Solver(robot, scene, tolerance=tolerance, max_starts=most, routes=False)
 
 
 @lru_cache(maxsize=2)

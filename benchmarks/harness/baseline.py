@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from benchmarks.harness.lines import Line
 from benchmarks.harness.markdown import table
 from benchmarks.harness.report import Report, number
-from sinuous.errors import InputError
+from sinuous.errors import InputError, shown
 from sinuous.files.results import plain
 
 SAFETY = 2.0
@@ -141,6 +141,7 @@ def load(file: Path, option: str) -> dict[str, Any]:
     InputError
         When it cannot be read, or is no baseline.
     """
+    expected = "a file that --save-baseline wrote"
     try:
         held = json.loads(file.read_text(encoding="utf-8"))
         figures = [
@@ -149,9 +150,9 @@ def load(file: Path, option: str) -> dict[str, Any]:
         ]
         return {**{key: held[key] for key in SAME}, "figures": figures}
     except OSError as error:
-        raise InputError(option, f"cannot be read: {error.strerror}", str(file), "a baseline") from None
+        raise InputError(option, f"cannot be read: {error.strerror}", str(file), expected) from None
     except (ValueError, TypeError, KeyError):
-        raise InputError(option, "is no baseline", str(file), "a file that --save-baseline wrote") from None
+        raise InputError(option, "", str(file), expected) from None
 
 
 def check(baseline: dict[str, Any], now: dict[str, Any], option: str) -> None:
@@ -164,7 +165,7 @@ def check(baseline: dict[str, Any], now: dict[str, Any], option: str) -> None:
     """
     for key in SAME:
         if baseline[key] != now[key]:
-            raise InputError(option, f"was measured otherwise: {key} was {baseline[key]}", now[key], "the same")
+            raise InputError(option, "", baseline[key], f"a baseline measured with {key} {shown(now[key])}")
 
 
 def compare(figures: Iterable[Figure], lines: Iterable[Line], *, whole: bool = True) -> Comparison:

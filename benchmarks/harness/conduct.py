@@ -64,7 +64,7 @@ def require() -> None:
     """
     missing = [package for module, package in NEEDED.items() if find_spec(module) is None]
     if missing:
-        raise InputError("benchmarks", "need packages that are not installed", missing, "pip install -e '.[bench]'")
+        raise InputError("benchmarks", "not installed", missing, "the packages of pip install -e '.[bench]'")
 
 
 def conduct(experiment: Experiment, output: Output) -> int:

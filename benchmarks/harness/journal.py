@@ -58,7 +58,7 @@ class Journal:
             When other settings were used before; it names the first that differs. When the folder is a file.
         """
         if folder.exists() and not folder.is_dir():
-            raise InputError("--out", "is a file", str(folder), "a folder, which is made when it is not there")
+            raise InputError("--out", "is a file", str(folder), "a folder")
         folder.mkdir(parents=True, exist_ok=True)
         journal = cls(folder / NAME)
         if anew or not journal.file.exists():
@@ -98,9 +98,9 @@ def _whole_lines(file: Path) -> tuple[list[dict[str, Any]], int]:
 def _refuse_others(folder: Path, before: Any, now: dict[str, Any]) -> None:
     if before == now:
         return
-    remedy = "the same settings to go on, another folder, or --anew to measure everything again"
+    remedy = "the settings of before, another folder, or --anew"
     if not isinstance(before, dict):
-        raise InputError("--out", "holds a journal that cannot be read", str(folder), remedy)
+        raise InputError("--out", "its journal cannot be read", str(folder), remedy)
     key = next(key for key in {**before, **now} if before.get(key) != now.get(key))
     change = f"{key} was {before.get(key, 'not set')}, is {now.get(key, 'not set')}"
-    raise InputError("--out", f"holds measurements under other settings ({change})", str(folder), remedy)
+    raise InputError("--out", change, str(folder), remedy)

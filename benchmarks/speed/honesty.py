@@ -41,7 +41,7 @@ class Tally(NamedTuple):
 def examine(seed: int) -> Tally:
     """Solve and judge one scene; `clutter(seed, TARGETS)` makes it again."""
     problems = clutter(seed, TARGETS)
-    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance, starts=STARTS)
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance, max_starts=STARTS)
     solutions = [solver.solve(target) for target in problems.targets]
     claims = np.flatnonzero([solution.solved for solution in solutions])
     q = np.array([solution.q for solution in solutions])

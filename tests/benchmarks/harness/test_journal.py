@@ -43,7 +43,7 @@ def test_a_torn_end_costs_that_line_only(tmp_path: Path, torn: str) -> None:
 
 def test_other_settings_are_refused_by_name(tmp_path: Path) -> None:
     opened(tmp_path).add("a", 1)
-    with pytest.raises(InputError, match=r"--out: .*\(seed was 3, is 4\).*--anew"):
+    with pytest.raises(InputError, match=r"--out: .*--anew, .*\(seed was 3, is 4\)"):
         opened(tmp_path, seed=4)
     with pytest.raises(InputError, match=r"\(code was abc, is abd\)"):
         opened(tmp_path, code="abd")

@@ -20,6 +20,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.solver import Solver
+from tests.benchmarks.tampering import moved
 
 OURS = [Entrant("newton", "newton")]
 
@@ -59,9 +60,7 @@ def shifted(monkeypatch: pytest.MonkeyPatch, segment: int, coordinate: int, by: 
     honest = Solver.solve
 
     def careless(self: Solver, *arguments: Any) -> Solution:
-        solution = honest(self, *arguments)
-        solution.q[segment, coordinate] += by
-        return solution
+        return moved(honest(self, *arguments), (segment, coordinate), by)
 
     monkeypatch.setattr(Solver, "solve", careless)
 
@@ -79,8 +78,8 @@ def test_an_answer_outside_its_limits_is_a_wrong_claim() -> None:
     problems = ProblemSet(robot, [Target((0, 0, -150))], Scene(), Tolerance(1.0, 0.0175))
     solution = Solver(robot, tolerance=problems.tolerance).solve(Target((0, 0, -140)))
     assert solution.solved
-    solution.q[:, 2] += 5.0
-    record = Judge(problems).record(0, solution, 1e-5, keep=True)
+    long = moved(solution, (slice(None), 2), 5.0)
+    record = Judge(problems).record(0, long, 1e-5, keep=True)
     assert record["claimed"]
     assert not record["right"]
     assert record["position"] < 1.0

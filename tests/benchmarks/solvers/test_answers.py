@@ -7,6 +7,7 @@ from benchmarks.problems import paper_poses
 from benchmarks.solvers.answers import solve_all
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
+from tests.benchmarks.tampering import moved
 
 
 def test_an_answer_off_its_target_is_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -14,8 +15,7 @@ def test_an_answer_off_its_target_is_not_counted(monkeypatch: pytest.MonkeyPatch
 
     def careless(self: Solver, target: object) -> Solution:
         solution = honest(self, target)  # type: ignore[arg-type]
-        solution.q[0, 0] += 1e-3
-        return solution
+        return moved(solution, (0, 0), 1e-3)
 
     monkeypatch.setattr(Solver, "solve", careless)
     answers = solve_all(Plan(), paper_poses(), "careless")

@@ -1,0 +1,12 @@
+"""Answers that are changed behind the back of the solver, so that a judge has something to find."""
+
+from typing import Any
+
+from sinuous.solution.solution import Solution
+
+
+def moved(solution: Solution, where: tuple[Any, int], by: float) -> Solution:
+    """Return a copy of a solution that claims the same, with other entries of its configuration."""
+    q = solution.q.copy()
+    q[where] += by
+    return Solution(solution.problem, solution._outcome._replace(q=q), solution.seconds, solution.method, solution.seed)

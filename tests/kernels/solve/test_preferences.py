@@ -1,0 +1,153 @@
+"""Preferences: what is solved stays solved, the cost falls, and at the end no small motion lowers it."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sinuous import packing
+from sinuous.kernels.fields import solids
+from sinuous.kernels.solve.preferences import Wishes, cost, prefer
+from sinuous.kernels.step import newton
+from sinuous.kernels.step.states import workspace_size
+from sinuous.kernels.tables import MAX_ITERATIONS
+from sinuous.problem.problem import Preferences, Problem
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.obstacles import Sphere
+from sinuous.solution.verification import verify
+from tests.helpers import Floats, kernel_problem
+from tests.kernels.workspace import make_states, make_work, put
+
+ROBOT = Robot.uniform(5, (0.7, 1.3), 2.5, radius=0.05)
+UNIT = 1.0
+"""Mean length of a segment."""
+
+PREFERENCES = (Preferences(bends=1.0), Preferences(start=1.0), Preferences(start=0.5, bends=2.0))
+
+
+def shape(seed: int, size: float = 0.5) -> Floats:
+    rng = np.random.default_rng(seed)
+    angle, bend = rng.uniform(-math.pi, math.pi, 5), size * 2.5 * np.sqrt(rng.random(5))
+    return np.stack([bend * np.cos(angle), bend * np.sin(angle), rng.uniform(0.85, 1.15, 5)], axis=-1)
+
+
+def problem_at(q: Floats, scene: Any = None) -> Problem:
+    tip = ROBOT.tip(q)
+    return Problem(ROBOT, Target(tip[:3, 3], direction=tip[:3, 2]), scene)
+
+
+def preferred(
+    problem: Problem, wish: Preferences, q: Floats, reference: Floats, seconds: float = 30.0, most: int = 60
+) -> tuple[Floats, int, float, float, float]:
+    settings = packing.settings_group(ROBOT, problem.tolerance, wish)
+    settings[MAX_ITERATIONS] = most
+    size = workspace_size(len(ROBOT), 0, len(problem.scene), len(problem.targets))
+    best = q.copy()
+    proved = 0.125, 0.25, 0.5, seconds  # no values that a solve would give
+    group = problem.scene.group.copy()
+    told = prefer(
+        packing.robot_group(ROBOT), group, settings, problem.rows.copy(), reference, proved, np.empty(size), best
+    )
+    return best, *told
+
+
+def disliked(wish: Preferences, q: Floats, reference: Floats) -> float:
+    away = (((q - reference) / [1.0, 1.0, UNIT]) ** 2).sum()
+    return float(wish.start * away + wish.bends * (q[:, :2] ** 2).sum())
+
+
+@given(st.integers(0, 10**6), st.sampled_from(PREFERENCES))
+def test_the_cost_falls_and_the_answer_stays_one(seed: int, wish: Preferences) -> None:
+    q, reference = shape(seed), shape(seed + 1)
+    problem = problem_at(q)
+    best, used, off, turn, clearance = preferred(problem, wish, q, reference)
+    check = verify(problem, best)
+    assert check.ok
+    assert used > 0
+    assert disliked(wish, best, reference) < disliked(wish, q, reference)
+    assert off == pytest.approx(check.position_error, abs=1e-9)
+    assert turn == pytest.approx(check.angle_error, abs=1e-7)
+    assert clearance == math.inf
+
+
+def free_gradient(wish: Preferences, q: Floats, reference: Floats) -> float:
+    """Size of that part of the gradient of the cost along which the target is met."""
+    jacobian = ROBOT.jacobian(q)
+    across = np.linalg.svd(ROBOT.tip(q)[None, :3, 2])[2][1:]
+    lines = np.concatenate([jacobian[3:], across @ jacobian[:3]])
+    away = wish.start * (q - reference) / [1.0, 1.0, UNIT**2] + wish.bends * q * [1.0, 1.0, 0.0]
+    return float(np.linalg.norm(away.ravel() - np.linalg.pinv(lines) @ (lines @ away.ravel())))
+
+
+@pytest.mark.parametrize(("wish", "share"), [*zip(PREFERENCES, (0.2, 0.02, 0.2), strict=True)], ids=repr)
+def test_in_the_end_hardly_a_small_motion_is_better(wish: Preferences, share: float) -> None:
+    """What the targets leave free of the gradient of the cost becomes small, where no limit holds it back."""
+    counted = 0
+    for seed in range(12):
+        q, reference = shape(seed, 0.3), shape(seed + 1, 0.3)
+        best, *_ = preferred(problem_at(q), wish, q, reference, most=300)
+        room = min(ROBOT.limits[0, 1] - best[:, 2].max(), best[:, 2].min() - ROBOT.limits[0, 0])
+        if room > 1e-6:
+            counted += 1
+            assert free_gradient(wish, best, reference) < share * free_gradient(wish, q, reference)
+    assert counted > 5
+
+
+@given(st.integers(0, 10**6))
+def test_who_prefers_what_is_there_stays(seed: int) -> None:
+    q = shape(seed)
+    best, *_ = preferred(problem_at(q), Preferences(start=1.0), q, q)
+    np.testing.assert_allclose(best, q, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_without_time_nothing_is_changed(seed: int) -> None:
+    q = shape(seed)
+    best, used, off, _, _ = preferred(problem_at(q), PREFERENCES[0], q, q, seconds=-1.0)
+    np.testing.assert_array_equal(best, q)
+    assert used == 0
+    assert off < 1e-12  # proved anew, and not what was told
+
+
+def test_among_obstacles_the_body_stays_clear_and_a_wish_for_clearance_helps() -> None:
+    counted = gained = 0
+    for seed in range(16):
+        q = shape(seed, 0.3)
+        away = np.random.default_rng(seed).normal(size=3)
+        ball = Sphere(ROBOT.backbone(q, 10)[25] + 0.4 * away / np.linalg.norm(away), 0.2)
+        problem = problem_at(q, [ball])
+        before = verify(problem, q)
+        if not before.ok:
+            continue
+        counted += 1
+        for wish in (Preferences(bends=1.0), Preferences(clearance=0.5)):
+            best, _, _, _, clearance = preferred(problem, wish, q, q)
+            after = verify(problem, best)
+            assert after.ok
+            assert clearance <= after.clearance + 1e-9
+            gained += bool(wish.clearance) and after.clearance > before.clearance + 1e-3
+    assert counted > 5
+    assert gained > 5
+
+
+def test_what_is_not_solved_is_not_taken() -> None:
+    """A configuration that misses its target by far cannot be proved: it comes back as it was, with what was told."""
+    q = shape(3)
+    problem = Problem(ROBOT, Target((0.0, 0.0, 99.0)))
+    best, _, off, turn, clearance = preferred(problem, PREFERENCES[0], q, q)
+    np.testing.assert_array_equal(best, q)
+    assert (off, turn, clearance) == (0.125, 0.25, 0.5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_cost_is_as_it_is_said(seed: int) -> None:
+    q, reference = shape(seed), shape(seed + 1)
+    wish = Preferences(start=0.7, bends=0.3)
+    problem = kernel_problem(ROBOT, Target((0.0, 1.0, 3.0)))
+    state = put(make_states(problem), 0, q)
+    newton.linearise(problem, state, make_work(problem), 3, solids.EXACT, 0.0)
+    assert cost(problem, state, Wishes(0.7, 0.3, 0.0, reference)) == pytest.approx(disliked(wish, q, reference))

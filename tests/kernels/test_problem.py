@@ -51,13 +51,13 @@ def take_apart(
     numbers[5], numbers[6] = problem.look_depth, problem.step_depth
 
 
-def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[list[Floats], dict[str, float]]:
+def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[tuple[Floats, ...], dict[str, float]]:
     rows = target_table(robot, tuple(targets)).copy()
     table, store = packing.scene_parts(scene.group)
     shapes = [(len(robot), 7), (len(robot.actuation), 7), (1, 12), (1, 12), table.shape, store.shape, rows.shape]
-    parts = [np.full(shape, np.nan) for shape in shapes]
+    parts: Any = tuple(np.full(shape, np.nan) for shape in shapes)
     numbers = np.full(len(FIELDS), np.nan)
-    take_apart(packing.robot_group(robot), scene.group, settings, rows, tuple(parts), numbers)
+    take_apart(packing.robot_group(robot), scene.group, settings, rows, parts, numbers)
     return parts, dict(zip(FIELDS, numbers.tolist(), strict=True))
 
 

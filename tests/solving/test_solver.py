@@ -192,9 +192,10 @@ def test_the_time_budget_is_kept() -> None:
     robot = sn.Robot.uniform(40, (0.5, 1.0), 0.3, radius=0.01)
     rng = np.random.default_rng(0)
     # Two places farther apart than the two segments between them: not proved to be impossible.
-    target = [sn.Target((0, 0, 25)), sn.Target((2, 0, 16), segment=20), sn.Target((-2, 0, 16), segment=22)]
+    tip, one, other = (0, 0, 25), (2, 0, 16), (-2, 0, 16)
+    target = [sn.Target(tip), sn.Target(one, segment=20), sn.Target(other, segment=22)]
     centers = rng.uniform((-9, -9, 11), (9, 9, 29), (200, 3))
-    away = np.min([np.linalg.norm(centers - each.position, axis=1) for each in target], axis=0)
+    away = np.min([np.linalg.norm(centers - place, axis=1) for place in (tip, one, other)], axis=0)
     scene = sn.Scene([sn.Sphere(center, 2.0) for center in centers[away > 2.5][:80]])
     solver = sn.Solver(robot, scene, time=0.2, max_starts=10**9)
     solver.solve(target)

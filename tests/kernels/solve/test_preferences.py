@@ -14,7 +14,8 @@ from sinuous.kernels.solve.preferences import Wishes, cost, prefer
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import MAX_ITERATIONS
-from sinuous.problem.problem import Preferences, Problem
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere

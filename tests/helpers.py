@@ -150,7 +150,7 @@ def columns_of(q: Floats, base: Floats | None = None) -> Floats:
 
 def kernel_scene(scene: Scene | Snapshot) -> distances.Scene:
     """A scene as the kernels take it."""
-    return distances.Scene(*packing.scene_parts(scene.group))
+    return distances.Scene(*packing.scene_parts(scene.group.copy()))
 
 
 def kernel_problem(

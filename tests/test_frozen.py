@@ -30,7 +30,7 @@ LAMP = sn.Sphere((1.5, 0.0, 1.0), 0.3, name="lamp")
 SCENE = sn.Scene([LAMP, sn.PointCloud(np.array([[3.0, 0.0, 1.0], [3.0, 0.5, 1.0]]), 0.1)])
 
 
-TABLES = {"Target": ("table",), "Problem": ("rows",), "Snapshot": ("group",)}
+TABLES = {"Target": ("_table",), "Problem": ("_rows",), "Snapshot": ("_group",)}
 """What kernels read of targets, problems and snapshots; kernels are compiled for writable arrays alone."""
 
 
@@ -148,7 +148,8 @@ def test_memory_of_somebody_else_is_read_only_and_tables_are_copied_from_it() ->
     content = pickle.dumps(TARGET, 5, buffer_callback=buffers.append)
     again = pickle.loads(content, buffers=[bytes(buffer.raw()) for buffer in buffers])
     assert_equal(again, TARGET)
-    assert again.table.flags.writeable
+    assert again._table.flags.writeable
+    assert not again.table.flags.writeable
 
 
 @pytest.mark.parametrize("name", OBSTACLES)

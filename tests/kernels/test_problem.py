@@ -53,11 +53,11 @@ def take_apart(
 
 def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[tuple[Floats, ...], dict[str, float]]:
     rows = target_table(robot, tuple(targets)).copy()
-    table, store = packing.scene_parts(scene.group)
+    table, store = packing.scene_parts(scene.group.copy())
     shapes = [(len(robot), 7), (len(robot.actuation), 7), (1, 12), (1, 12), table.shape, store.shape, rows.shape]
     parts: Any = tuple(np.full(shape, np.nan) for shape in shapes)
     numbers = np.full(len(FIELDS), np.nan)
-    take_apart(packing.robot_group(robot), scene.group, settings, rows, parts, numbers)
+    take_apart(packing.robot_group(robot), scene.group.copy(), settings, rows, parts, numbers)
     return parts, dict(zip(FIELDS, numbers.tolist(), strict=True))
 
 

@@ -63,8 +63,8 @@ class Compiled:
 
     def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
         """Return what `run` would call; see `Method.build`."""
-        self._capabilities.refuse_targets(self._name, problem.rows, self._segments)
-        return self._call(problem.scene, problem.rows[None], initial[None], budget)
+        self._capabilities.refuse_targets(self._name, problem._rows, self._segments)
+        return self._call(problem.scene, problem._rows[None], initial[None], budget)
 
     def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
         """Solve one problem; see `Method.run`."""
@@ -75,13 +75,13 @@ class Compiled:
         announce(self._entry.search)
         if not self._capabilities.any_target:
             for each in problems:
-                self._capabilities.refuse_targets(self._name, each.rows, self._segments)
-        rows = np.stack([each.rows for each in problems])
+                self._capabilities.refuse_targets(self._name, each._rows, self._segments)
+        rows = np.stack([each._rows for each in problems])
         return _answered(self._call(problems[0].scene, rows, initial, budget))
 
     def _call(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget) -> Call:
         answers = np.empty((len(rows), answer_size(self._segments)))
-        groups = self._robot, scene.group, self._settings
+        groups = self._robot, scene._kernel_group, self._settings
         return Call(self._entry.search, (*groups, rows, initial, budget, self._workspace(rows.shape[1]), answers))
 
     def _workspace(self, targets: int) -> Floats:

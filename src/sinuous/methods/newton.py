@@ -58,8 +58,9 @@ class PreparedNewton(Compiled):
         return Call(search, self._arguments(problem, initial, budget))
 
     def _arguments(self, problem: Problem, initial: Floats, budget: Budget) -> tuple[Any, ...]:
-        rows, best = problem.rows, np.empty(self._shape)
-        return self._robot, problem.scene.group, self._settings, rows, initial, budget, self._workspace(len(rows)), best
+        rows, best = problem._rows, np.empty(self._shape)
+        group, workspace = problem.scene._kernel_group, self._workspace(len(rows))
+        return self._robot, group, self._settings, rows, initial, budget, workspace, best
 
     def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
         """Solve one problem; see `Method.run`."""
@@ -86,8 +87,8 @@ class PreparedNewton(Compiled):
         """Improve a solved outcome, in place, by what is preferred; `reference` (n, 3): what to stay close to."""
         near = outcome.q.copy() if reference is None else np.array(reference)
         proved = outcome.position_error, outcome.angle_error, outcome.clearance, seconds
-        groups = self._robot, problem.scene.group, self._settings, problem.rows
-        used, *better = prefer(*groups, near, proved, self._workspace(len(problem.rows)), outcome.q)
+        groups = self._robot, problem.scene._kernel_group, self._settings, problem._rows
+        used, *better = prefer(*groups, near, proved, self._workspace(len(problem._rows)), outcome.q)
         position_error, angle_error, clearance = better
         return outcome._replace(
             iterations=outcome.iterations + used,

@@ -6,6 +6,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.packing import read_only
 from sinuous.problem.target import Target, target_list, target_table
 from sinuous.problem.tolerance import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot
@@ -17,10 +18,10 @@ from sinuous.scene.snapshot import Snapshot
 class _Open:
     """A problem while it is put together."""
 
-    __slots__ = ("robot", "rows", "scene", "targets", "tolerance")
+    __slots__ = ("_rows", "robot", "scene", "targets", "tolerance")
 
     robot: Robot
-    rows: Floats
+    _rows: Floats
     scene: Snapshot
     targets: tuple[Target, ...]
     tolerance: Tolerance
@@ -45,7 +46,7 @@ class Problem(Frozen, _Open):
     tolerance : Tolerance
         With numbers for all that is not said.
     rows : ndarray (t, 15)
-        The targets as kernels read them; not to be changed.
+        The targets as kernels read them, read-only.
 
     Raises
     ------
@@ -55,7 +56,7 @@ class Problem(Frozen, _Open):
 
     __slots__ = ()
 
-    _tables: ClassVar[frozenset[str]] = frozenset({"rows"})
+    _tables: ClassVar[frozenset[str]] = frozenset({"_rows"})
 
     def __init__(self, robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None) -> None:
         if not isinstance(robot, Robot):
@@ -67,9 +68,15 @@ class Problem(Frozen, _Open):
             scene=place,
             tolerance=as_tolerance(tolerance).for_robot(robot),
             targets=listed,
-            rows=target_table(robot, listed),
+            _rows=target_table(robot, listed),
         )
         check_sizes(robot, place)
+
+    @property
+    def rows(self) -> Floats:
+        """The targets as kernels read them (t, 15), read-only."""
+        rows: Floats = read_only(self._rows)
+        return rows
 
     @classmethod
     def prepared(cls, robot: Robot, targets: tuple[Target, ...], scene: Snapshot, tolerance: Tolerance) -> "Problem":
@@ -79,7 +86,7 @@ class Problem(Frozen, _Open):
         problem.targets = targets
         problem.scene = scene
         problem.tolerance = tolerance
-        problem.rows = target_table(robot, targets)
+        problem._rows = target_table(robot, targets)
         problem.__class__ = cls  # closes it; five calls of `object.__setattr__` would cost 0.2 us
         made: Problem = problem
         return made

@@ -10,7 +10,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.packing import target_row
+from sinuous.packing import read_only, target_row
 from sinuous.poses import rotation_matrix
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
@@ -35,7 +35,7 @@ class Target(Frozen):
     Attributes
     ----------
     table : ndarray (1, 15)
-        All this as kernels read it; not to be changed.
+        All this as kernels read it, read-only.
 
     Raises
     ------
@@ -47,9 +47,9 @@ class Target(Frozen):
     direction: Floats | None
     rotation: Floats | None
     segment: int | None
-    table: Floats
+    _table: Floats
 
-    _tables: ClassVar[frozenset[str]] = frozenset({"table"})
+    _tables: ClassVar[frozenset[str]] = frozenset({"_table"})
 
     def __init__(
         self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None
@@ -63,7 +63,13 @@ class Target(Frozen):
         matrix = None if rotation is None else rotation_matrix("rotation", rotation)
         number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)
         table = target_row(number, place, axis, matrix)
-        self._set(position=place, direction=axis, rotation=matrix, segment=number, table=table)
+        self._set(position=place, direction=axis, rotation=matrix, segment=number, _table=table)
+
+    @property
+    def table(self) -> Floats:
+        """All this as kernels read it (1, 15), read-only."""
+        table: Floats = read_only(self._table)
+        return table
 
     def __repr__(self) -> str:
         parts = [
@@ -98,5 +104,5 @@ def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
         if target.segment is not None and target.segment > len(robot):
             raise InputError(f"targets[{i}].segment", "", target.segment, f"a segment from 1 to {len(robot)}")
     if len(targets) == 1:
-        return targets[0].table
-    return np.concatenate([target.table for target in targets])
+        return targets[0]._table
+    return np.concatenate([target._table for target in targets])

@@ -73,7 +73,7 @@ class Scene:
 
     @property
     def group(self) -> Floats:
-        """What the kernels read, as it is now; not to be changed."""
+        """What the kernels read, as it is now; read-only."""
         return self._snapshot.group
 
     @property

@@ -51,16 +51,26 @@ class Snapshot(Frozen):
 
     @property
     def group(self) -> Floats:
-        """What the kernels read, laid out as `sinuous.kernels.tables` says; not to be changed."""
-        return self.prepare() if self._group is None else self._group
+        """What the kernels read, laid out as `sinuous.kernels.tables` says; read-only."""
+        group: Floats = packing.read_only(self._kernel_group)
+        return group
 
-    def prepare(self, progress: Callable[[str, float], None] | None = None) -> Floats:
-        """Compute what the kernels read, if that is not done yet, and return it; see `Scene.prepare`."""
+    @property
+    def _kernel_group(self) -> Floats:
+        """The same, writable, as kernels are compiled for."""
+        return self._made() if self._group is None else self._group
+
+    def _made(self) -> Floats:
+        self.prepare()
+        assert self._group is not None
+        return self._group
+
+    def prepare(self, progress: Callable[[str, float], None] | None = None) -> None:
+        """Compute what the kernels read, if that is not done yet; see `Scene.prepare`."""
         with self._lock:
             if self._group is None:
                 parts = [self._part(i, progress) for i in range(len(self))]
                 self._set(_parts=parts, _group=join(parts))
-        return self.group
 
     def _part(self, index: int, progress: Callable[[str, float], None] | None) -> Part:
         name = self.name(index)
@@ -88,13 +98,13 @@ class Snapshot(Frozen):
     @property
     def table(self) -> Floats:
         """Rows (m, 18) for the kernels, read-only."""
-        rows: Floats = packing.read_only(packing.scene_parts(self.group)[0])
+        rows: Floats = packing.scene_parts(self.group)[0]
         return rows
 
     @property
     def memory(self) -> int:
         """Bytes that the kernels read: at most 16 MB of samples an obstacle, and some 350 bytes a triangle."""
-        return self.group.nbytes
+        return self._kernel_group.nbytes
 
     def name(self, index: int) -> str:
         """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
@@ -122,7 +132,7 @@ class Snapshot(Frozen):
         checked = checks.stack("points", points, (3,))
         flat = checked.reshape(-1, 3).copy()
         values, gradients, which = np.empty(len(flat)), np.empty(flat.shape), np.empty(len(flat), np.int64)
-        rows, store = packing.scene_parts(self.group)
+        rows, store = packing.scene_parts(self._kernel_group)
         fields = {i: obstacle for i, obstacle in enumerate(self.obstacles) if isinstance(obstacle, Field)}
         others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
         above = np.empty(len(flat))

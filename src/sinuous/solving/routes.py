@@ -136,7 +136,7 @@ class Router:
     def query(self, problem: Problem) -> Floats | None:
         """Return what a route has to keep (27,), see `sinuous.kernels.tables`; `None`: no target has a position."""
         query = np.zeros(QUERY_WIDTH)
-        asked = route_query(self._group, problem.scene.group, self._settings, problem.rows, query)
+        asked = route_query(self._group, problem.scene._kernel_group, self._settings, problem._rows, query)
         return query if asked else None
 
     def find(self, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
@@ -154,7 +154,7 @@ class Router:
         counts, spacings = np.zeros(plan.routes, np.int64), np.zeros(plan.routes)
         with MEMORY.borrow(memory_size(plan.slots)) as memory:
             found, ended, cells, _ = find_routes(
-                problem.scene.group, planned, seconds, memory, routes, counts, spacings
+                problem.scene._kernel_group, planned, seconds, memory, routes, counts, spacings
             )
         lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
         return Found(lines, spacings[:found].tolist(), ended, cells)
@@ -165,7 +165,7 @@ class Router:
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
         workspace = np.empty(fit_workspace_size(*sizes))
         fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
-        groups = self._group, problem.scene.group, self._settings, problem.rows
+        groups = self._group, problem.scene._kernel_group, self._settings, problem._rows
         for route, spacing, q in zip(found.routes[known:], found.spacings[known:], fits, strict=True):
             fit_route(*groups, route, spacing, workspace, q)
         return fits

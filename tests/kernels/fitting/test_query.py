@@ -31,8 +31,8 @@ ROBOT = Robot(
 def asked(robot: Robot, targets: Any) -> tuple[bool, Floats]:
     problem = Problem(robot, targets, tolerance=Tolerance(1e-3, 1e-2))
     query = np.full(QUERY_WIDTH, 7.0)
-    groups = packing.robot_group(robot), problem.scene.group, packing.settings_group(robot, problem.tolerance)
-    return route_query(*groups, problem.rows, query), query
+    groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
+    return route_query(*groups, problem.rows.copy(), query), query
 
 
 def read(robot: Robot, targets: Any) -> Any:

@@ -28,7 +28,7 @@ class Found(NamedTuple):
 def find(scene: Scene, asked: Floats, most: int = 1, seconds: float = 60.0) -> Found:
     routes, counts, spacings = np.empty((most, POINTS, 3)), np.zeros(most, np.int64), np.zeros(most)
     memory = np.full(memory_size(int(asked[QUERY_SLOTS])), np.nan)  # nothing of what was there before may matter
-    group = scene.snapshot().group
+    group = scene.snapshot().group.copy()
     found, ended, cells, spent = find_routes(group, asked, seconds, memory, routes, counts, spacings)
     assert 0.0 <= spent < 60.0
     return Found([r[:c] for r, c in zip(routes[:found], counts, strict=False)], spacings[:found].tolist(), ended, cells)

@@ -86,7 +86,7 @@ def run(
     scratch = np.empty(check_size(2, len(snapshot)))
     initial = np.broadcast_to(WRONG, (len(targets), given, 2, 3)).copy()
     work = Work(seen, RIGHT, WRONG)
-    search(work, packing.robot_group(ROBOT), snapshot.group, settings, rows, initial, budget, scratch, answers)
+    search(work, packing.robot_group(ROBOT), snapshot.group.copy(), settings, rows, initial, budget, scratch, answers)
     return as_outcomes(answers), seen[: int(seen[0, 0]), 1:].copy()
 
 

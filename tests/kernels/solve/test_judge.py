@@ -27,7 +27,7 @@ def kernel_problem(problem: Problem) -> KernelProblem:
         pose_row(robot.base),
         pose_row(robot.tool),
         kernel_scene(problem.scene),
-        problem.rows,
+        problem.rows.copy(),
         robot.mount,
         robot.mean_length,
         0.0,

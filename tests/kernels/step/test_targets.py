@@ -107,7 +107,9 @@ class Case:
 
     def rows(self, target: Target, unit: float) -> tuple[Any, int, float, float]:
         rows = make_rows(len(self.q), 6)
-        return rows, *targets.add_rows(target.table, 0, self.frames, pose_row(self.tool), self.origin, unit, rows, 0)
+        return rows, *targets.add_rows(
+            target.table.copy(), 0, self.frames, pose_row(self.tool), self.origin, unit, rows, 0
+        )
 
     def seen(self, rows: Any, k: int) -> Floats:
         """What the rows see of every coordinate."""

@@ -21,7 +21,7 @@ def test_the_jacobian_is_the_geometric_one(seed: int) -> None:
     q, unit = within(robot, seed), 2.5
     rows = make_rows(5, 6)
     target = Target(rng.normal(size=3), rotation=random_pose(rng)[:3, :3])
-    count, _, _ = add_rows(target.table, 0, frames_of(q, base), pose_row(tool), vec(base[:3, 3]), unit, rows, 0)
+    count, _, _ = add_rows(target.table.copy(), 0, frames_of(q, base), pose_row(tool), vec(base[:3, 3]), unit, rows, 0)
     found = np.full((6, 15), np.nan)
     dls.fill_jacobian(robot.limits, columns_of(q, base), rows, count, found)
     scale = robot.limits[:, [5, 5, 6]].ravel()

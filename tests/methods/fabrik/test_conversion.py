@@ -77,7 +77,7 @@ def test_a_rotation_vector_is_the_exponential_of_its_matrix() -> None:
 def problem_of(target: Target, tool: Floats) -> Any:
     """Give as much of a problem as the goal of the tip needs."""
     values = dict.fromkeys(Problem._fields, 0.0)
-    return Problem(**{**values, "tool": pose_row(tool), "targets": target.table})
+    return Problem(**{**values, "tool": pose_row(tool), "targets": target.table.copy()})
 
 
 @pytest.mark.parametrize("seed", range(10))

@@ -25,7 +25,7 @@ def grid(scene: Scene, spacing: float, radius: float, nodes: int, extent: float 
     origin = -0.5 * spacing * (nodes - 1)
     place = np.array([[origin, origin, origin, spacing, radius]])
     sampled = np.concatenate([[nodes] * 3, place[0], np.full(nodes**3, np.nan)])
-    potential.sample(scene.group, sampled, (SLOPE, REACH), np.zeros((1, 3)), extent)
+    potential.sample(scene.group.copy(), sampled, (SLOPE, REACH), np.zeros((1, 3)), extent)
     return sampled[8:].reshape(nodes, nodes, nodes), place
 
 

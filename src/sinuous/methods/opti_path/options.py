@@ -180,5 +180,5 @@ class OptiPath(Options):
             )
         values = np.concatenate([own, [nodes, nodes, nodes], place, np.empty(nodes**3)])
         centre = robot.base[:3, 3].reshape(1, 3).copy()
-        sample(scene.group, values[len(own) :], (self.slope, self.influence * unit), centre, reach)
+        sample(scene.snapshot()._kernel_group, values[len(own) :], (self.slope, self.influence * unit), centre, reach)
         return values

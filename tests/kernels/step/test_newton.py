@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from sinuous.kernels.body.proof import CLEAR
 
+from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.fields import solids
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import newton

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 MOST_WAYPOINTS = 1_000_000
 
 BETWEEN = "unproved"
-"""What a track says about the motion between its waypoints: they are proved one by one, the ways between are not."""
+"""What a track says about the motion between its waypoints: waypoints are proved one by one, the motion is not."""
 
 
 @dataclass(frozen=True, eq=False)

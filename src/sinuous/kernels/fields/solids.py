@@ -77,9 +77,9 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
         d, g = _at_triangle(store, tree.items + TRIANGLE_SIZE * item, int(table[i, NORMALS]), item, p)
     elif tree.kind == BALLS:
         at = tree.items + 4 * item
-        way = sub(p, triangles.read(store, at))
-        far = norm(way)
-        d, g = far - store[at + 3], (scale(1.0 / far, way) if far > 0.0 else (0.0, 0.0, 1.0))
+        away = sub(p, triangles.read(store, at))
+        far = norm(away)
+        d, g = far - store[at + 3], (scale(1.0 / far, away) if far > 0.0 else (0.0, 0.0, 1.0))
     else:
         d, g = box(sub(p, triangles.read(store, tree.items + 3 * item)), (tree.half, tree.half, tree.half))
     sign = table[i, SIGN]
@@ -89,17 +89,17 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
 @kernel
 def _at_triangle(store: Array, at: int, normals: int, item: int, p: Vec) -> tuple[float, Vec]:
     """Signed by the angle-weighted normal of the part that is closest (Baerentzen & Aanaes 2005)."""
-    way, part = triangles.offset(store, at, p)
-    d = norm(way)
+    away, part = triangles.offset(store, at, p)
+    d = norm(away)
     if normals >= 0:
         normal = triangles.read(store, normals + NORMALS_SIZE * item + 3 * part)
     else:
         normal = triangles.read(store, at + TRIANGLE_NORMAL)
-    inside = normals >= 0 and dot(way, normal) < 0.0
-    # So close to the surface the direction of `way` is made of rounding errors.
+    inside = normals >= 0 and dot(away, normal) < 0.0
+    # So close to the surface the direction of `away` is made of rounding errors.
     if d <= 1e-12 * (norm(p) + norm(triangles.read(store, at))):
         return -d if inside else d, normal
-    return (-d, scale(-1.0 / d, way)) if inside else (d, scale(1.0 / d, way))
+    return (-d, scale(-1.0 / d, away)) if inside else (d, scale(1.0 / d, away))
 
 
 @kernel
@@ -147,7 +147,7 @@ def _most_surface(v: grids.Corners, t: Vec, spacing: float) -> float:
 def _lowest(sign: float, corners: grids.Corners, t: Vec, beyond: Vec, spacing: float) -> float:
     """Lower bound by the samples, also out of their grid, which holds the whole obstacle.
 
-    From out of a convex box, every point in it is at an angle of 90 degrees or more to the way into the box.
+    From out of a convex box, every point in it is at an angle of 90 degrees or more to the direction of the box.
     """
     low = grids.set_distance(corners, t, spacing)
     gap = norm(beyond)

@@ -65,8 +65,8 @@ def item_distance(store: Array, tree: Tree, i: int, p: Vec, best: float) -> floa
     if tree.kind == CUBES:
         return cube_distance(sub(p, read(store, tree.items + 3 * i)), tree.half)
     at = tree.items + 4 * i
-    way, radius = sub(p, read(store, at)), store[at + 3]
-    square = dot(way, way)
+    away, radius = sub(p, read(store, at)), store[at + 3]
+    square = dot(away, away)
     reach = unlift(best) + radius
     if reach <= 0.0 or square >= reach * reach:
         return best

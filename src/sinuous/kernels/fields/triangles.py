@@ -52,5 +52,5 @@ def square_distance(store: Array, at: int, p: Vec, best: float) -> float:
     height = dot(read(store, at + TRIANGLE_NORMAL), p) - store[at + TRIANGLE_OFFSET]
     if height * height >= best:  # so far from the plane already
         return best
-    way, _ = offset(store, at, p)
-    return dot(way, way)
+    away, _ = offset(store, at, p)
+    return dot(away, away)

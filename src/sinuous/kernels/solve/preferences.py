@@ -41,7 +41,7 @@ def cost(problem: Problem, state: State, wishes: Wishes) -> float:
 
 @kernel
 def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
-    """Wish for `share` of the way to where the cost of start and bends is least."""
+    """Wish for `share` of the motion to where the cost of start and bends is least."""
     weight = wishes.initial + wishes.bends
     for k in range(state.q.shape[0]):
         x = y = z = 0.0

@@ -46,7 +46,7 @@ def share(actuation: Array, q: Array, aim: Array) -> float:
 
 @kernel
 def hold_back(actuation: Array, q: Array, aim: Array) -> None:
-    """Shorten the way from `q` to `aim` so that `aim` keeps all limits."""
+    """Shorten the motion from `q` to `aim` so that `aim` keeps all limits."""
     if actuation.shape[0] == 0:
         return
     t = share(actuation, q, aim)

@@ -127,6 +127,10 @@ bends, and the clearance that is wished for."""
 METHOD_OPTIONS = 11
 """Place of the first option of the method."""
 
+Budget = tuple[int, int, int, float]
+"""What a search may spend: numbers of its own starts, from the first up to, without it, the last; the seed of the
+scattered ones; and seconds."""
+
 # --- the query of a route search ------------------------------------------------------------------------------------
 
 QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK = 0, 3, 6, 9

@@ -9,9 +9,9 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.compile import announce
-from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Outcome, answer_size
+from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.method import Budget, Call, Case
+from sinuous.methods.method import Call, Case
 from sinuous.problem.problem import Problem
 from sinuous.scene.snapshot import Snapshot
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import Outcome
+from sinuous.kernels.tables import Budget, Outcome
 
 if TYPE_CHECKING:
     from sinuous.problem.preferences import Preferences
@@ -12,9 +12,6 @@ if TYPE_CHECKING:
     from sinuous.problem.tolerance import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
-
-Budget = tuple[int, int, int, float]
-"""Numbers of the own starts to try, from the first up to, without it, the last; a seed; and seconds."""
 
 
 class Case(NamedTuple):

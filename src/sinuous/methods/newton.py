@@ -11,10 +11,10 @@ from sinuous.kernels.compile import announce
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import SOLVED, Outcome
+from sinuous.kernels.tables import SOLVED, Budget, Outcome
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.compiled import Compiled, Entry
-from sinuous.methods.method import Budget, Call, Case
+from sinuous.methods.method import Call, Case
 from sinuous.methods.options import Options
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target

@@ -81,18 +81,10 @@ METHODS: dict[str, Registered] = {
     ),
     "opti_path": Registered(
         "opti_path.options.OptiPath",
-        Capabilities(
-            direction=True,
-            rotation=False,
-            orientation_alone=False,
-            elbows=False,
+        replace(
+            _OF_THE_TIP,
             tool=False,
-            limits=("length", "bend", "curvature"),
             obstacles=True,
-            preferences=False,
-            initial=True,
-            own_starts=True,
-            routes=False,
             compiled="everything, in one call; the potential is sampled once, compiled too",
             source="Sun & Wang, An Optimization-Based Inverse Kinematics Solver for Continuum Manipulators in "
             "Intricate Environments",

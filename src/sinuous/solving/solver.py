@@ -9,9 +9,9 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Outcome
+from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
-from sinuous.methods.method import Budget, Call
+from sinuous.methods.method import Call
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.robot import Robot

@@ -29,6 +29,7 @@ from sinuous.kernels.tables import (
     SOURCE,
     STARTS,
     TARGET_BLOCKED,
+    Budget,
     Outcome,
     answer_size,
 )
@@ -74,7 +75,7 @@ def search(work, robot, scene, settings, targets, initial, budget, scratch, answ
 
 
 def run(
-    targets: list[Target], options: tuple[int, int, int], given: int, budget: driver.Budget, scene: Scene | None = None
+    targets: list[Target], options: tuple[int, int, int], given: int, budget: Budget, scene: Scene | None = None
 ) -> tuple[list[Outcome], Floats]:
     """Give outcomes, and which starts were followed: place, own number, seed."""
     problems = [Problem(ROBOT, target, scene, Tolerance(1e-3, 1e-3)) for target in targets]

@@ -1,6 +1,5 @@
-"""The tree of shapes: its heap, its primitives, and the biarc that says what is ahead."""
+"""The tree of shapes: its primitives, and the biarc that says what is ahead."""
 
-import heapq
 import math
 from typing import Any
 
@@ -11,36 +10,6 @@ from sinuous.methods.slinki import motion_primitives as lattice
 from sinuous.robot.robot import Robot
 from tests.helpers import expm_chain, random_rotation, vec
 from tests.methods.fabrik.test_links import MIXED
-
-
-def make_tree(nodes: int) -> Any:
-    return lattice.Tree(
-        np.zeros((nodes, 12)),
-        np.zeros((nodes, 3)),
-        np.zeros(nodes),
-        np.zeros(nodes),
-        np.zeros(nodes),
-        np.zeros(nodes, np.int64),
-        np.zeros(nodes, np.int64),
-        np.zeros(nodes, np.int64),
-    )
-
-
-def test_the_heap_gives_the_cheapest_first() -> None:
-    rng = np.random.default_rng(0)
-    tree = make_tree(500)
-    tree.cost[:] = rng.integers(0, 60, 500)  # many are equal
-    count = 0
-    reference: list[float] = []
-    for node in range(500):
-        count = lattice.push(tree, count, node)
-        heapq.heappush(reference, tree.cost[node])
-        while count > 0 and rng.random() < 0.4:
-            assert tree.cost[lattice.pop(tree, count)] == heapq.heappop(reference)
-            count -= 1
-    drained = [lattice.pop(tree, left) for left in range(count, 0, -1)]
-    assert [tree.cost[node] for node in drained] == sorted(reference)
-    assert len(set(drained)) == count
 
 
 def arc(bend: float, angle: float, length: float) -> Any:

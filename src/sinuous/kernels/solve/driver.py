@@ -37,6 +37,7 @@ from sinuous.kernels.tables import (
     RANDOM,
     SECONDS,
     STARTS,
+    Budget,
 )
 
 Start = namedtuple("Start", ["initial", "index", "first", "seed", "deadline"])
@@ -46,9 +47,6 @@ random; and when the search has to end (s)."""
 
 NO_START = -1
 """Iterations of a start that does not exist: the search ends."""
-
-Budget = tuple[int, int, int, float]
-"""Numbers of the own starts to try, from the first up to, without it, the last; a seed; and seconds."""
 
 Follow = Callable[[Problem, Check, Any, Array, Start, Answer], tuple[int, bool]]
 

@@ -32,6 +32,7 @@ from sinuous.kernels.tables import (
     SOURCE,
     STARTS,
     UNPROVED,
+    Budget,
 )
 from sinuous.kernels.tables import MERIT as RECORD_MERIT
 
@@ -72,7 +73,7 @@ def _solve(
     states: State,
     work: Work,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     iterations: int,
     best: Array,
 ) -> Numbers:
@@ -125,7 +126,7 @@ def search(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     best: Array,
 ) -> Numbers:
@@ -147,7 +148,7 @@ def search_many(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     answers: Array,
 ) -> None:

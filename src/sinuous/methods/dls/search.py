@@ -19,7 +19,7 @@ from sinuous.kernels.solve.driver import Start, begin_from, driver
 from sinuous.kernels.solve.judge import Answer, Check, check_size, offer
 from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.step.targets import add_rows
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, Budget
 
 MOST_ROWS = 6
 
@@ -176,7 +176,7 @@ def search(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     answers: Array,
 ) -> None:

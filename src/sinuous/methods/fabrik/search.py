@@ -16,7 +16,7 @@ from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.solve.driver import Start, begin_from, driver
 from sinuous.kernels.solve.judge import Answer, Check, check_size, offer, target_errors
-from sinuous.kernels.tables import METHOD_OPTIONS
+from sinuous.kernels.tables import METHOD_OPTIONS, Budget
 from sinuous.methods.fabrik import links
 from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold, unfold
 from sinuous.methods.fabrik.links import Chain, carve_chain, group, reach_back, reach_out
@@ -104,7 +104,7 @@ def search(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     answers: Array,
 ) -> None:

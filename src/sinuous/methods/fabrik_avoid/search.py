@@ -19,6 +19,7 @@ from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.solve.driver import Start, begin_from, driver
 from sinuous.kernels.solve.judge import Answer, Check, has_obstacles, offer, target_errors
+from sinuous.kernels.tables import Budget
 from sinuous.methods.fabrik.conversion import fold
 from sinuous.methods.fabrik.links import Chain, group
 from sinuous.methods.fabrik.search import BESIDE, PER_SEGMENT, Work, carve, reach
@@ -107,7 +108,7 @@ def search(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     answers: Array,
 ) -> None:

@@ -23,7 +23,7 @@ from sinuous.kernels.solve.driver import Start, begin_from, driver
 from sinuous.kernels.solve.judge import Answer, Check, check_size, has_obstacles, offer, target_errors
 from sinuous.kernels.step.actuation import straighten
 from sinuous.kernels.step.limits import bend_cap, project_segment
-from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
+from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH, Budget
 
 LOOKS = 8
 """Places of every segment that are looked at for obstacles."""
@@ -172,7 +172,7 @@ def search(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     answers: Array,
 ) -> None:

@@ -12,7 +12,7 @@ from sinuous.kernels.maths.vectors import Array, get_vec
 from sinuous.kernels.problem import Problem, read_robot
 from sinuous.kernels.solve.driver import NO_START, Start, driver
 from sinuous.kernels.solve.judge import Answer, Check, check_size
-from sinuous.kernels.tables import DIRECTION, GOAL, METHOD_OPTIONS, MOUNT, ORIENTATION, TARGET_POSITION, UNIT
+from sinuous.kernels.tables import DIRECTION, GOAL, METHOD_OPTIONS, MOUNT, ORIENTATION, TARGET_POSITION, UNIT, Budget
 from sinuous.methods.opti_path.costs import Setting
 from sinuous.methods.opti_path.improve import improve
 from sinuous.methods.opti_path.path import Aim, Path, Work, want
@@ -83,7 +83,7 @@ def search(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     answers: Array,
 ) -> None:

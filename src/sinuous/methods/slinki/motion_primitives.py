@@ -19,9 +19,9 @@ from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.fabrik.links import angle_between, unit_or
 
-Tree = namedtuple("Tree", ["frames", "q", "cost", "effort", "travel", "parent", "depth", "heap"])
-"""Nodes: frame (12,) of the end, the segment (3,) that leads there, cost in all, cost so far, length so far, parent,
-number of segments; and the heap of those that are open."""
+Tree = namedtuple("Tree", ["frames", "q", "effort", "travel", "parent", "depth", "priority", "open"])
+"""Nodes: frame (12,) of the end, the segment (3,) that leads there, cost so far, length so far, parent, number of
+segments; and the heap of those that are open: what they cost in all, and their numbers."""
 
 PER_NODE = 12 + 3 + 6
 """Numbers (float64) that a node takes from a buffer."""
@@ -48,43 +48,11 @@ def carve_tree(buffer: Array, nodes: int) -> Tree:
         buffer[12 * nodes : 15 * nodes].reshape((nodes, 3)),
         rest[:nodes],
         rest[nodes : 2 * nodes],
-        rest[2 * nodes : 3 * nodes],
+        rest[2 * nodes : 3 * nodes].view(np.int64),
         rest[3 * nodes : 4 * nodes].view(np.int64),
-        rest[4 * nodes : 5 * nodes].view(np.int64),
+        rest[4 * nodes : 5 * nodes],
         rest[5 * nodes : 6 * nodes].view(np.int64),
     )
-
-
-@kernel
-def push(tree: Tree, open_nodes: int, node: int) -> int:
-    """Open a node; returns how many are open."""
-    at = open_nodes
-    while at > 0:
-        above = (at - 1) >> 1
-        if tree.cost[tree.heap[above]] <= tree.cost[node]:
-            break
-        tree.heap[at] = tree.heap[above]
-        at = above
-    tree.heap[at] = node
-    return open_nodes + 1
-
-
-@kernel
-def pop(tree: Tree, open_nodes: int) -> int:
-    """Take out and return the open node that costs least; there must be one."""
-    least = tree.heap[0]
-    last = tree.heap[open_nodes - 1]
-    count = open_nodes - 1
-    at, below = 0, 1
-    while below < count:
-        if below + 1 < count and tree.cost[tree.heap[below + 1]] < tree.cost[tree.heap[below]]:
-            below += 1
-        if tree.cost[tree.heap[below]] >= tree.cost[last]:
-            break
-        tree.heap[at] = tree.heap[below]
-        at, below = below, 2 * below + 1
-    tree.heap[at] = last
-    return int(least)
 
 
 @kernel

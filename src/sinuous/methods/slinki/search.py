@@ -15,17 +15,18 @@ from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem, read_robot
 from sinuous.kernels.solve.driver import NO_START, Start, driver, own_number
 from sinuous.kernels.solve.judge import Answer, Check, check_size, has_obstacles, offer
 from sinuous.kernels.step.limits import bend_cap
-from sinuous.kernels.tables import ARC, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH
+from sinuous.kernels.tables import ARC, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH, Budget
 from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold
 from sinuous.methods.fabrik.search import BESIDE as REACHING_BESIDE
 from sinuous.methods.fabrik.search import PER_SEGMENT as REACHING_PER_SEGMENT
 from sinuous.methods.fabrik.search import carve, descend
-from sinuous.methods.slinki.motion_primitives import PER_NODE, Tree, carve_tree, outlook, pop, primitive, push, single
+from sinuous.methods.slinki.motion_primitives import PER_NODE, Tree, carve_tree, outlook, primitive, single
 
 LAST = 2
 """Segments that FABRIKc reaches with."""
@@ -116,7 +117,7 @@ def expand(
     k = tree.depth[node]
     rotation, position = frame(tree.frames, node)
     number = 0
-    while size < tree.cost.shape[0]:
+    while size < tree.parent.shape[0]:
         q, there = primitive(problem.limits, k, number, counts[0], counts[1], counts[2])
         if not there:
             break
@@ -131,8 +132,8 @@ def expand(
         tree.travel[size] = tree.travel[node] + q[2]
         tree.effort[size] = tree.effort[node] + q[0] * q[0] + q[1] * q[1]
         ahead = outlook(problem.limits, scratch.sums, k + 1, place, axis_of(to), goal.place, goal.tangent, goal.aimed)
-        tree.cost[size] = tree.effort[size] + weight * ahead
-        open_nodes = push(tree, open_nodes, size)
+        cost = tree.effort[size] + weight * ahead
+        open_nodes = heap.push(tree.priority, tree.open, open_nodes, cost, size)
         size += 1
     return size, open_nodes
 
@@ -155,13 +156,13 @@ def grow(
     goal = Goal(place, tangent, aimed)
     rotation, base = frame(check.frames, 0)
     put_frame(tree.frames, 0, rotation, base)
-    tree.cost[0] = tree.effort[0] = tree.travel[0] = 0.0
+    tree.effort[0] = tree.travel[0] = 0.0
     tree.parent[0], tree.depth[0] = -1, 0
     first = max(0, n - LAST)
-    size, open_nodes, effort, looked = 1, push(tree, 0, 0), 0, 0
+    open_nodes = heap.push(tree.priority, tree.open, 0, 0.0, 0)
+    size, effort, looked = 1, 0, 0
     while open_nodes > 0:
-        node = pop(tree, open_nodes)
-        open_nodes -= 1
+        node, open_nodes = heap.pop(tree.priority, tree.open, open_nodes)
         looked += 1
         if tree.depth[node] < first:
             size, open_nodes = expand(problem, scratch, node, size, open_nodes, goal, counts, options[5])
@@ -204,7 +205,7 @@ def search(
     settings: Array,
     targets: Array,
     initial: Array,
-    budget: tuple[int, int, int, float],
+    budget: Budget,
     workspace: Array,
     answers: Array,
 ) -> None:

@@ -2,11 +2,10 @@
 
 Meshes are asked of libigl (a tree of boxes for the distance, winding numbers for the side: whoever is inside a solid
 overlaps it, though the body may touch no triangle), clouds and occupied cells of SciPy's k-d tree, exact shapes of
-plain NumPy.
+plain NumPy, kind by kind.
 """
 
 import math
-from collections.abc import Callable
 from functools import singledispatch
 
 import igl
@@ -14,24 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from benchmarks.judges.kinematics import arc_poses, segment_ends
+from benchmarks.judges.kinematics import arc_ends, segment_ends
+from benchmarks.judges.primitives import Distance, distances_to
 from sinuous.checks import Floats
-from sinuous.measures.obstacles import measure
 from sinuous.robot.robot import Robot
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 
 Indices = NDArray[np.intp]
 
 COARSE, FINE = 50, 32
 """Intervals of a segment, and how many places are looked at in each where the body may be closest."""
-
-Distance = Callable[[Floats], Floats]
-"""Signed distances (m,) of points (m, 3)."""
 
 
 class Clearances:
@@ -45,7 +41,9 @@ class Clearances:
 
     def __init__(self, robot: Robot, scene: Scene) -> None:
         self._robot = robot
-        self._measures = [distance_of(obstacle) for obstacle in scene.obstacles]
+        exact = [obstacle for obstacle in scene.obstacles if isinstance(obstacle, Primitive)]
+        others = [obstacle for obstacle in scene.obstacles if not isinstance(obstacle, Primitive)]
+        self._measures = [*distances_to(exact), *map(distance_of, others)]
 
     def least(self, q: Floats, enough: float = math.inf) -> Floats:
         """Return the least clearance (m,) of configurations (m, n, 3) at `COARSE * FINE` places of every segment.
@@ -73,7 +71,7 @@ class Clearances:
     def _gaps(self, q: Floats, starts: Floats, before: Floats, which: Indices, fractions: Floats) -> Floats:
         """Clearance (m,) of places given by segment and fraction; infinite in the mount, which nothing concerns."""
         parts = q[which] * fractions[:, None]
-        local = arc_poses(parts[:, 0], parts[:, 1], parts[:, 2])[:, :3, 3]
+        local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
         points = np.einsum("mij,mj->mi", starts[which, :3, :3], local) + starts[which, :3, 3]
         exposed = before[which] + parts[:, 2] >= self._robot.mount
         gaps = np.full(len(points), math.inf)
@@ -91,7 +89,12 @@ def least_clearance(robot: Robot, scene: Scene, q: Floats, enough: float = math.
 @singledispatch
 def distance_of(obstacle: Obstacle) -> Distance:
     """Prepare the distance to one obstacle."""
-    return lambda points: measure(obstacle, points)
+    raise NotImplementedError(f"the judge does not know {type(obstacle).__name__}")
+
+
+@distance_of.register
+def _primitive(obstacle: Primitive) -> Distance:
+    return distances_to([obstacle])[0]
 
 
 @distance_of.register

@@ -87,7 +87,7 @@ def _angle(rotation: Floats, target: Target) -> float:
 
 
 def within_limits(robot: Robot, q: Floats) -> Flags:
-    """Say for every configuration (m, n, 3) whether lengths, bends, curvatures and actuators are within their limits."""
+    """Say for every configuration (m, n, 3) whether lengths, bends, curvatures and actuators keep their limits."""
     lengths, bends = q[..., 2], np.hypot(q[..., 0], q[..., 1])
     low, high = np.array([segment.length for segment in robot.segments]).T
     slack = LIMIT_SLACK * robot.mean_length

@@ -14,7 +14,7 @@ from benchmarks.judges.kinematics import arc_ends, segment_ends
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
 
-Indices = NDArray[np.intp]
+Indices = NDArray[np.signedinteger]
 Flags = NDArray[np.bool_]
 
 FINEST = 0.05
@@ -60,13 +60,13 @@ class _Arcs(NamedTuple):
     b: Floats
 
     def only(self, chosen: Flags) -> "_Arcs":
-        return _Arcs(*(values[chosen] for values in self))
+        return _Arcs(self.shape[chosen], self.first[chosen], self.second[chosen], self.a[chosen], self.b[chosen])
 
     def halved(self, part: float) -> "_Arcs":
         """Every pair as four; the halves are so large a `part` of their segments."""
-        shape, first, second, a, b = (np.repeat(values, 4) for values in self)
         aside = np.tile(0.5 * part * np.array([[-1.0, -1.0, 1.0, 1.0], [-1.0, 1.0, -1.0, 1.0]]), len(self.a))
-        return _Arcs(shape, first, second, a + aside[0], b + aside[1])
+        shape, first, second = (np.repeat(which, 4) for which in self[:3])
+        return _Arcs(shape, first, second, np.repeat(self.a, 4) + aside[0], np.repeat(self.b, 4) + aside[1])
 
 
 def look(robot: Robot, q: Floats, below: float = math.inf) -> Seen:

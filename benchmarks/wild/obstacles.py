@@ -17,7 +17,10 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 
-MOST = 60
+COUNTS = ((0, 1), (1, 8), (8, 61))
+"""Ranges of the number of obstacles, each without its end."""
+
+COUNT_SHARES = (0.15, 0.4, 0.45)
 
 KINDS = {"sphere": 0.34, "box": 0.25, "capsule": 0.17, "cylinder": 0.18, "half_space": 0.06}
 
@@ -32,7 +35,8 @@ def scene_about(robot: Robot, q: Floats, rng: Generator) -> Scene:
     """Draw a scene in which the bodies of configurations (m, n, 3) are clear, as far as samples of them say."""
     points, radii = _bodies(robot, q)
     unit = robot.mean_length
-    count = int(rng.choice([0, rng.integers(1, 8), rng.integers(8, MOST + 1)], p=[0.15, 0.4, 0.45]))
+    low, high = COUNTS[rng.choice(len(COUNTS), p=COUNT_SHARES)]
+    count = int(rng.integers(low, high))
     drawn: list[Obstacle] = []
     if count and rng.random() < 0.2:
         drawn.append(_room(points, radii, unit, rng))
@@ -60,7 +64,7 @@ def _clear_of(points: Floats, radii: Floats, centers: Floats, room: float) -> Fl
     """Those of the centers, or a far one, that leave the bodies some room."""
     gaps = np.linalg.norm(centers[:, None] - points, axis=-1) - radii
     kept = centers[gaps.min(axis=1) > room]
-    return kept if len(kept) else points[:1] + 1e3 * (room + np.abs(points - points[0]).max())
+    return np.asarray(kept if len(kept) else points[:1] + 1e3 * (room + np.abs(points - points[0]).max()))
 
 
 def _place(points: Floats, radii: Floats, unit: float, rng: Generator) -> tuple[Floats, Floats, float]:
@@ -136,7 +140,7 @@ def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> M
 def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False) -> Mesh:
     """Return a box of triangles."""
     angles = 0.25 * math.pi + 0.5 * math.pi * np.arange(4)
-    square = math.sqrt(2.0) * np.stack([np.cos(angles), np.sin(angles), np.zeros(4)], axis=-1)
-    rings = np.stack([square - [0.0, 0.0, 1.0], square + [0.0, 0.0, 1.0]])
+    square = math.sqrt(2.0) * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    rings = np.stack([np.column_stack([square, np.full(4, height)]) for height in (-1.0, 1.0)])
     skin = loft(half * rings, half * np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]))
     return Mesh(skin.vertices @ rotation.T + middle, skin.faces, inside=inside)

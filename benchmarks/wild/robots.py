@@ -24,7 +24,7 @@ SCALES = (-6.0, 3.5)
 """Powers of ten between which a segment is long: micrometres to kilometres."""
 
 TIGHTEST = 0.98
-"""Largest curvature of a hidden shape, as a share of one over its radius: a body that avoids itself bends no tighter."""
+"""Largest curvature of a hidden shape, of one over its radius: a body that avoids itself bends no tighter than that."""
 
 DRAWS = 16
 """Times that shapes are drawn, more and more gently bent, until they are clear of themselves."""

@@ -1,4 +1,4 @@
-"""One wild world solved problem by problem, every claim held against judges and against what is known to be possible."""
+"""One wild world solved problem by problem: every claim is held against judges, and against the hidden solutions."""
 
 from dataclasses import dataclass
 from time import perf_counter
@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.judges.clearances import Clearances
-from benchmarks.judges.judge import ROUNDING, target_errors, within_limits
+from benchmarks.judges.judge import ROUNDING, Flags, target_errors, within_limits
 from benchmarks.judges.self_collision import look
 from benchmarks.wild.worlds import World
 from sinuous.checks import Floats
@@ -67,39 +67,46 @@ def solutions_of(world: World) -> tuple[list[Solution], list[float]]:
 def examine(world: World) -> list[Trial]:
     """Solve all problems of a world, and judge all claims."""
     solutions, seconds = solutions_of(world)
-    false: list[tuple[str, ...]] = [
-        (str(solution.status),) if solution.status in IMPOSSIBLE else () for solution in solutions
-    ]
-    claims = [i for i, solution in enumerate(solutions) if solution.solved]
+    false = refuted(world, dict(enumerate(solutions)))
+    return [Trial(str(each.status), seconds[i], false[i]) for i, each in enumerate(solutions)]
+
+
+def refuted(world: World, solutions: dict[int, Solution]) -> dict[int, tuple[str, ...]]:
+    """What is false of solutions of some problems, by their numbers."""
+    false: dict[int, tuple[str, ...]] = {
+        i: (str(each.status),) if each.status in IMPOSSIBLE else () for i, each in solutions.items()
+    }
+    claims = {i: each for i, each in solutions.items() if each.solved}
     if claims:
-        for i, kinds in zip(claims, _refuted(world, claims, [solutions[i] for i in claims]), strict=True):
-            false[i] = kinds
-    statuses = [str(solution.status) for solution in solutions]
-    return [Trial(*each) for each in zip(statuses, seconds, false, strict=True)]
+        wrong = _wrong(world, claims)
+        false |= {i: tuple(kind for kind in FALSE if kind in wrong and wrong[kind][at]) for at, i in enumerate(claims)}
+    return false
 
 
-def _refuted(world: World, claims: list[int], solutions: list[Solution]) -> list[tuple[str, ...]]:
-    """What is false of solutions that are called solved, those of problems `claims`."""
-    robot, q = world.robot, np.array([solution.q for solution in solutions])
+def _wrong(world: World, claims: dict[int, Solution]) -> dict[str, Flags]:
+    """Where solutions that are called solved are wrong, kind by kind."""
+    robot, q = world.robot, np.array([solution.q for solution in claims.values()])
     slack = GRACE * robot.mean_length
-    found = {TARGET: ~_at_targets(world, claims, q), LIMITS: ~within_limits(robot, q)}
+    found = {TARGET: ~_at_targets(world, list(claims), q), LIMITS: ~within_limits(robot, q)}
     if len(world.scene):
-        said = np.array([solution.clearance for solution in solutions], np.float64)
-        gaps = Clearances(robot, world.scene).least(q, float(np.nanmax(said)))
-        found[OVERLAP] = gaps < -slack
-        found[CLEARANCE] = said > gaps + slack
-    said = np.array([getattr(solution, "self_clearance", None) for solution in solutions], np.float64)
+        said = _said(claims, "clearance")
+        gaps = Clearances(robot, world.scene).least(q, max(0.0, float(np.nanmax(said))))
+        found |= {OVERLAP: gaps < -slack, CLEARANCE: said > gaps + slack}
     gaps = look(robot, q, 0.0).least
-    found[SELF_OVERLAP] = gaps < -slack
-    found[SELF_CLEARANCE] = said > gaps + slack  # nothing said is NaN, and no claim
-    return [tuple(kind for kind in FALSE if kind in found and found[kind][i]) for i in range(len(q))]
+    return found | {SELF_OVERLAP: gaps < -slack, SELF_CLEARANCE: _said(claims, "self_clearance") > gaps + slack}
 
 
-def _at_targets(world: World, claims: list[int], q: Floats) -> np.ndarray:
-    """Whether configurations meet all targets of problems `claims`."""
+def _said(claims: dict[int, Solution], name: str) -> Floats:
+    """A bound that every solution claims; NaN where it claims none."""
+    values = [getattr(solution, name, None) for solution in claims.values()]
+    return np.array([np.nan if value is None else value for value in values], np.float64)
+
+
+def _at_targets(world: World, problems: list[int], q: Floats) -> Flags:
+    """Whether configurations meet all targets of these problems."""
     tolerance = world.tolerance
     good = np.ones(len(q), bool)
-    for targets in zip(*(world.targets[i] for i in claims), strict=True):
+    for targets in zip(*(world.targets[i] for i in problems), strict=True):
         position, angle = target_errors(world.robot, targets, q)
         good &= position <= (tolerance.position or 0.0) + ROUNDING * world.robot.mean_length
         good &= angle <= tolerance.angle + ROUNDING

@@ -126,10 +126,8 @@ def test_limits_are_reached_exactly() -> None:
 def test_limits_of_actuators_are_what_the_robot_says(seed: int) -> None:
     rng = np.random.default_rng(seed)
     tendons = sn.Tendons(angles=rng.uniform(-3, 3, 3), radius=0.1, displacement=(-0.1, 0.08))
-    robot = sn.Robot(
-        [sn.Segment((0.5, 1.5), tendons=tendons), sn.Segment(1.0), sn.Segment((0.5, 1.5), tendons=tendons)]
-        + [sn.Segment((0.5, 1.5), chambers=sn.Chambers(3, 0.1, length=(0.6, 1.4)))]
-    )
+    pulled, blown = sn.Segment((0.5, 1.5), tendons=tendons), sn.Chambers(3, 0.1, length=(0.6, 1.4))
+    robot = sn.Robot([pulled, sn.Segment(1.0), pulled, sn.Segment((0.5, 1.5), chambers=blown)])
     q = problems.random_configurations(robot, 200, rng)
     q[..., :2] *= rng.random((200, 1, 1))
     assert within_limits(robot, q).tolist() == [robot.excess(one) <= 1e-9 for one in q]

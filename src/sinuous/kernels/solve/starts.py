@@ -72,10 +72,10 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
 
 @kernel
 def widest(start: int) -> float:
-    """Most bend (rad) that scattered start `start` draws: half a turn where its number is odd, a full turn where it is even.
+    """Most bend (rad) that is drawn for scattered start `start`: half a turn if it is odd, a full turn if it is even.
 
-    An arc that bends beyond pi ends on the side that its tangent turns away from. `face` turns shapes that were drawn
-    below pi to the other side of such a target, and by symmetry no descent comes round from there.
+    What continues an arc beyond pi leads back to the other side. Shapes that were drawn below pi are turned to the wrong
+    side of such a target by `face`, and by symmetry no descent comes round from there.
     """
     return math.pi if start % 2 == 1 else 2.0 * math.pi
 
@@ -91,7 +91,7 @@ def _uniform(key: np.uint64) -> float:
 
 @kernel
 def scattered(limits: Array, index: int, seed: int, most: float, q: Array) -> None:
-    """Shape number `index` of the sequence `seed`: bends even over their discs up to `most` (rad), lengths over their ranges.
+    """Shape number `index` of the sequence `seed`: bends up to `most` even over their discs, lengths over their ranges.
 
     Hashed, not low-discrepancy: in the 3 n dimensions of a robot an additive recurrence puts long runs of shapes into
     the same few directions, and hard poses waited for their turn.

@@ -57,8 +57,8 @@ class ProblemFile:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is not as it should be, and what became of it: the defects of all meshes."""
-        return tuple(
+        """What is not as it should be, and what became of it: of the robot, and the defects of all meshes."""
+        return self.robot.notes + tuple(
             f"{self.scene.name(i)}: {defect}"
             for i, obstacle in enumerate(self.scene.obstacles)
             if isinstance(obstacle, Mesh)

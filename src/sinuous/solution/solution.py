@@ -33,6 +33,10 @@ class Solution:
         Largest distance (length unit) and angle (rad) to a target; `None` where no target asks for it.
     clearance : float or None
         Proved lower bound of the distance between body and obstacles; `None` without obstacles, or without a proof.
+    self_clearance : float or None
+        Proved lower bound of the distance of the body from itself, over all places half a circle of its radius or more
+        apart along it; infinite when it is shorter than that. `None` without a proof, for a body without thickness,
+        and where it may run through itself.
     iterations, starts : int
         Newton iterations in all, and how many starts they came from.
     start : str
@@ -140,6 +144,11 @@ class Solution:
         return self._outcome.clearance if self.solved and len(self.problem.scene) else None
 
     @property
+    def self_clearance(self) -> float | None:
+        """Proved lower bound of the distance of the body from itself."""
+        return self._outcome.self_clearance if self.solved and self.problem.robot.avoids_itself else None
+
+    @property
     def base(self) -> Floats:
         """Pose (4, 4) of the robot's base."""
         return self.problem.robot.base
@@ -194,7 +203,8 @@ class Solution:
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": None if self.clearance is None or np.isinf(self.clearance) else self.clearance,
+            "clearance": _finite(self.clearance),
+            "self_clearance": _finite(self.self_clearance),
             "worst": None
             if worst is None
             else {
@@ -202,6 +212,7 @@ class Solution:
                 "segment": worst.segment,
                 "obstacle": worst.obstacle,
                 "amount": worst.amount,
+                "other_segment": worst.other_segment,
             },
             "reason": None
             if reason is None
@@ -229,6 +240,7 @@ class Solution:
             ("position", self.position_error),
             ("angle", self.angle_error),
             ("clearance", self.clearance),
+            ("from self", self.self_clearance),
         ):
             if value is not None:
                 parts.append(f"  {label:<10} {value:.3g}")
@@ -237,3 +249,8 @@ class Solution:
         )
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
         return "\n".join(parts)
+
+
+def _finite(value: float | None) -> float | None:
+    """What a file says of a number: nothing where it is infinite."""
+    return None if value is None or np.isinf(value) else value

@@ -74,8 +74,8 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
 def widest(start: int) -> float:
     """Most bend (rad) that is drawn for scattered start `start`: half a turn if it is odd, a full turn if it is even.
 
-    What continues an arc beyond pi leads back to the other side. Shapes that were drawn below pi are turned to the wrong
-    side of such a target by `face`, and by symmetry no descent comes round from there.
+    What continues an arc beyond pi leads back to the other side. Shapes that were drawn below pi are turned to the
+    wrong side of such a target by `face`, and by symmetry no descent comes round from there.
     """
     return math.pi if start % 2 == 1 else 2.0 * math.pi
 

@@ -20,7 +20,7 @@ THICK = "thick arms (radius 10, segments of 100 to 120, bends to 3.1), targets n
 
 MISSED = "not solved and found right by the judges"
 
-BLOCK, BLOCKS = 260, 100
+BLOCK, BLOCKS = 130, 100
 """Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems."""
 
 ARMS, CURLED_WORLDS = (3, 5, 8), 200
@@ -55,7 +55,7 @@ class Wild:
             yield _arm(n), partial(_tallied, partial(curled.make, n, seed), range(count(CURLED_WORLDS, 1)))
         for name, poses, max_bend in _poses(seed, count(branches.POSES, 2)):
             yield name, partial(_compared, poses, max_bend)
-        size = count(BLOCK, 20)
+        size = count(BLOCK, 10)
         for block in range(count(BLOCKS, 1) * self.plan.rounds):
             numbers = range(block * size, (block + 1) * size)
             yield f"{self.name} {block}", partial(_tallied, partial(worlds.make, seed), numbers)

@@ -15,7 +15,7 @@ from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
-SHAPES = 4
+SHAPES = 8
 """Hidden solutions of one world, at most, one a problem."""
 
 CLEAR = 1e-6

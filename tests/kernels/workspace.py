@@ -4,7 +4,7 @@ import numpy as np
 
 from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import Rows
-from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
+from sinuous.kernels.body.self_contacts import MOST_PAIRS
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import put_frame
 from sinuous.kernels.compile import kernel
@@ -36,7 +36,7 @@ def make_states(problem: Problem) -> State:
         np.zeros((c, capacity)),
     )
     shapes = np.zeros((c, n, 3)), np.zeros((c, n + 1, 12)), np.zeros((c, n, 18))
-    states = State(*shapes, rows, np.zeros((c, NORMS)), np.zeros((c, MOST_PAIRS, pair_width(n))))
+    states = State(*shapes, rows, np.zeros((c, NORMS + MOST_PAIRS * (1 + 3 * n))))
     base = problem.base[0]
     for i in range(c):
         put_frame(states.frames[i], 0, mat(base[:9].reshape(3, 3)), vec(base[9:]))
@@ -46,16 +46,16 @@ def make_states(problem: Problem) -> State:
 def state_of(states: State, i: int) -> State:
     """State number `i` of several."""
     rows = Rows(*(array[i] for array in states.rows))
-    return State(states.q[i], states.frames[i], states.columns[i], rows, states.norms[i], states.pairs[i])
+    return State(states.q[i], states.frames[i], states.columns[i], rows, states.norms[i])
 
 
 def make_work(problem: Problem) -> Work:
     """Scratch of a solve."""
     n, m = len(problem.limits), len(problem.scene.table)
     own = np.zeros((n, 9)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
-    coupling = np.zeros((n, 3)), np.zeros((MOST_PAIRS, n, 3)), np.zeros((MOST_PAIRS, MOST_PAIRS + 1))
+    rest = SPAN_WIDTH * (n + 1) + 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
     whole = np.zeros(n, np.int64), np.zeros(m, np.int64), np.zeros(2, np.int64)
-    return Work(*own, *whole, np.zeros((n + 1, SPAN_WIDTH)), *coupling)
+    return Work(*own, *whole, np.zeros(rest))
 
 
 def put(states: State, i: int, q: Floats) -> State:

@@ -1,6 +1,5 @@
 """How tightly segments may bend when the body must not run through itself: no more tightly than it is thick."""
 
-import math
 from collections.abc import Sequence
 from itertools import groupby
 
@@ -19,19 +18,20 @@ def curvature_limits(segments: Sequence[Segment], radii: Sequence[float], avoids
 
 
 def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: Sequence[float]) -> list[str]:
-    """Say which segments may bend less than their own limits allow, because they are too thick; one line a kind."""
-    listed = list(zip(segments, radii, curvatures, strict=True))
+    """Say which segments may bend less than their own limits allow, because they are too thick; one line a kind.
+
+    It is said for their least length, for one that may vanish for its largest: near 0, curvature always limits a bend.
+    """
     notes, first = [], 1
-    for (segment, radius, curvature), group in groupby(listed):
+    for (segment, radius, curvature), group in groupby(zip(segments, radii, curvatures, strict=True)):
         last = first + len(list(group)) - 1
-        own = min(segment.max_bend, segment.max_curvature * segment.length[1])
-        if curvature * segment.length[1] < own * (1.0 - 1e-9):
+        length = segment.length[0] or segment.length[1]
+        own, allowed = min(segment.max_bend, segment.max_curvature * length), curvature * length
+        if allowed < own * (1.0 - 2.0 * ROUND):
             which = f"segment {first}" if first == last else f"segments {first} to {last}"
-            tightest = segment.length[1] / own if math.isfinite(own) else 0.0
             notes.append(
-                f"{which}: radius {radius:g} is above the smallest radius of curvature, {tightest:.4g}; while "
-                f"self_collision is avoided, a bend is at most {curvature * segment.length[1]:.4g} at length "
-                f"{segment.length[1]:g}"
+                f"{which}: a radius of {radius:g} is above the smallest radius of curvature, {length / own:.4g}; "
+                f"while self_collision is avoided, the bend at length {length:g} is at most {allowed:.4g}"
             )
         first = last + 1
     return notes

@@ -35,7 +35,7 @@ class Status(StrEnum):
 
 
 _SENTENCES = {
-    Status.SOLVED: "all within tolerance and limits, whole body proved clear",
+    Status.SOLVED: "all within tolerance and limits, whole body proved clear of obstacles and of itself",
     Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
     Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
     Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",

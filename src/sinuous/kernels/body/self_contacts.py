@@ -58,7 +58,7 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
     if thickest == 0.0:
         return count, low
     aim = Aim(margin, FLOOR * margin, FINEST * margin, False)
-    i, j = 0, -1
+    i, j = -1, n
     while True:
         i, j, _ = next_pair(shape, i, j, margin, thickest)
         if i == n:

@@ -19,14 +19,15 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import RADIUS
 
-ALONG, TURNED, CURVATURE, RUN = range(4)
+ALONG, TURNED, CURVATURE, RUN, FIRST = range(5)
 """Columns of `spans`, a row a segment and one more for the tip: length and turn (rad) of the backbone before the
-segment; its curvature; the number of its run, which is a row of neighbours of the same radius."""
+segment; its curvature; the number of its run, which is a row of neighbours of the same radius; the first segment, not
+before itself, that it may have to be looked at with."""
 
-SPAN_WIDTH = 4
+SPAN_WIDTH = 5
 
 Shape = namedtuple("Shape", ["limits", "q", "frames", "spans"])
-"""Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 4), which `survey` fills."""
+"""Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
 
 HALF_TURN = math.pi - 1e-9
 """Turn (rad) from which on places of one run are looked at."""
@@ -56,6 +57,12 @@ def survey(shape: Shape) -> tuple[float, float]:
         along, turned = along + length, turned + bend
         tightest, thickest = max(tightest, curvature), max(thickest, radius)
     spans[n, ALONG], spans[n, TURNED], spans[n, CURVATURE], spans[n, RUN] = along, turned, 0.0, run
+    first = 0
+    for k in range(n):
+        if run == 0:
+            while first < n and spans[first + 1, TURNED] - spans[k, TURNED] < HALF_TURN:
+                first += 1
+        spans[k, FIRST] = first if run == 0 else k
     return min(most, _least_of_run(limits[n - 1, RADIUS], along - begun, tightest)), thickest
 
 
@@ -87,18 +94,18 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
     """The first pair of segments after (i, j), i <= j, that may have a gap below `level`; (n, n): there is none.
 
     Also returns a lower bound of the gaps of all that were passed over, infinite where there were none. The first pair
-    comes after (0, -1).
+    comes after (-1, n).
     """
     limits, q, frames, spans = shape.limits, shape.q, shape.frames, shape.spans
     n = q.shape[0]
     low = math.inf
     while True:
         j += 1
-        if j >= n:
+        while j >= n:
             i += 1
-            j = i
-        if i >= n:
-            return n, n, low
+            if i >= n:
+                return n, n, low
+            j = int(spans[i, FIRST])
         if j == i:
             if _meets_itself(shape, i):
                 return i, i, low

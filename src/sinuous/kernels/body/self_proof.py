@@ -40,7 +40,7 @@ def prove_self(shape: Shape, finest: float, clock: Array, deadline: float) -> tu
     # What the survey bounds needs no better bound; where it bounds nothing, a radius is enough.
     aim = Aim(most if 0.0 < most < math.inf else thickest, 0.0, finest, True)
     bound, least = most, math.inf
-    i, j, looks = 0, -1, 0
+    i, j, looks = -1, shape.q.shape[0], 0
     while True:
         i, j, passed = next_pair(shape, i, j, wanted(aim, least), thickest)
         bound = min(bound, passed)

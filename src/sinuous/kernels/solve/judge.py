@@ -69,7 +69,7 @@ ROUNDING = 1e-11
 
 Check = namedtuple("Check", ["frames", "among", "clock", "spans"])
 """Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); what
-reads the clock (2,); and `spans` (n + 1, 4) of `self_pairs`."""
+reads the clock (2,); and `spans` (n + 1, 5) of `self_pairs`."""
 
 Answer = namedtuple("Answer", ["best", "record"])
 """What a search fills: the best configuration (n, 3; rad and length unit), and its record (11,; see `tables`)."""

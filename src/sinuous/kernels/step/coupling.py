@@ -11,7 +11,7 @@ from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add_scaled, dot, get_mat, get_vec, mat_vec, put_vec, vec_mat
 from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.states import PAIRS, State, Work
+from sinuous.kernels.step.states import PAIRS, State, Work, coupling_of, pairs_of
 
 LEAST = 1e-12
 """What keeps two self-contacts that say the same from leaving nothing to divide by."""
@@ -21,13 +21,14 @@ LEAST = 1e-12
 def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
     """Add to `work.step`, which both sweeps just made, what the self-contacts of `state` ask for."""
     n, count = state.q.shape[0], int(state.norms[PAIRS])
-    pairs, replies, system = state.pairs, work.replies, work.system
+    pairs, scratch = pairs_of(state), coupling_of(work)
+    pull, replies, system = scratch.pull, scratch.replies, scratch.system
     for a in range(count):
         for k in range(n):
             L = get_mat(work.root, k, 0)
-            put_vec(work.pull, k, 0, mat_vec(L, vec_mat(get_vec(pairs, a, WEIGHTS + 3 * k), L)))
-        sweeps.forward_again(state.columns, work.root, work.pull, state.rows, coupled)
-        sweeps.backward(state.columns, work.root, work.pull, state.rows, replies[a], coupled)
+            put_vec(pull, k, 0, mat_vec(L, vec_mat(get_vec(pairs, a, WEIGHTS + 3 * k), L)))
+        sweeps.forward_again(state.columns, work.root, pull, state.rows, coupled)
+        sweeps.backward(state.columns, work.root, pull, state.rows, replies[a], coupled)
         for b in range(a + 1):
             system[a, b] = system[b, a] = _seen(pairs, b, replies[a])
         system[a, a] += mu + LEAST

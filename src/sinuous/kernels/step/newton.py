@@ -17,7 +17,20 @@ from sinuous.kernels.maths.vectors import ZERO, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.kernels.step.coupling import couple
-from sinuous.kernels.step.states import ANGLE, MERIT, PAIRS, POSITION, SEEN, SELF_SEEN, WISH, State, Work, pick
+from sinuous.kernels.step.states import (
+    ANGLE,
+    MERIT,
+    PAIRS,
+    POSITION,
+    SEEN,
+    SELF_SEEN,
+    WISH,
+    State,
+    Work,
+    pairs_of,
+    pick,
+    spans_of,
+)
 from sinuous.kernels.step.targets import add_rows, end_segment
 
 MISSED = -1
@@ -81,11 +94,10 @@ def close(state: State, count: int) -> None:
 @kernel
 def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     """Add the self-contacts to a linearisation that `close` has finished."""
-    shape = Shape(problem.limits, state.q, state.frames, work.spans)
-    margin = SELF_MARGIN * problem.margin
-    count, low = self_contacts(shape, state.columns, margin, problem.unit, state.pairs)
+    shape, pairs = Shape(problem.limits, state.q, state.frames, spans_of(work)), pairs_of(state)
+    count, low = self_contacts(shape, state.columns, SELF_MARGIN * problem.margin, problem.unit, pairs)
     for a in range(count):
-        state.norms[MERIT] += state.pairs[a, VALUE] * state.pairs[a, VALUE]
+        state.norms[MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
     state.norms[SELF_SEEN], state.norms[PAIRS] = low, count
 
 
@@ -206,7 +218,7 @@ def self_proof(problem: Problem, state: State, work: Work, deadline: float) -> t
     """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
     if not problem.avoids_itself:
         return CLEAR, math.inf
-    shape = Shape(problem.limits, state.q, state.frames, work.spans)
+    shape = Shape(problem.limits, state.q, state.frames, spans_of(work))
     verdict, clearance, _ = prove_self(shape, FINEST * problem.unit, work.clock, deadline)
     return verdict, clearance
 

@@ -13,16 +13,18 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
 
-State = namedtuple("State", ["q", "frames", "columns", "rows", "norms", "pairs"])
+State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
 least clearance seen, how far wishes for clearance are from met, a lower bound of the self-clearance (infinite: it was
-not looked at), and the number of self-contacts, which are in `pairs`."""
+not looked at), and the number of self-contacts; then these, see `pairs_of`."""
 
-Work = namedtuple(
-    "Work",
-    ["root", "mean", "step", "solved", "bound", "among", "clock", "spans", "pull", "replies", "system"],
-)
-"""Scratch of one solve. The last three serve `step.coupling`."""
+Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock", "rest"])
+"""Scratch of one solve. `rest` is what few solves need, in one array, because each costs time whenever a kernel is
+called: see `spans_of` and `coupling_of`."""
+
+Coupling = namedtuple("Coupling", ["pull", "replies", "system"])
+"""Scratch of `step.coupling`, for up to m self-contacts: a motion (n, 3), what each of them moves (m, n, 3), and a
+system of equations (m, m + 1)."""
 
 STATES = 3
 """States in a workspace: two take turns in a descent, a third serves corrections."""
@@ -52,9 +54,8 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
     """Lay out workspace as for so many obstacles: with one there is a place for rows along the body."""
     n, m, c = problem.limits.shape[0], obstacles, STATES
     capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
-    size = c * (33 * n + 12 + NORMS)
-    width, most = pair_width(n), MOST_PAIRS
-    paired = size + c * rows_size(n, capacity)
+    width = NORMS + MOST_PAIRS * pair_width(n)
+    size = c * (33 * n + 12 + width)
     frames = buffer[3 * n * c : (15 * n + 12) * c].reshape((c, n + 1, 12))
     rotation, position = frame(problem.base, 0)
     for i in range(c):
@@ -64,13 +65,11 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         frames,
         buffer[(15 * n + 12) * c : (33 * n + 12) * c].reshape((c, n, 18)),
         carve_rows(buffer[size:], c, n, capacity),
-        buffer[(33 * n + 12) * c : size].reshape((c, NORMS)),
-        buffer[paired : paired + c * most * width].reshape((c, most, width)),
+        buffer[(33 * n + 12) * c : size].reshape((c, width)),
     )
-    rest = buffer[paired + c * most * width :]
-    last = rest[19 * n + m + 2 :]
-    pull = SPAN_WIDTH * (n + 1)
-    replies, system = pull + 3 * n, pull + 3 * n * (1 + most)
+    rest = buffer[size + c * rows_size(n, capacity) :]
+    coupling = 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
+    own = 19 * n + m + 2
     work = Work(
         rest[: 9 * n].reshape((n, 9)),
         rest[9 * n : 12 * n].reshape((n, 3)),
@@ -79,10 +78,7 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         rest[18 * n : 19 * n].view(np.int64),
         rest[19 * n : 19 * n + m].view(np.int64),
         rest[19 * n + m : 19 * n + m + 2].view(np.int64),
-        last[:pull].reshape((n + 1, SPAN_WIDTH)),
-        last[pull:replies].reshape((n, 3)),
-        last[replies:system].reshape((most, n, 3)),
-        last[system : system + most * (most + 1)].reshape((most, most + 1)),
+        rest[own : own + SPAN_WIDTH * (n + 1) + coupling],
     )
     return states, work
 
@@ -90,6 +86,30 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
 @kernel
 def pick(states: State, i: int) -> State:
     """State number `i` of several."""
-    return State(
-        states.q[i], states.frames[i], states.columns[i], pick_rows(states.rows, i), states.norms[i], states.pairs[i]
+    return State(states.q[i], states.frames[i], states.columns[i], pick_rows(states.rows, i), states.norms[i])
+
+
+@kernel
+def pairs_of(state: State) -> Array:
+    """Place for the self-contacts of a state (m, 1 + 3 n)."""
+    return state.norms[NORMS:].reshape((MOST_PAIRS, pair_width(state.q.shape[0])))
+
+
+@kernel
+def spans_of(work: Work) -> Array:
+    """Place for the spans of the body (n + 1, 5), see `self_pairs`."""
+    n = work.step.shape[0]
+    return work.rest[: SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH))
+
+
+@kernel
+def coupling_of(work: Work) -> Coupling:
+    """Scratch of `step.coupling`."""
+    n, m = work.step.shape[0], MOST_PAIRS
+    pull = work.rest[SPAN_WIDTH * (n + 1) :]
+    replies, system = pull[3 * n :], pull[3 * n * (1 + m) :]
+    return Coupling(
+        pull[: 3 * n].reshape((n, 3)),
+        replies[: 3 * n * m].reshape((m, n, 3)),
+        system[: m * (m + 1)].reshape((m, m + 1)),
     )

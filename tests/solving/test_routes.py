@@ -1,6 +1,7 @@
 """Routes as starts: narrow places that a local solver does not get into, and rooms without a door."""
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routes import MEMORY, SLOTS, Found, Plan, Router
+from sinuous.solving.routes import CELLS_A_START, MEMORY, SLOTS, Found, Plan, Router
 from sinuous.solving.sources import Question
 from tests.helpers import Floats
 
@@ -169,6 +170,18 @@ def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
     q = np.array([[0, 0, 1.9], [1.2, 0.3, 1.0], [-0.3, 1.0, 1.0], [0.2, -0.5, 1.0]])
     solution = Solver(robot, scene, time=60.0).solve(Target(robot.tip(q)[:3, 3]))
     assert solution.status is not Status.NO_ROUTE
+
+
+def test_the_dearer_a_search_the_more_scattered_starts_follow_it(narrow: Scene, target: Target) -> None:
+    asked = problem(ROBOT, target, narrow)
+    finder = router(ROBOT, narrow)
+    query = finder.query(asked)
+    assert query is not None
+    cells = [finder.find(asked, query, plan, 60.0).cells for plan in finder.plans[:4]]
+    then = [batch.then for batch in islice(finder.batches(question(asked)), 4)]
+    least = [plan.then for plan in finder.plans[:4]]
+    assert then == [max(few, looked // CELLS_A_START) for few, looked in zip(least, cells, strict=True)]
+    assert then != least
 
 
 def test_without_a_position_there_is_no_route() -> None:

@@ -32,6 +32,9 @@ ALTERNATIVES = 4
 SLOTS = (1 << 13, 1 << 15, 1 << 18, 1 << 20)
 """Sizes of the table of cells."""
 
+CELLS_A_START = 100
+"""Cells that a search may look at for each scattered start that follows it: a descent costs about as much."""
+
 POINTS = 256
 """Most points of a route."""
 
@@ -54,7 +57,7 @@ class Plan(NamedTuple):
     routes : int
         Most routes to find.
     then : int
-        Scattered starts that come before the next search.
+        Least number of scattered starts that come before the next search; what it costs may ask for more.
     exact : bool
         Whether to ask for exact distances, not for samples.
     prove : bool
@@ -129,7 +132,8 @@ class Router:
             told[plan.cell, plan.exact] = max(known, len(found.routes))
             initial = self.fit(problem, found, known)
             closed = plan.cell if found.ended == PROVED_CLOSED else None
-            yield Batch(self.name, initial, seconds=monotonic() - began, then=plan.then, closed=closed)
+            then = max(plan.then, found.cells // CELLS_A_START)
+            yield Batch(self.name, initial, seconds=monotonic() - began, then=then, closed=closed)
             if closed is not None:
                 return
 

@@ -80,20 +80,42 @@ def test_every_start_keeps_the_limits(seed: int) -> None:
             assert np.isfinite(q).all()
             assert MIXED.excess(q) <= 1e-12
     q = np.full((len(MIXED), 3), np.nan)
-    starts.scattered(MIXED.limits, int(rng.integers(10**6)), seed, q)
-    assert MIXED.excess(q) <= 1e-12
+    for most in (math.pi, 2.0 * math.pi):
+        starts.scattered(MIXED.limits, int(rng.integers(10**6)), seed, most, q)
+        assert MIXED.excess(q) <= 1e-12
 
 
-def sequence(seed: int, count: int) -> Floats:
-    out = np.empty((count, len(MIXED), 3))
+def sequence(seed: int, count: int, robot: Robot = MIXED, most: float = math.pi) -> Floats:
+    out = np.empty((count, len(robot), 3))
     for i in range(count):
-        starts.scattered(MIXED.limits, i, seed, out[i])
+        starts.scattered(robot.limits, i, seed, most, out[i])
     return out
 
 
 def test_shapes_repeat_for_a_seed_and_differ_between_seeds() -> None:
     np.testing.assert_array_equal(sequence(3, 20), sequence(3, 20))
     assert len(np.unique(np.concatenate([sequence(seed, 20)[:, 0, 0] for seed in range(20)]))) == 400
+
+
+def test_every_other_start_may_bend_beyond_half_a_turn() -> None:
+    assert [starts.widest(number) for number in range(1, 6)] == [math.pi, 2.0 * math.pi] * 2 + [math.pi]
+
+
+@pytest.mark.parametrize("most", [math.pi, 2.0 * math.pi])
+def test_shapes_bend_as_far_as_they_may_and_no_farther(most: float) -> None:
+    """The squares of bends are even up to the smaller of limit and cap."""
+    robot = Robot([Segment(1.0, 20.0), Segment(1.0, 5.0), Segment(1.0, 2.0)])
+    bends = np.hypot(*np.moveaxis(sequence(1, 3000, robot, most)[..., :2], -1, 0))
+    for k, limit in enumerate((20.0, 5.0, 2.0)):
+        cap = min(limit, most)
+        assert bends[:, k].max() <= cap
+        quantiles = np.linspace(0.05, 0.95, 19)
+        np.testing.assert_allclose(np.quantile((bends[:, k] / cap) ** 2, quantiles), quantiles, atol=0.04)
+
+
+def test_robots_that_bend_by_half_a_turn_at_most_have_the_same_starts_under_both_caps() -> None:
+    robot = Robot.uniform(4, (0.5, 1.5), max_bend=math.pi, max_curvature=4.0)
+    np.testing.assert_array_equal(sequence(5, 200, robot), sequence(5, 200, robot, 2.0 * math.pi))
 
 
 def test_shapes_cover_the_limits_evenly() -> None:

@@ -18,7 +18,7 @@ from sinuous.kernels.compile import closure, kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.judge import Answer, Check, carve_check, finish
-from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
+from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.tables import (
     ANGLE_ERROR,
@@ -78,7 +78,7 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
     if number == 0 and tip >= 0:
         single_arc(problem.limits, check.frames, tip, goal, q)
         return ARC
-    scattered(problem.limits, number, seed, q)
+    scattered(problem.limits, number, seed, widest(number), q)
     if tip >= 0:
         face(check.frames, problem.tool, tip, goal, q)
     return RANDOM

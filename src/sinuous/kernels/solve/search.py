@@ -10,7 +10,7 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
+from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.newton import descend, linearise
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, State, Work, carve, pick
@@ -58,7 +58,7 @@ def _begin(
         return ARC
     least = math.inf
     for draw in range(DRAWS):
-        scattered(problem.limits, DRAWS * number + draw, seed, trial.q)
+        scattered(problem.limits, DRAWS * number + draw, seed, widest(number), trial.q)
         if tip >= 0:
             face(trial.frames, problem.tool, tip, goal, trial.q)
         linearise(problem, trial, work, problem.look_depth, solids.STEP, 0.0, False)

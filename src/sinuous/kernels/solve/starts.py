@@ -71,6 +71,16 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
 
 
 @kernel
+def widest(start: int) -> float:
+    """Most bend (rad) that is drawn for scattered start `start`: half a turn if it is odd, a full turn if it is even.
+
+    What continues an arc beyond pi leads back to the other side. Shapes that were drawn below pi are turned to the
+    wrong side of such a target by `face`, and by symmetry no descent comes round from there.
+    """
+    return math.pi if start % 2 == 1 else 2.0 * math.pi
+
+
+@kernel
 def _uniform(key: np.uint64) -> float:
     """A number in [0, 1) for every key (Steele et al. 2014, splitmix64)."""
     z = key * np.uint64(0x9E3779B97F4A7C15)
@@ -80,8 +90,8 @@ def _uniform(key: np.uint64) -> float:
 
 
 @kernel
-def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
-    """Shape number `index` of the sequence `seed`: bends evenly over their discs, lengths over their ranges.
+def scattered(limits: Array, index: int, seed: int, most: float, q: Array) -> None:
+    """Shape number `index` of the sequence `seed`: bends up to `most` even over their discs, lengths over their ranges.
 
     Hashed, not low-discrepancy: in the 3 n dimensions of a robot an additive recurrence puts long runs of shapes into
     the same few directions, and hard poses waited for their turn.
@@ -89,7 +99,7 @@ def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):
         length = limits[k, MIN_LENGTH] + _uniform(key) * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
-        bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], math.pi)
+        bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], most)
         angle = 2.0 * math.pi * _uniform(key + np.uint64(2))
         key += np.uint64(3)
         put_vec(q, k, 0, project_segment(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))

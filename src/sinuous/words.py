@@ -31,6 +31,12 @@ def rounded_up(value: float) -> float:
     return rounded(unit * math.ceil(value / unit * (1.0 - 1e-12)))
 
 
+def span(pair: Sequence[float]) -> str:
+    """`1 to 2`, or `1` where both are the same."""
+    low, high = map(number, pair)
+    return low if low == high else f"{low} to {high}"
+
+
 def listed(texts: Iterable[str]) -> str:
     """`a, b and c`."""
     *front, last = tuple(texts)

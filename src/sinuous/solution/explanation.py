@@ -89,13 +89,13 @@ def _labelled(label: str, texts: list[str]) -> list[str]:
     return [f"  {label if i == 0 else '':<10} {text}" for i, text in enumerate(shown)]
 
 
-def explain(solution: "Solution", case: Case, seconds: float) -> Explanation:
-    """Explain a solution, within so many seconds."""
+def explain(solution: "Solution", case: Case, end: float) -> Explanation:
+    """Explain a solution, until the time is `end` (by `time.perf_counter`)."""
     own = solution.status, solution.sentence, solution.reason, _misses(solution), solution.binding
     count = len(solution.problem.robot)
     if solution.solved:
         return Explanation(*own, nearest_limits(solution.problem, solution.q), (), True, count)
-    return Explanation(*own, (), *find_remedies(case, seconds), count)
+    return Explanation(*own, (), *find_remedies(case, end), count)
 
 
 def _misses(solution: "Solution") -> str:

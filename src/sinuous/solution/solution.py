@@ -1,5 +1,6 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -202,10 +203,10 @@ class Solution:
         InputError
             When `time` is no number of at least 0.
         """
-        seconds = checks.number("time", time, low=0.0)
+        end = perf_counter() + checks.number("time", time, low=0.0)
         given = self._given.reshape(-1, *self.q.shape)
         own = self.problem, self.status, self.q, given[0] if len(given) else None
-        return explain(self, Case(*own, self.binding, self.reason, self._again, self.starts), seconds)
+        return explain(self, Case(*own, self.binding, self.reason, self._again, self.starts), end)
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""

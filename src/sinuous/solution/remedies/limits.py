@@ -14,8 +14,8 @@ from sinuous.solution.remedies.remedy import Remedy
 from sinuous.solution.remedies.trials import Case, Trials
 from sinuous.words import rounded
 
-FIRST, MOST = 1 / 64, 4.0
-"""First and largest widening, as shares of the limit."""
+MOST = 4.0
+"""Largest widening, as a share of the limit."""
 
 Limits = float | tuple[float, float]
 
@@ -75,7 +75,7 @@ def widen(trials: Trials, case: Case) -> Iterator[Remedy]:
         def wider(amount: float, widening: Widening = widening) -> Problem:
             return case.problem.changed(robot=widened(robot, widening, amount))
 
-        found = trials.smallest(wider, FIRST * widening.size, widening.most)
+        found = trials.smallest(wider, widening.most)
         if found is not None:
             change = f"{widening.key} of {words.segments(widening.segments, len(robot))}"
             yield Remedy(change, plain(widening.limits), plain(widening.by(found[0])))

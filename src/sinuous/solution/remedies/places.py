@@ -15,9 +15,6 @@ from sinuous.words import listed, number, rounded
 MOST = 8
 """Most obstacles that are taken away one by one."""
 
-FIRST = 1 / 64
-"""First change of a length, as a share of the robot's."""
-
 THINNEST = 1 / 64
 """Share of its radius to which a body is made thinner at most."""
 
@@ -60,7 +57,7 @@ def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
     def mounted(more: float) -> Problem:
         return case.problem.changed(robot=robot.changed(mount=rounded(robot.mount + more)))
 
-    found = trials.smallest(mounted, FIRST * longest, longest)
+    found = trials.smallest(mounted, longest)
     if found is not None:
         yield Remedy("mount", robot.mount, rounded(robot.mount + found[0]))
     place = robot.base[:3, 3]
@@ -72,7 +69,7 @@ def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
     def moved(by: float) -> Problem:
         return case.problem.changed(robot=robot.changed(base=_shifted(robot.base, by / length * slope)))
 
-    found = trials.smallest(moved, FIRST * longest, longest)
+    found = trials.smallest(moved, longest)
     if found is not None:
         after = moved(found[0]).robot.base[:3, 3]
         yield Remedy("base position", place.tolist(), after.tolist(), f"{number(found[0])} away")
@@ -94,7 +91,7 @@ def make_thinner(trials: Trials, case: Case) -> Iterator[Remedy]:
     def thinner(by: float) -> Problem:
         return case.problem.changed(robot=robot.changed(radius=rounded(radius - by)))
 
-    found = trials.smallest(thinner, FIRST * radius, (1.0 - THINNEST) * radius, thorough=True)
+    found = trials.smallest(thinner, (1.0 - THINNEST) * radius, thorough=True)
     if found is not None:
         yield Remedy("radius", radius, rounded(radius - found[0]))
 

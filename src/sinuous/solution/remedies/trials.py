@@ -22,6 +22,12 @@ QUICK = 24
 FINE = 0.01
 """Share of a change to which the smallest is found."""
 
+SMALLER = 3.0
+"""By how much a change is made smaller at first."""
+
+NOTHING = 1e-4
+"""Share of the largest change below which it is not made smaller."""
+
 MORE = (1.0, 1.05, 1.2, 1.5, 2.0)
 """By how much a change is made larger where the whole search, begun anew, finds no solution with the smallest."""
 
@@ -63,8 +69,8 @@ class Trials:
     Parameters
     ----------
     case : Case
-    seconds : float
-        For all trials together.
+    end : float
+        When the time is up, by `time.perf_counter`.
 
     Attributes
     ----------
@@ -72,15 +78,15 @@ class Trials:
         Whether no trial was cut short by the time.
     """
 
-    def __init__(self, case: Case, seconds: float) -> None:
+    def __init__(self, case: Case, end: float) -> None:
         self._case = case
-        self._end = self._deadline = perf_counter() + seconds
+        self._end = self._deadline = end
         self.complete = True
 
-    def share(self, others: int) -> None:
-        """Give what comes next its part of the time that is left; so many others follow."""
+    def share(self, part: float) -> None:
+        """Give what comes next this part of the time that is left."""
         now = perf_counter()
-        self._deadline = now + max(0.0, self._end - now) / (others + 1)
+        self._deadline = now + max(0.0, self._end - now) * part
 
     @property
     def left(self) -> float:
@@ -110,30 +116,31 @@ class Trials:
             self.complete = False
         return found if found.solved else None
 
-    def smallest(
-        self, vary: Vary, first: float, most: float, thorough: bool = False
-    ) -> tuple[float, "Solution"] | None:
-        """Find the smallest amount, from `first` to `most`, by which something has to be changed; with its solution.
+    def smallest(self, vary: Vary, most: float, thorough: bool = False) -> tuple[float, "Solution"] | None:
+        """Find the smallest amount, up to `most`, by which something has to be changed; with its solution.
 
-        Amounts are doubled until one works, then halved down to it. At last the whole search is run with it, as a user
-        would. With `thorough` that is also done where a few starts find nothing.
+        Large changes come first: where they fail, nothing else is tried. Then the change is made smaller as long as
+        that works, each time from the last solution. At last the whole search is run with it, as a user would. With
+        `thorough` that is also done where a few starts find nothing.
         """
-        low, high = 0.0, min(first, most)
-        found = self.quick(vary(high))
-        while found is None and high < most:
-            low, high = high, min(2.0 * high, most)
+        high, found = most, self.quick(vary(most))
+        if found is None:
+            high = most / SMALLER**2
             found = self.quick(vary(high))
         if found is None and thorough:
-            low, found = 0.0, self.whole(vary(most))
+            high, found = most, self.whole(vary(most))
         if found is None:
             return None
+        low = 0.0
         while high - low > FINE * high and self.left > 0.0:
-            middle = 0.5 * (low + high)
+            middle = max(high / SMALLER, 0.5 * (low + high)) if low > 0.0 else high / SMALLER
             tried = self.quick(vary(middle), found.q)
             if tried is None:
                 low = middle
             else:
                 high, found = middle, tried
+            if high < NOTHING * most:
+                break
         return self._confirmed(vary, high, most)
 
     def _confirmed(self, vary: Vary, amount: float, most: float) -> tuple[float, "Solution"] | None:

@@ -19,6 +19,7 @@ from sinuous.problem.problem import Problem
 from sinuous.solution.contacts import Contact, contacts_of
 from sinuous.solution.limits import Limit, limits_of, normal
 from sinuous.solution.pull import pull_of
+from sinuous.solution.rest import at_rest
 
 ACTIVE, WIDER = 1e-6, (1e-3, 0.1)
 """Slack up to which a limit counts as met: rad, or lengths of a mean segment; and where none is, up to which then."""
@@ -85,13 +86,15 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
     """What holds the configuration `q` (n, 3) back, strongest first; empty when nothing does.
 
     Where the targets are met and the body overlaps an obstacle, that obstacle is the first, and the others are what
-    keeps the body from coming free. With `any_limit` at least one limit is named: if none takes part, the nearest one.
+    keeps the body from coming free. Where no obstacle takes part, the configuration is first brought to rest. With `any_limit` at least one limit is named: if none takes part, the nearest one.
     """
     robot = problem.robot
     unit = robot.mean_length / len(robot)
     scale = np.tile([1.0, 1.0, unit], len(robot))
-    pull, limits = pull_of(problem, q), list(limits_of(robot, q))
     contacts = [_Column(c, c.gradient * scale / robot.mean_length) for c in contacts_of(problem, q)]
+    if not contacts:
+        q = at_rest(problem, q)
+    pull, limits = pull_of(problem, q), list(limits_of(robot, q))
     wanted, free = scale * (pull.misses @ pull.rows), np.empty((0, len(scale)))
     first: list[Limit | Contact] = []
     deepest = contacts[0].met if contacts else None

@@ -113,7 +113,7 @@ def best_of(problem: sn.Problem, start: Any) -> tuple[Any, float]:
 
     x, least = start.ravel(), math.inf
     for _ in range(20):  # it stops early, and goes on when begun anew
-        bounds = {"type": "ineq", "fun": slacks}
+        bounds: Any = {"type": "ineq", "fun": slacks}
         found = minimize(merit, x, jac=slope, method="SLSQP", constraints=bounds, options={"ftol": 1e-15})
         if found.fun > least * (1.0 - 1e-9):
             break

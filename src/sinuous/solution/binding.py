@@ -86,7 +86,8 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
     """What holds the configuration `q` (n, 3) back, strongest first; empty when nothing does.
 
     Where the targets are met and the body overlaps an obstacle, that obstacle is the first, and the others are what
-    keeps the body from coming free. Where no obstacle takes part, the configuration is first brought to rest. With `any_limit` at least one limit is named: if none takes part, the nearest one.
+    keeps the body from coming free. Where no obstacle takes part, the configuration is first brought to rest. With
+    `any_limit` at least one limit is named: if none takes part, the nearest one.
     """
     robot = problem.robot
     unit = robot.mean_length / len(robot)

@@ -10,13 +10,13 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
-from sinuous.solution.limits import limits_of, normal
+from sinuous.solution.limits import Limit, limits_of, normal
 from sinuous.solution.pull import pull_of
 
 STEPS = 30
 """Most steps, taken or refused."""
 
-GAIN = 1e-9
+GAIN = 1e-8
 """Share of the residual that a step has to gain."""
 
 MOST = 600
@@ -33,18 +33,17 @@ def at_rest(problem: Problem, q: Floats) -> Floats:
         return q
     unit = robot.mean_length / count
     scale = np.array([1.0, 1.0, unit])
-    pull, damping = pull_of(problem, q), 1e-3
+    pull, limits, damping = pull_of(problem, q), list(limits_of(robot, q)), 1e-3
     for _ in range(STEPS):
         merit = float(pull.misses @ pull.misses)
-        limits = list(limits_of(robot, q))
         normals = np.array([normal(limit, count, unit) for limit in limits])
         slacks = np.maximum(0.0, [limit.slack for limit in limits])
         motion = _least(pull.rows * np.tile(scale, count), pull.misses, damping * max(merit, 1e-9), normals, slacks)
-        tried = _within(robot, q, q + motion.reshape(-1, 3) * scale)
+        tried = _within(robot, q, limits, q + motion.reshape(-1, 3) * scale)
         found = pull_of(problem, tried)
         gained = merit - float(found.misses @ found.misses)
         if gained > 0.0:
-            q, pull, damping = tried, found, 0.3 * damping
+            q, pull, limits, damping = tried, found, list(limits_of(robot, tried)), 0.1 * damping
             if gained < GAIN * merit:
                 break
         else:
@@ -68,7 +67,7 @@ def _least(rows: Floats, misses: Floats, damping: float, normals: Floats, slacks
     return motion
 
 
-def _within(robot: Robot, before: Floats, after: Floats) -> Floats:
+def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) -> Floats:
     """Bring the end of a step within the limits: lengths and bends one by one, the rest by shortening the step."""
     q = after.copy()
     low, high = np.array([segment.length for segment in robot.segments]).T
@@ -80,10 +79,9 @@ def _within(robot: Robot, before: Floats, after: Floats) -> Floats:
     size = np.hypot(q[:, 0], q[:, 1])
     q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
     share = 1.0
-    now, then = (
-        [limit for limit in limits_of(robot, each) if limit.constraint == "actuator"] for each in (q, before)
-    )
-    for limit, was in zip(now, then, strict=True):
+    lines = [limit for limit in limits if limit.constraint == "actuator"]
+    now = limits_of(robot, q) if lines else ()
+    for limit, was in zip((each for each in now if each.constraint == "actuator"), lines, strict=True):
         if limit.slack < 0.0 < was.slack - limit.slack:
             share = min(share, max(0.0, was.slack) / (was.slack - limit.slack))
     result: Floats = before + share * (q - before)

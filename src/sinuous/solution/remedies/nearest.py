@@ -27,7 +27,9 @@ Vary = Callable[[Floats], Problem]
 Found = tuple[Floats, "Solution"]
 
 
-def nearest(trials: Trials, vary: Vary, firsts: Iterable[Floats], plane: Floats | None = None) -> Found | None:
+def nearest(
+    trials: Trials, vary: Vary, firsts: Iterable[Floats], least: float, plane: Floats | None = None
+) -> Found | None:
     """Find a small change with which the problem is solved, beginning with the first of several that works.
 
     The change is made smaller as long as that works; then smaller ones aside of it are tried, with ever smaller angles
@@ -39,6 +41,8 @@ def nearest(trials: Trials, vary: Vary, firsts: Iterable[Floats], plane: Floats 
     vary : callable
     firsts : iterable of ndarray (3,)
         Changes that may do; those that are zero are passed over.
+    least : float
+        Size of a change that is none: the search ends there.
     plane : ndarray (3,), optional
         Normal of the plane that all changes lie in.
 
@@ -50,17 +54,17 @@ def nearest(trials: Trials, vary: Vary, firsts: Iterable[Floats], plane: Floats 
     best = next((found for found in tried if found is not None), None)
     if best is None:
         return None
-    best = _shorten(trials, vary, best)
+    best = _shorten(trials, vary, best, least)
     for angle in ASIDE:
         better = True
-        while better and trials.left > 0.0:
+        while better and trials.left > 0.0 and float(np.linalg.norm(best[0])) > least:
             better = False
             for direction in _aside(best[0], plane):
                 turned = np.cos(angle) * best[0] / np.linalg.norm(best[0]) + np.sin(angle) * direction
                 change = SMALLER * float(np.linalg.norm(best[0])) * turned
                 found = trials.quick(vary(change), best[1].q)
                 if found is not None:
-                    best, better = _shorten(trials, vary, (change, found)), True
+                    best, better = _shorten(trials, vary, (change, found), least), True
                     break
     return best
 
@@ -73,10 +77,11 @@ def _begin(trials: Trials, vary: Vary, first: Floats) -> Found | None:
     return None
 
 
-def _shorten(trials: Trials, vary: Vary, best: Found) -> Found:
+def _shorten(trials: Trials, vary: Vary, best: Found, least: float) -> Found:
     """Make a change smaller, in its direction, as long as that works: in steps that grow, then halving."""
     whole, low, high, step = best[0], 0.0, 1.0, FINE
-    while high - low > FINE * high and trials.left > 0.0:
+    size = float(np.linalg.norm(whole))
+    while high - low > FINE * high and high * size > least and trials.left > 0.0:
         middle = high - min(step, 0.5 * (high - low))
         found = trials.quick(vary(middle * whole), best[1].q)
         if found is None:

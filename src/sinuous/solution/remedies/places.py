@@ -34,7 +34,7 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     alone = [name for name in names if _solved_without(trials, case, {name})]
     for name in alone:
         yield Remedy(f"obstacle {name}", "in the scene", None)
-    together = list(dict.fromkeys(in_the_way))
+    together = [name for name in map(scene.name, range(len(scene))) if name in in_the_way]
     if not alone and 1 < len(together) <= MOST and _solved_without(trials, case, set(together)):
         yield Remedy(f"obstacles {listed(together)}", "in the scene", None)
 

@@ -33,4 +33,5 @@ class Remedy:
         note = f" ({self.note})" if self.note else ""
         if self.after is None:
             return f"without {self.change}{note}"
-        return f"{self.change}: {number(self.before, 6)} -> {number(self.after, 6)}{note}"
+        before = "" if self.before is None else f"{number(self.before, 6)} -> "
+        return f"{self.change}: {before}{number(self.after, 6)}{note}"

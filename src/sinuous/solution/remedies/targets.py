@@ -56,7 +56,10 @@ def _moved(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:
         return _with(problem, i, position=np.round(place + by, min(15, digits)))
 
     ends = (_end(problem, q, target)[:3, 3] for q in _without(trials, case, i, "position"))
-    least = nearest(trials, moved, (end - place for end in ends))
+    least = nearest(trials, moved, (end - place for end in ends), 0.5 * tolerance)
+    if least is not None and float(np.linalg.norm(least[0])) <= tolerance:
+        yield from _from_there(trials, case, least[1].q)
+        return
     for by in () if least is None else [more * least[0] for more in MORE]:
         if trials.whole(moved(by)) is not None:
             size = float(np.linalg.norm(by))
@@ -81,7 +84,10 @@ def _turned(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:
 
     ends = (_end(problem, q, target)[:3, :3] for q in _without(trials, case, i, key))
     firsts = (_between(before, end[:, 2] if key == "direction" else end) for end in ends)
-    least = nearest(trials, turned, firsts, before if key == "direction" else None)
+    least = nearest(trials, turned, firsts, 0.5 * tolerance, before if key == "direction" else None)
+    if least is not None and float(np.linalg.norm(least[0])) <= tolerance:
+        yield from _from_there(trials, case, least[1].q)
+        return
     for by in () if least is None else [more * least[0] for more in MORE]:
         if trials.whole(turned(by)) is not None:
             size = float(np.linalg.norm(by))
@@ -91,6 +97,12 @@ def _turned(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:
             after: Floats = getattr(turned(by).targets[i], key)
             yield Remedy(f"target {key}", before.tolist(), after.tolist(), f"{number(size)} rad away")
             return
+
+
+def _from_there(trials: Trials, case: Case, q: Floats) -> Iterator[Remedy]:
+    """A start from which the target itself is met, where it turns out that nothing has to be changed."""
+    if trials.quick(case.problem, q) is not None:
+        yield Remedy("start", None if case.given is None else case.given.tolist(), q.tolist())
 
 
 def _both(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:

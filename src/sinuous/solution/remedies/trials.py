@@ -25,6 +25,9 @@ FINE = 0.01
 SMALLER = 3.0
 """By how much a change is made smaller at first."""
 
+LOOKS = 3
+"""How often it is made smaller before it is given up, where it does not work."""
+
 NOTHING = 1e-4
 """Share of the largest change below which it is not made smaller."""
 
@@ -119,13 +122,13 @@ class Trials:
     def smallest(self, vary: Vary, most: float, thorough: bool = False) -> tuple[float, "Solution"] | None:
         """Find the smallest amount, up to `most`, by which something has to be changed; with its solution.
 
-        Large changes come first: where they fail, nothing else is tried. Then the change is made smaller as long as
-        that works, each time from the last solution. At last the whole search is run with it, as a user would. With
+        A few large changes come first: where all fail, nothing else is tried. Then the change is made smaller as long
+        as that works, each time from the last solution. At last the whole search is run with it, as a user would. With
         `thorough` that is also done where a few starts find nothing.
         """
         high, found = most, self.quick(vary(most))
-        if found is None:
-            high = most / SMALLER**2
+        while found is None and high > most / SMALLER**LOOKS:
+            high /= SMALLER
             found = self.quick(vary(high))
         if found is None and thorough:
             high, found = most, self.whole(vary(most))

@@ -1,5 +1,6 @@
 """Arms as lines in space: what several methods made of one target, or of one waypoint among obstacles."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -70,7 +71,7 @@ def _as_solution(problems: ProblemSet, number: int, record: dict[str, Any]) -> S
     problem = Problem(problems.robot, problems.targets[number], problems.scene, problems.tolerance)
     errors = record["position"], record["angle"], record["clearance"]
     outcome = Outcome(
-        np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, False, 0.0, 0.0
+        np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, math.inf, False, 0.0, 0.0
     )
     return Solution(
         problem, outcome, record["seconds"], Again(prepared, SolveOptions()), np.empty((0, *outcome.q.shape))

@@ -186,3 +186,10 @@ def text(key: str, value: Any) -> str:
     if not isinstance(value, str) or not value:
         raise InputError(key, "", value, "a text")
     return value
+
+
+def choice(key: str, value: Any, words: Sequence[str]) -> str:
+    """Check that a value is one of some words."""
+    if not isinstance(value, str) or value not in words:
+        raise InputError(key, "", value, " or ".join(words))
+    return value

@@ -52,11 +52,11 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
     return [float(first), float(last), *weights, *limits]
 
 
-def segment_table(segments: Sequence["Segment"], radii: Sequence[float]) -> Floats:
-    """Return the rows (n, 7) of segments, with these radii of their bodies; read-only."""
+def segment_table(segments: Sequence["Segment"], radii: Sequence[float], curvatures: Sequence[float]) -> Floats:
+    """Return the rows (n, 7) of segments, with these radii of their bodies and limits of their curvature; read-only."""
     rows = [
-        segment_row(segment.length, segment.max_bend, segment.max_curvature, radius)
-        for segment, radius in zip(segments, radii, strict=True)
+        segment_row(segment.length, segment.max_bend, curvature, radius)
+        for segment, radius, curvature in zip(segments, radii, curvatures, strict=True)
     ]
     return _closed(np.array(rows))
 
@@ -84,7 +84,7 @@ def pose_row(matrix: Floats) -> Floats:
 
 def robot_group(robot: "Robot") -> Floats:
     """Return the group of a robot."""
-    header = [float(len(robot.limits)), float(len(robot.actuation))]
+    header = [float(len(robot.limits)), float(len(robot.actuation)), float(robot.avoids_itself)]
     parts = (header, robot.limits, robot.actuation, pose_row(robot.base), pose_row(robot.tool))
     return np.concatenate([np.ravel(part) for part in parts])
 

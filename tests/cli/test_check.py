@@ -49,3 +49,31 @@ def test_defects_of_meshes_are_listed(capsys: pytest.CaptureFixture[str], proble
     assert said.err == ""
     assert main(["check", "--json", file]) == 0
     assert strict(capsys.readouterr().out)["notes"] == [defect]
+
+
+CURLED = """
+robot:
+  radius: 0.15
+  segments: {count: 3, length: [0.8, 1.2], max_bend: 3}
+target: {position: [0, 0, 1]}
+tolerance: {position: 10, angle: 1}
+start: [[2.7, 0.1, 1.0], [2.6, 0.0, 1.0], [2.6, 0.1, 1.0]]
+"""
+
+
+def test_a_start_that_runs_through_itself_is_no_answer(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "curled.yaml"
+    file.write_text(CURLED)
+    assert main(["check", str(file)]) == 1
+    said = capsys.readouterr().out
+    assert "start is no answer" in said
+    assert "between segments 1 and" in said
+    file.write_text(CURLED.replace("radius: 0.15", "radius: 0.15\n  self_collision: allow"))
+    assert main(["check", str(file)]) == 0
+    capsys.readouterr()
+    file.write_text(CURLED.replace("radius: 0.15", "radius: 0.5"))
+    assert main(["check", str(file)]) == 1
+    assert "note: segments 1 to 3: a radius of 0.5 is above the smallest" in capsys.readouterr().out
+    file.write_text(CURLED.replace("radius: 0.15", "self_collision: never"))
+    assert main(["check", str(file)]) == 2
+    assert "robot.self_collision: expected avoid or allow, got 'never'" in capsys.readouterr().err

@@ -4,11 +4,13 @@ import numpy as np
 
 from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import Rows
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import put_frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.states import STATES, State, Work
+from sinuous.kernels.step.states import NORMS, STATES, State, Work
 from tests.helpers import Floats, mat, vec
 
 
@@ -30,10 +32,11 @@ def make_states(problem: Problem) -> State:
         np.zeros((c, capacity, 3)),
         np.zeros((c, capacity, 3)),
         np.zeros((c, capacity)),
-        np.zeros((c, capacity, 12)),
+        np.zeros((c, capacity, 13)),
         np.zeros((c, capacity)),
     )
-    states = State(np.zeros((c, n, 3)), np.zeros((c, n + 1, 12)), np.zeros((c, n, 18)), rows, np.zeros((c, 5)))
+    shapes = np.zeros((c, n, 3)), np.zeros((c, n + 1, 12)), np.zeros((c, n, 18))
+    states = State(*shapes, rows, np.zeros((c, NORMS)), np.zeros((c, MOST_PAIRS, pair_width(n))))
     base = problem.base[0]
     for i in range(c):
         put_frame(states.frames[i], 0, mat(base[:9].reshape(3, 3)), vec(base[9:]))
@@ -43,14 +46,16 @@ def make_states(problem: Problem) -> State:
 def state_of(states: State, i: int) -> State:
     """State number `i` of several."""
     rows = Rows(*(array[i] for array in states.rows))
-    return State(states.q[i], states.frames[i], states.columns[i], rows, states.norms[i])
+    return State(states.q[i], states.frames[i], states.columns[i], rows, states.norms[i], states.pairs[i])
 
 
 def make_work(problem: Problem) -> Work:
     """Scratch of a solve."""
     n, m = len(problem.limits), len(problem.scene.table)
     own = np.zeros((n, 9)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
-    return Work(*own, np.zeros(n, np.int64), np.zeros(m, np.int64), np.zeros(2, np.int64))
+    coupling = np.zeros((n, 3)), np.zeros((MOST_PAIRS, n, 3)), np.zeros((MOST_PAIRS, MOST_PAIRS + 1))
+    whole = np.zeros(n, np.int64), np.zeros(m, np.int64), np.zeros(2, np.int64)
+    return Work(*own, *whole, np.zeros((n + 1, SPAN_WIDTH)), *coupling)
 
 
 def put(states: State, i: int, q: Floats) -> State:

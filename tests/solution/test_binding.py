@@ -159,5 +159,5 @@ def wider(problem: sn.Problem, segment: int | None, key: str | None) -> sn.Probl
 
 def test_entries_are_plain_values_in_order() -> None:
     entry = Binding("actuator", 2, None, 0.1, 0.1, "s2.t1", "tendons.displacement[1]").to_dict()
-    assert list(entry) == ["constraint", "segment", "obstacle", "actuator", "value", "limit"]
+    assert list(entry) == ["constraint", "segment", "obstacle", "value", "limit", "actuator", "other_segment"]
     assert plain((0.1, 0.1)) == 0.1

@@ -32,7 +32,7 @@ def test_a_solution_says_what_is_nearest_to_its_limit() -> None:
     assert (explanation.remedies, explanation.binding, explanation.complete) == ((), (), True)
     assert {each.key for each in explanation.nearest} == {"length[1]"}
     assert str(explanation).splitlines() == [
-        "solved: all within tolerance and limits, whole body proved clear",
+        "solved: all within tolerance and limits, whole body proved clear of obstacles and of itself",
         "  least left greatest length of all segments: 0.98, at most 1 is allowed",
     ]
 
@@ -52,7 +52,7 @@ def test_a_limit_that_stops_is_named_whatever_happens() -> None:
     for place in ((0, 0, -1), (0, 0, 0.5), (1, 1, 0), (0.3, 0, 1.0), (0, -1, -0.3)):
         solution = sn.solve(robot, sn.Target(place), max_starts=20)
         if solution.status is sn.Status.LIMIT_BOUND:
-            assert any(each.obstacle is None for each in solution.binding)
+            assert any(each.key is not None for each in solution.binding)
             assert solution.sentence.startswith("not solved: limits stop the best found: ")
 
 

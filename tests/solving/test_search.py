@@ -42,6 +42,7 @@ def outcome(**changed: Any) -> Outcome:
         "position_error": 1.0,
         "angle_error": 0.0,
         "clearance": -0.1,
+        "self_clearance": 1.0,
         "bound": False,
         "merit": 1.0,
         "seconds": 0.2,

@@ -89,5 +89,13 @@ def _verdict(start: Verification) -> str:
     verdict = "meets its target" if start.ok else "is no answer"
     return (
         f"{verdict}: position error {start.position_error:.3g}, angle error {start.angle_error:.3g}, "
-        f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g} (sampled)"
+        f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g}, from itself "
+        f"{start.self_clearance:.3g}{_where(start)} (sampled)"
     )
+
+
+def _where(start: Verification) -> str:
+    """Where a body runs through itself."""
+    if start.self_segments is None or start.self_clearance >= 0.0:
+        return ""
+    return f" between segments {start.self_segments[0]} and {start.self_segments[1]}"

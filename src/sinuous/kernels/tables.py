@@ -5,7 +5,7 @@ both use the names below. All tables are float64 and C-contiguous. What belongs 
 single flat array, because every array that Python hands to a compiled function costs 0.08 us, and a tuple of arrays
 more:
 
-- the robot: `[n, p]`, rows of its n segments, rows of its p actuator limits, poses of base and tool;
+- the robot: `[n, p, avoid]`, rows of its n segments, rows of its p actuator limits, poses of base and tool;
 - the scene: `[m]`, rows of its m obstacles, then the store: all numbers that these rows point to;
 - the settings: one number for each name below, then the options of the method;
 - the targets: a table (t, 15), the only group with two axes.
@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 # --- the robot group -------------------------------------------------------------------------------------------------
 
-ROBOT_HEADER = 2
-"""Numbers before the rows of the segments: how many segments, how many actuator limits."""
+ROBOT_HEADER = 3
+"""Numbers before the rows of the segments: how many segments, how many actuator limits, and 1 where the body must not
+run through itself, else 0."""
 
 MIN_LENGTH, MAX_LENGTH, MAX_BEND, MAX_CURVATURE, RADIUS, BEND_SCALE, LENGTH_SCALE = range(7)
 """Columns of a segment. Limits of its length, bend (rad) and curvature; radius of its body; scales of a bend (rad) and
@@ -174,10 +175,12 @@ GIVEN, ARC, RANDOM, ROUTE = range(4)
 SOURCES = ("given", "arc", "random", "route")
 """Their names, in the same order."""
 
-CODE, ITERATIONS, STARTS, SOURCE, POSITION_ERROR, ANGLE_ERROR, CLEARANCE, BOUND, MERIT, SECONDS = range(10)
+CODE, ITERATIONS, STARTS, SOURCE, POSITION_ERROR, ANGLE_ERROR, CLEARANCE, SELF_CLEARANCE, BOUND, MERIT, SECONDS = range(
+    11
+)
 """Columns of the record of a search, in the order of the fields of `Outcome`."""
 
-RECORD_WIDTH = 10
+RECORD_WIDTH = 11
 
 
 class Outcome(NamedTuple):
@@ -197,6 +200,8 @@ class Outcome(NamedTuple):
         Largest over the targets, length unit and rad.
     clearance : float
         Proved when it is solved, else the least that was seen.
+    self_clearance : float
+        The same of the body from itself; infinite where that does not matter, or nobody looked.
     bound : bool
         Whether limits stopped the best start.
     merit : float
@@ -214,6 +219,7 @@ class Outcome(NamedTuple):
     position_error: float
     angle_error: float
     clearance: float
+    self_clearance: float
     bound: bool
     merit: float
     seconds: float
@@ -222,10 +228,9 @@ class Outcome(NamedTuple):
     @classmethod
     def from_record(cls, q: NDArray[np.float64], record: list[float]) -> "Outcome":
         """Make it of one record, where whole numbers and truth values are floats too."""
-        code, iterations, starts, source, off, turn, clearance, bound, merit, seconds = record
-        return cls(
-            q, int(code), int(iterations), int(starts), int(source), off, turn, clearance, bool(bound), merit, seconds
-        )
+        code, iterations, starts, source, off, turn, clearance, own, bound, merit, seconds = record
+        counts = int(code), int(iterations), int(starts), int(source)
+        return cls(q, *counts, off, turn, clearance, own, bool(bound), merit, seconds)
 
 
 def answer_size(segments: int) -> int:

@@ -38,7 +38,8 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
     near, angle = tolerance.position or 0.0, tolerance.angle
     segments = robot.segments[:last]
     low, high = (np.array([segment.length[i] for segment in segments]) for i in range(2))
-    bends = np.array([min(s.max_bend, s.max_curvature * s.length[1]) if s.length[1] else 0.0 for s in segments])
+    pairs = zip(segments, robot.curvatures, strict=False)
+    bends = np.array([min(s.max_bend, most * s.length[1]) if s.length[1] else 0.0 for s, most in pairs])
     turning = float(bends.sum())
     axis = robot.base[:3, 2]
     own_tool = last == len(robot)

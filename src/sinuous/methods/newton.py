@@ -86,13 +86,14 @@ class PreparedNewton(Compiled):
     def _prefer(self, outcome: Outcome, problem: Problem, reference: Floats | None, seconds: float) -> Outcome:
         """Improve a solved outcome, in place, by what is preferred; `reference` (n, 3): what to stay close to."""
         near = outcome.q.copy() if reference is None else np.array(reference)
-        proved = outcome.position_error, outcome.angle_error, outcome.clearance, seconds
+        proved = outcome.position_error, outcome.angle_error, outcome.clearance, outcome.self_clearance, seconds
         groups = self._robot, problem.scene._kernel_group, self._settings, problem._rows
         used, *better = prefer(*groups, near, proved, self._workspace(len(problem._rows)), outcome.q)
-        position_error, angle_error, clearance = better
+        position_error, angle_error, clearance, self_clearance = better
         return outcome._replace(
             iterations=outcome.iterations + used,
             position_error=position_error,
             angle_error=angle_error,
             clearance=clearance,
+            self_clearance=self_clearance,
         )

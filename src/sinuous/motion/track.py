@@ -65,9 +65,12 @@ class Track:
     @property
     def clearance(self) -> float | None:
         """Least proved clearance over the waypoints; `None` without obstacles, or when one has no proof."""
-        values = [solution.clearance for solution in self.solutions]
-        known = [value for value in values if value is not None]
-        return min(known) if known and len(known) == len(values) else None
+        return _least([solution.clearance for solution in self.solutions])
+
+    @property
+    def self_clearance(self) -> float | None:
+        """Least proved self-clearance over the waypoints; `None` where it does not matter, or when one has no proof."""
+        return _least([solution.self_clearance for solution in self.solutions])
 
     @property
     def largest_step(self) -> tuple[float, float]:
@@ -109,6 +112,7 @@ class Track:
             "position_error": _largest(waypoints, "position_error"),
             "angle_error": _largest(waypoints, "angle_error"),
             "clearance": self.clearance,
+            "self_clearance": self.self_clearance,
             "worst": next((w["worst"] for w in waypoints if w["worst"] is not None), None),
             "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
             "iterations": sum(w["iterations"] for w in waypoints),
@@ -212,3 +216,9 @@ def waypoints(solver: Solver, path: Iterable[Targets], start: "Solution | Any" =
 
 def _largest(results: list[dict[str, Any]], key: str) -> float | None:
     return max((result[key] for result in results if result[key] is not None), default=None)
+
+
+def _least(clearances: list[float | None]) -> float | None:
+    """The least of proved clearances; `None` when one is missing."""
+    known = [value for value in clearances if value is not None]
+    return min(known) if known and len(known) == len(clearances) else None

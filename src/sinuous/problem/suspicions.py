@@ -1,6 +1,7 @@
 """What may be meant, but hardly is: units that do not fit together, degrees for radians, a body too thick to bend."""
 
 import math
+import sys
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -27,12 +28,20 @@ class SuspiciousInput(UserWarning):
 def warn_of(texts: Iterable[str]) -> None:
     """Give every text to Python's `warnings`, which by default shows each once."""
     for text in texts:
-        warnings.warn(text, SuspiciousInput, stacklevel=3)
+        warnings.warn(text, SuspiciousInput, stacklevel=_level())
+
+
+def _level() -> int:
+    """How far up the first function is that is not of this package: the one that a warning is for."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "sinuous":
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
-    return [*_of_bends(robot), *_of_radii(robot), *_of_obstacles(robot, scene)]
+    return [*_of_bends(robot), *robot.notes, *_of_obstacles(robot, scene)]
 
 
 def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
@@ -45,25 +54,6 @@ def _of_bends(robot: Robot) -> Iterator[str]:
         if most > FULL_TURN * (1.0 + 1e-9):
             which = words.segments(numbers, len(robot))
             yield f"max_bend of {which} is {most:.4g} rad, more than a full turn; is it in degrees?"
-
-
-def _of_radii(robot: Robot) -> Iterator[str]:
-    pairs = {k: (r, _tightest(robot, k - 1)) for k, r in enumerate(robot.radii, 1)}
-    for numbers, (radius, tightest) in words.grouped(pairs):
-        if radius > tightest:
-            which = words.segments(numbers, len(robot))
-            yield (
-                f"the body of {which} (radius {radius:.4g}) is thicker than its bends are wide, "
-                f"of which the smallest radius is {tightest:.4g}"
-            )
-
-
-def _tightest(robot: Robot, k: int) -> float:
-    """Smallest radius of curvature of a segment; of one that can vanish, where it is longest."""
-    segment = robot.segments[k]
-    length = segment.length[0] or segment.length[1]
-    curvature = min(segment.max_bend / length if length > 0.0 else 0.0, segment.max_curvature)
-    return 1.0 / curvature if curvature > 0.0 else math.inf
 
 
 def _of_obstacles(robot: Robot, scene: Snapshot) -> Iterator[str]:

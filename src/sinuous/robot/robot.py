@@ -15,8 +15,12 @@ from sinuous.robot import actuation, limits
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.limits import Violation
 from sinuous.robot.segment import Segment
+from sinuous.robot.thickness import curvature_limits, held_back
 
 MOST_SEGMENTS = 10_000
+
+SELF_COLLISION = ("avoid", "allow")
+"""What may be said of a body that runs through itself."""
 
 
 class Robot(Frozen):
@@ -36,31 +40,46 @@ class Robot(Frozen):
         Pose of the base in the world; its z axis is the tangent that the backbone leaves with.
     tool : array_like (4, 4), optional
         Pose of the tool in the frame of the tip. Targets of the tip mean the tool; the tool has no body.
+    self_collision : str
+        `avoid`: two places of the backbone whose distance along it is at least pi times the larger of their radii are
+        farther apart than the sum of their radii, and no segment bends more tightly than with the curvature
+        1 / radius. `allow`: the body may run through itself.
 
     Attributes
     ----------
     segments : tuple of Segment
     radii : tuple of float
         Radius of the body, per segment.
+    curvatures : tuple of float
+        Largest curvature, per segment: its own limit or 1 / radius.
     limits, actuation : ndarray (n, 7), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises
     ------
     InputError
-        When there is no segment, nothing has a length, or a pose is none.
+        When there is no segment, nothing has a length, a pose is none, or `self_collision` is another word.
     """
 
     segments: tuple[Segment, ...]
     radii: tuple[float, ...]
+    curvatures: tuple[float, ...]
     mount: float
     base: Floats
     tool: Floats
+    self_collision: str
     limits: Floats
     actuation: Floats
 
     def __init__(
-        self, segments: Iterable[Segment], *, radius: Any = None, mount: Any = 0.0, base: Any = None, tool: Any = None
+        self,
+        segments: Iterable[Segment],
+        *,
+        radius: Any = None,
+        mount: Any = 0.0,
+        base: Any = None,
+        tool: Any = None,
+        self_collision: Any = "avoid",
     ) -> None:
         if not isinstance(segments, Iterable):
             raise InputError("segments", "", segments, "a list of Segment")
@@ -74,13 +93,17 @@ class Robot(Frozen):
         radii = tuple(segment.radius for segment in listed)
         if radius is not None:
             radii = (checks.number("radius", radius, low=0.0),) * len(listed)
+        checks.choice("self_collision", self_collision, SELF_COLLISION)
+        curvatures = curvature_limits(listed, radii, self_collision == "avoid")
         self._set(
             segments=listed,
+            self_collision=self_collision,
+            curvatures=curvatures,
             mount=checks.number("mount", mount, low=0.0),
             base=as_pose("base", base),
             tool=as_pose("tool", tool),
             radii=radii,
-            limits=packing.segment_table(listed, radii),
+            limits=packing.segment_table(listed, radii, curvatures),
             actuation=packing.actuator_table(listed),
         )
 
@@ -97,14 +120,17 @@ class Robot(Frozen):
         chambers: Chambers | None = None,
         **whole: Any,
     ) -> "Robot":
-        """Make a robot of `count` equal segments; the rest as for `Segment`, and mount, base, tool as for `Robot`."""
+        """Make a robot of `count` equal segments.
+
+        The rest as for `Segment`; and mount, base, tool, self_collision as for `Robot`.
+        """
         number = checks.integer("count", count, 1, MOST_SEGMENTS)
         segment = Segment(length, max_bend, max_curvature, radius, tendons, chambers)
         return cls([segment] * number, **whole)
 
     def changed(self, **values: Any) -> "Robot":
         """Return the same robot with other values of some parameters; segments keep the radii that they have in it."""
-        own = {key: getattr(self, key) for key in ("mount", "base", "tool")}
+        own = {key: getattr(self, key) for key in ("mount", "base", "tool", "self_collision")}
         segments = values.pop("segments", self.segments)
         thick = [segment.changed(radius=radius) for segment, radius in zip(segments, self.radii, strict=True)]
         return Robot(thick, **{**own, **values})
@@ -120,6 +146,16 @@ class Robot(Frozen):
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
         return 0.5 * sum(sum(segment.length) for segment in self.segments)
+
+    @property
+    def avoids_itself(self) -> bool:
+        """Whether the body must not run through itself: it has a thickness, and `self_collision` is `avoid`."""
+        return self.self_collision == "avoid" and max(self.radii) > 0.0
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What may surprise: segments that are too thick for their own limits."""
+        return tuple(held_back(self.segments, self.radii, self.curvatures))
 
     def configuration(self, key: str, q: Any) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
@@ -180,7 +216,7 @@ class Robot(Frozen):
 
         Bends and lengths count in their own units (rad, length unit), actuators in the length unit.
         """
-        return limits.excess(self.segments, self.configuration("q", q))
+        return limits.excess(self.segments, self.curvatures, self.configuration("q", q))
 
     def violations(self, q: Any) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
@@ -189,7 +225,7 @@ class Robot(Frozen):
         what the curvature allows at this length.
         """
         slack = 1e-11 * max(1.0, self.mean_length)
-        return limits.violations(self.segments, checks.array("q", q, (len(self), 3)), slack)
+        return limits.violations(self.segments, self.curvatures, checks.array("q", q, (len(self), 3)), slack)
 
     def tendon_displacements(self, q: Any) -> list[Floats]:
         """Displacement of every tendon, per segment an array (..., m); positive is pulled, of the bends alone."""

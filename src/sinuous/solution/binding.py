@@ -16,7 +16,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
-from sinuous.solution.contacts import Contact, contacts_of
+from sinuous.solution.contacts import Contact, contacts_of, self_contacts_of
 from sinuous.solution.limits import Limit, limits_of, normal
 from sinuous.solution.pull import pull_of
 from sinuous.solution.rest import at_rest
@@ -41,7 +41,7 @@ class Binding:
     Attributes
     ----------
     constraint : str
-        `length`, `bend`, `curvature`, `actuator`, or `clearance` of an obstacle.
+        `length`, `bend`, `curvature`, `actuator`, `clearance` of an obstacle, or `self_clearance`.
     segment : int or None
         1 = first.
     obstacle : str or None
@@ -52,6 +52,8 @@ class Binding:
         Name of the tendon or chamber, for `actuator`: `s1.t2`.
     key : str or None
         What the problem file calls the limit: `max_bend`, `length[1]` (the upper end).
+    other_segment : int or None
+        The segment that it touches, for `self_clearance`.
     """
 
     constraint: str
@@ -61,17 +63,19 @@ class Binding:
     limit: float
     actuator: str | None = None
     key: str | None = None
+    other_segment: int | None = None
 
     @classmethod
     def of(cls, met: Limit | Contact) -> "Binding":
         """Make it of a limit or a contact."""
         if isinstance(met, Contact):
-            return cls("clearance", met.segment, met.obstacle, met.clearance, 0.0)
+            kind = "clearance" if met.other_segment is None else "self_clearance"
+            return cls(kind, met.segment, met.obstacle, met.clearance, 0.0, other_segment=met.other_segment)
         return cls(met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
-        keys = "constraint", "segment", "obstacle", "actuator", "value", "limit"
+        keys = "constraint", "segment", "obstacle", "value", "limit", "actuator", "other_segment"
         return {key: getattr(self, key) for key in keys}
 
 
@@ -92,7 +96,7 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
     robot = problem.robot
     unit = robot.mean_length / len(robot)
     scale = np.tile([1.0, 1.0, unit], len(robot))
-    contacts = [_Column(c, c.gradient * scale / robot.mean_length) for c in contacts_of(problem, q)]
+    contacts = [_Column(c, c.gradient * scale / robot.mean_length) for c in _all_contacts(problem, q)]
     if not contacts:
         q = at_rest(problem, q)
     pull, limits = pull_of(problem, q), list(limits_of(robot, q))
@@ -101,14 +105,14 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
     deepest = contacts[0].met if contacts else None
     if pull.met and isinstance(deepest, Contact) and deepest.clearance < 0.0:
         wanted, free, first = -deepest.clearance * contacts[0].force, pull.rows * scale, [deepest]
-        contacts = [each for each in contacts if Binding.of(each.met).obstacle != deepest.obstacle]
+        contacts = [each for each in contacts if _name(each.met) != _name(deepest)]
     for slack in (ACTIVE, *WIDER):
         met = [_Column(each, -force) for each, force in _met_limits(limits, len(robot), unit, slack)]
         forces = _forces(wanted, [*contacts, *met], free)
         if forces or first:
             break
     found = _ranked(first, forces)
-    if any_limit and all(each.obstacle is not None for each in found):
+    if any_limit and all(each.key is None for each in found):
         return (*found, *nearest_limits(problem, q, 1))
     return found
 
@@ -165,12 +169,25 @@ def _forces(wanted: Floats, columns: Sequence[_Column], free: Floats) -> list[tu
     return found
 
 
+def _all_contacts(problem: Problem, q: Floats) -> list[Contact]:
+    """Contacts with obstacles and of the body with itself, deepest first."""
+    contacts = [*contacts_of(problem, q), *self_contacts_of(problem, q)]
+    return sorted(contacts, key=lambda contact: contact.clearance)
+
+
+def _name(met: Limit | Contact) -> tuple[Any, ...]:
+    """What is told apart: every side of every limit, every obstacle, every pair of segments that touch."""
+    if isinstance(met, Limit):
+        return met.segment, met.actuator, met.key
+    return (met.obstacle,) if met.other_segment is None else (met.segment, met.other_segment)
+
+
 def _ranked(first: Sequence[Limit | Contact], forces: Sequence[tuple[float, Limit | Contact]]) -> tuple[Binding, ...]:
     """Bindings by the sums of their forces, strongest first; every limit and every obstacle once."""
     sums: dict[Any, float] = {}
     known: dict[Any, Limit | Contact] = {}
     for force, met in [*((math.inf, each) for each in first), *forces]:
-        name = met.obstacle if isinstance(met, Contact) else (met.segment, met.actuator, met.key)
+        name = _name(met)
         sums[name] = sums.get(name, 0.0) + force
         known.setdefault(name, met)
     return tuple(Binding.of(known[name]) for name in sorted(sums, key=lambda name: -sums[name]))

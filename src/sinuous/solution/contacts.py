@@ -12,6 +12,9 @@ from sinuous.robot.robot import Robot
 COARSE, ROUNDS = 16, 6
 """Pieces that a segment is divided into at first, and how often those that might touch are halved."""
 
+PLACES = 480
+"""Places of the body, of all segments together, that are held against each other."""
+
 TOUCHING = 1e-3
 """Clearance up to which the body counts as touching, in robot lengths."""
 
@@ -28,12 +31,15 @@ class Contact(NamedTuple):
         Distance of the surface of the body from the obstacle; negative where they overlap.
     gradient : ndarray (3 n,)
         Of the clearance, by bends (rad) and lengths (length unit).
+    other_segment : int or None
+        The segment that it touches, where the body touches itself: not beyond `segment`.
     """
 
     segment: int
-    obstacle: str
+    obstacle: str | None
     clearance: float
     gradient: Floats
+    other_segment: int | None = None
 
 
 class _Places(NamedTuple):
@@ -119,3 +125,28 @@ def _gradient(robot: Robot, q: Floats, place: tuple[int, float, Floats], slope: 
     gradient: Floats = slope @ moved
     gradient[3 * k : 3 * k + 3] *= share
     return gradient
+
+
+def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
+    """List where the body in configuration `q` (n, 3) touches itself: of two segments the deepest place."""
+    robot, unit = problem.robot, problem.robot.mean_length
+    if not robot.avoids_itself or len(robot) > PLACES // 4:
+        return []
+    count = PLACES // len(robot)
+    along = np.tile(np.linspace(0.0, 1.0, count + 1), len(robot))
+    segments = np.repeat(np.arange(len(robot)), count + 1)
+    starts = np.concatenate([robot.base[None], robot.forward(q)[:-1]])
+    points, radii = _points(starts[segments], q[segments], along), np.array(robot.radii)[segments]
+    reached = (np.cumsum(q[:, 2]) - q[:, 2])[segments] + along * q[segments, 2]
+    gaps = np.linalg.norm(points[:, None] - points[None], axis=-1) - radii[:, None] - radii
+    concerned = reached - reached[:, None] >= np.pi * np.maximum(radii[:, None], radii)
+    found = []
+    for a, b in {(segments[i], segments[j]) for i, j in np.argwhere(concerned & (gaps <= TOUCHING * unit))}:
+        own = np.where(concerned & (segments[:, None] == a) & (segments == b), gaps, np.inf)
+        i, j = np.unravel_index(own.argmin(), own.shape)
+        apart = points[j] - points[i]
+        away = apart / max(float(np.linalg.norm(apart)), 1e-300)
+        ends = ((int(segments[k]), float(along[k]), points[k]) for k in (j, i))
+        far, near = (_gradient(robot, q, end, away) for end in ends)
+        found.append(Contact(int(b) + 1, None, float(own[i, j]), far - near, int(a) + 1))
+    return sorted(found, key=lambda contact: contact.clearance)

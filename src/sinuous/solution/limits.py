@@ -26,7 +26,8 @@ class Limit(NamedTuple):
     actuator : str or None
         Name of the tendon or chamber.
     key : str
-        What the problem file calls it; `length[0]` is the lower end of `length`.
+        What the problem file calls it; `length[0]` is the lower end of `length`, and `radius` a curvature that the
+        thickness of the body limits.
     value, limit : float
         What the configuration has, and what it may have: lengths, rad for `bend`, 1 / length for `curvature`.
     slack : float
@@ -50,7 +51,8 @@ class Limit(NamedTuple):
 
 def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
     """Yield all limits of a robot at the configuration `q` (n, 3), segment by segment, actuators last."""
-    for number, (segment, (ux, uy, length)) in enumerate(zip(robot.segments, q.tolist(), strict=True), 1):
+    parts = zip(robot.segments, robot.curvatures, q.tolist(), strict=True)
+    for number, (segment, tightest, (ux, uy, length)) in enumerate(parts, 1):
         for i, sign in enumerate((-1.0, 1.0)):
             slack = sign * (segment.length[i] - length)
             own = "length", number, None, f"length[{i}]", length, segment.length[i]
@@ -60,11 +62,11 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
         outward = [(ux / bend, uy / bend)] if bend > 0.0 else [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
         for x, y in outward:
             yield Limit("bend", number, None, "max_bend", bend, most, most - bend, number, (x, y, 0.0))
-            if math.isfinite(segment.max_curvature):
+            if math.isfinite(tightest):
                 curvature = bend / length if length > 0.0 else 0.0
-                own = "curvature", number, None, "max_curvature", curvature, segment.max_curvature
-                slack = segment.max_curvature * length - bend
-                yield Limit(*own, slack, number, (x, y, -segment.max_curvature))
+                key = "max_curvature" if tightest == segment.max_curvature else "radius"
+                own = "curvature", number, None, key, curvature, tightest
+                yield Limit(*own, tightest * length - bend, number, (x, y, -tightest))
     yield from _tendons(robot, q)
     yield from _chambers(robot, q)
 

@@ -73,7 +73,7 @@ def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) ->
     low, high = np.array([segment.length for segment in robot.segments]).T
     q[:, 2] = np.clip(q[:, 2], low, high)
     bends = np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in robot.segments])
-    curvatures = np.array([segment.max_curvature for segment in robot.segments])
+    curvatures = np.array(robot.curvatures)
     curved = np.isfinite(curvatures)
     most = np.where(curved, np.minimum(bends, np.where(curved, curvatures, 0.0) * q[:, 2]), bends)
     size = np.hypot(q[:, 0], q[:, 1])

@@ -41,6 +41,10 @@ class Solution:
         Largest distance (length unit) and angle (rad) to a target; `None` where no target asks for it.
     clearance : float or None
         Proved lower bound of the distance between body and obstacles; `None` without obstacles, or without a proof.
+    self_clearance : float or None
+        Proved lower bound of the distance of the body from itself, over all places half a circle of its radius or more
+        apart along it; infinite when it is shorter than that. `None` without a proof, for a body without thickness,
+        and where it may run through itself.
     iterations, starts : int
         Newton iterations in all, and how many starts they came from.
     start : str
@@ -149,6 +153,11 @@ class Solution:
         return self._outcome.clearance if self.solved and len(self.problem.scene) else None
 
     @property
+    def self_clearance(self) -> float | None:
+        """Proved lower bound of the distance of the body from itself."""
+        return self._outcome.self_clearance if self.solved and self.problem.robot.avoids_itself else None
+
+    @property
     def base(self) -> Floats:
         """Pose (4, 4) of the robot's base."""
         return self.problem.robot.base
@@ -179,7 +188,7 @@ class Solution:
         """What the status means here; of `limit_bound` with the names of the limits."""
         if self.status is not Status.LIMIT_BOUND:
             return self.status.sentence
-        limits = [each for each in self.binding if each.obstacle is None]
+        limits = [each for each in self.binding if each.key is not None]
         return f"{self.status.sentence}: {listed(in_words(limits, len(self.problem.robot)))}"
 
     def explain(self, time: Any = 2.0) -> Explanation:
@@ -253,7 +262,8 @@ class Solution:
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": None if self.clearance is None or np.isinf(self.clearance) else self.clearance,
+            "clearance": _finite(self.clearance),
+            "self_clearance": _finite(self.self_clearance),
             "worst": None
             if worst is None
             else {
@@ -261,6 +271,7 @@ class Solution:
                 "segment": worst.segment,
                 "obstacle": worst.obstacle,
                 "amount": worst.amount,
+                "other_segment": worst.other_segment,
             },
             "reason": None
             if reason is None
@@ -289,6 +300,7 @@ class Solution:
             ("position", self.position_error),
             ("angle", self.angle_error),
             ("clearance", self.clearance),
+            ("from self", self.self_clearance),
         ):
             if value is not None:
                 parts.append(f"  {label:<10} {value:.3g}")
@@ -297,3 +309,8 @@ class Solution:
         )
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
         return "\n".join(parts)
+
+
+def _finite(value: float | None) -> float | None:
+    """What a file says of a number: nothing where it is infinite."""
+    return None if value is None or np.isinf(value) else value

@@ -1,15 +1,18 @@
 """Judge an answer by an independent, slow path: what `sinuous.measures` computes. No kernel is used."""
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from sinuous.checks import Floats
 from sinuous.measures.body import segment_ends
 from sinuous.measures.clearance import least_clearance
+from sinuous.measures.self_clearance import Meeting, least_self_clearance
 from sinuous.measures.targets import target_errors
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
+    from sinuous.robot.robot import Robot
 
 LIMIT_SLACK = 1e-9
 ROUNDING = 1e-9
@@ -23,22 +26,29 @@ class Worst:
     Attributes
     ----------
     constraint : str
-        `position`, `angle`, `clearance`, or a limit: `length`, `bend`, `curvature`, `actuator`.
+        `position`, `angle`, `clearance`, `self_clearance`, or a limit: `length`, `bend`, `curvature`, `actuator`.
     segment : int or None
         Segment where it is, 1 = first.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     amount : float
         By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); the depth of overlap
-        for `clearance` (length); beyond the limit for the others (length; rad for `bend` and `curvature`).
+        for `clearance` and `self_clearance` (length); beyond the limit for the others (length; rad for `bend` and
+        `curvature`).
+    other_segment : int or None
+        The segment that it touches, for `self_clearance`; not beyond `segment`.
     """
 
     constraint: str
     segment: int | None
     obstacle: str | None
     amount: float
+    other_segment: int | None = None
 
     def __str__(self) -> str:
+        if self.other_segment is not None:
+            whom = "itself" if self.other_segment == self.segment else f"segment {self.other_segment}"
+            return f"segment {self.segment} touches {whom}, {self.amount:.3g} too near"
         where = "" if self.segment is None else f" of segment {self.segment}"
         what = "" if self.obstacle is None else f" at {self.obstacle}"
         return f"{self.constraint}{where}{what} by {self.amount:.3g}"
@@ -51,7 +61,7 @@ class Verification:
     Attributes
     ----------
     ok : bool
-        Targets met, limits kept, and no place of the body inside an obstacle.
+        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere.
     position_error, angle_error : float
         Largest over the targets; 0 where nothing is asked.
     excess : float
@@ -60,6 +70,11 @@ class Verification:
         Least over the sampled places: the true clearance is at most this. Infinite without obstacles.
     segment, obstacle : int or None, str or None
         Where the least clearance is: segment (1 = first) and name of the obstacle.
+    self_clearance : float
+        Least distance of the body from itself over the sampled places: the true one is at most this. Infinite where it
+        does not matter: the body may run through itself, or is too short to.
+    self_segments : (int, int) or None
+        The two segments that are nearest to each other, 1 = first.
     """
 
     ok: bool
@@ -69,15 +84,18 @@ class Verification:
     clearance: float
     segment: int | None
     obstacle: str | None
+    self_clearance: float
+    self_segments: tuple[int, int] | None
 
 
 def verify(problem: "Problem", q: Floats) -> Verification:
-    """Recompute errors, limits and clearance of the configuration `q` (n, 3) for `problem`."""
+    """Recompute errors, limits and clearances of the configuration `q` (n, 3) for `problem`."""
     robot, tolerance = problem.robot, problem.tolerance
     ends = segment_ends(robot, q)
     errors = [target_errors(robot, target, ends) for target in problem.targets]
     off, turn = max(e[0] for e in errors), max(e[1] for e in errors)
     clearance, segment, obstacle = least_clearance(robot, problem.scene, q, ends)
+    itself = _meeting(robot, q, ends)
     excess = robot.excess(q)
     slack = ROUNDING * robot.mean_length
     ok = (
@@ -85,23 +103,33 @@ def verify(problem: "Problem", q: Floats) -> Verification:
         and turn <= tolerance.angle + 1e-7
         and excess <= LIMIT_SLACK * max(1.0, robot.mean_length)
         and clearance >= -slack
+        and itself.gap >= -slack
     )
-    return Verification(ok, off, turn, excess, clearance, segment, obstacle)
+    return Verification(ok, off, turn, excess, clearance, segment, obstacle, *itself)
+
+
+def _meeting(robot: "Robot", q: Floats, ends: Floats) -> Meeting:
+    """Where the body is nearest to itself, if that matters."""
+    return least_self_clearance(robot, q, ends) if robot.avoids_itself else Meeting(math.inf, None)
 
 
 def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
     """The constraint that `q` (n, 3) is farthest from meeting, lengths relative to the robot's length.
 
-    With `overlap` it is known to be the clearance, however deep.
+    With `overlap` it is known to be a clearance, however deep.
     """
     robot, tolerance = problem.robot, problem.tolerance
     ends = segment_ends(robot, q)
     unit = robot.mean_length
     clearance, where, which = least_clearance(robot, problem.scene, q, ends)
-    blocked = Worst("clearance", where, which, -clearance)
+    itself, segments = _meeting(robot, q, ends)
+    near, far = segments or (None, None)
+    found = [
+        (-clearance / unit, Worst("clearance", where, which, -clearance)),
+        (-itself / unit, Worst("self_clearance", far, None, -itself, near)),
+    ]
     if overlap:
-        return blocked
-    found = [(-clearance / unit, blocked)]
+        return max(found, key=lambda pair: pair[0])[1]
     for name, segment, amount in robot.violations(q):
         found.append((amount / (1.0 if name in ("bend", "curvature") else unit), Worst(name, segment, None, amount)))
     for target in problem.targets:

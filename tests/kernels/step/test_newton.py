@@ -77,7 +77,7 @@ def dense(robot: Robot, targets: list[Target], q: Floats) -> tuple[Floats, Float
 def linearised(problem: Problem, q: Floats) -> tuple[Any, Any]:
     states, work = make_states(problem), make_work(problem)
     state = put(states, 0, q)
-    newton.linearise(problem, state, work, 3, solids.EXACT, 0.0)
+    newton.linearise(problem, state, work, 3, solids.EXACT, 0.0, False)
     return state, work
 
 
@@ -124,7 +124,7 @@ def test_a_step_keeps_the_limits(seed: int, mu: float) -> None:
     put(states, 0, shape(TIGHT, seed, 3.0))
     newton.project_to_limits(problem, state_of(states, 0), work)
     assert TIGHT.excess(states.q[0]) <= 1e-12
-    newton.linearise(problem, state_of(states, 0), work, 3, solids.EXACT, 0.0)
+    newton.linearise(problem, state_of(states, 0), work, 3, solids.EXACT, 0.0, False)
     newton.step(problem, state_of(states, 0), work, mu)
     newton.move(problem, state_of(states, 0), work, state_of(states, 1))
     assert TIGHT.excess(states.q[1]) <= 1e-11
@@ -134,7 +134,7 @@ def descended(problem: Problem, q: Floats, most: int = 60, deadline: float = LAT
     """Configuration, its norms, verdict and iterations of a descent."""
     states, work = make_states(problem), make_work(problem)
     put(states, 0, q)
-    at, verdict, used, _, _ = newton.descend(problem, states, 0, work, most, deadline)
+    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most, deadline)
     return states.q[at].copy(), states.norms[at].copy(), verdict, used
 
 
@@ -193,7 +193,7 @@ def test_nothing_is_missed_beyond_tolerance_by_an_obstacle_alone() -> None:
     problem = kernel_problem(robot, Target((0.0, 0.0, 4.0 - 0.2)), [ball])
     states, work = make_states(problem), make_work(problem)
     put(states, 0, straight)
-    at, verdict, used, clearance, _ = newton.descend(problem, states, 0, work, 60, LATER)
+    at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, LATER)
     assert verdict == CLEAR
     assert used > 0
     sampled = np.linalg.norm(robot.backbone(states.q[at], 200) - [0.05, 0.0, 2.0], axis=1).min() - 0.3 - 0.05

@@ -32,6 +32,8 @@ def fill(robot: Array, scene: Array, settings: Array, targets: Array, buffer: Ar
     rows.innovation[:] = 12.0
     work.root[:], work.mean[:], work.step[:], work.solved[:] = 13.0, 14.0, 15.0, 16.0
     work.bound[:], work.among[:], work.clock[:] = 17, 18, 19
+    work.spans[:], work.pull[:], work.replies[:], work.system[:] = 20.0, 21.0, 22.0, 23.0
+    states.pairs[:] = 24.0
 
 
 @entry
@@ -39,7 +41,7 @@ def choose(robot: Array, scene: Array, settings: Array, targets: Array, buffer: 
     """Fill state number `i` alone."""
     states, _ = carve(buffer, read_problem(robot, scene, settings, targets))
     state = pick(states, i)
-    state.q[:], state.frames[:], state.columns[:], state.norms[:] = 1.0, 1.0, 1.0, 1.0
+    state.q[:], state.frames[:], state.columns[:], state.norms[:], state.pairs[:] = 1.0, 1.0, 1.0, 1.0, 1.0
     state.rows.start[:], state.rows.kind[:], state.rows.twist[:], state.rows.inner[:] = 1, 1, 1.0, 1.0
     state.rows.total[:], state.rows.value[:], state.rows.gain[:], state.rows.innovation[:] = 1.0, 1.0, 1.0, 1.0
 
@@ -77,7 +79,7 @@ def test_no_array_is_in_the_place_of_another(problem: Problem) -> None:
     written = buffer.copy()
     whole = buffer.view(np.int64)
     states, work = make_states(kernel_form(problem)), make_work(kernel_form(problem))
-    arrays = [states.q, states.frames, states.columns, states.norms, *states.rows, *work]
+    arrays = [states.q, states.frames, states.columns, states.norms, *states.rows, *work, states.pairs]
     for number, array in enumerate(arrays, start=1):
         seen = whole == number if array.dtype == np.int64 else written == float(number)
         assert seen.sum() == array.size, f"array {number}"
@@ -90,7 +92,8 @@ def test_no_array_is_in_the_place_of_another(problem: Problem) -> None:
 @pytest.mark.parametrize("problem", problems(), ids=range(4))
 def test_a_state_is_picked_whole_and_alone(problem: Problem) -> None:
     states = make_states(kernel_form(problem))
-    one = sum(array[0].size for array in (states.q, states.frames, states.columns, states.norms, *states.rows))
+    arrays = states.q, states.frames, states.columns, states.norms, states.pairs, *states.rows
+    one = sum(array[0].size for array in arrays)
     touched = []
     for i in range(STATES):
         buffer = np.full(size_of(problem), -1.0)

@@ -36,6 +36,7 @@ from sinuous.kernels.tables import (
     POSITION_ERROR,
     RANDOM,
     SECONDS,
+    SELF_CLEARANCE,
     STARTS,
 )
 
@@ -99,7 +100,8 @@ def open_record(problem: Problem, check: Check, given: int, budget: Budget, answ
     for j in range(record.shape[0]):
         record[j] = 0.0
     record[CODE] = FAILED if impossible == POSSIBLE else impossible
-    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[CLEARANCE] = record[MERIT] = math.inf
+    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[MERIT] = math.inf
+    record[CLEARANCE] = record[SELF_CLEARANCE] = math.inf
     record[SECONDS] = began
     for k in range(answer.best.shape[0]):
         put_vec(answer.best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
@@ -112,8 +114,9 @@ def close_record(problem: Problem, check: Check, iterations: int, starts: int, l
     """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
     record = answer.record
     if record[MERIT] == math.inf:
-        _, off, turn, clearance, _, merit = finish(problem, check, answer.best)
-        record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE], record[MERIT] = off, turn, clearance, merit
+        _, off, turn, clearance, self_clearance, _, merit = finish(problem, check, answer.best)
+        record[POSITION_ERROR], record[ANGLE_ERROR], record[MERIT] = off, turn, merit
+        record[CLEARANCE], record[SELF_CLEARANCE] = clearance, self_clearance
     if late and record[CODE] == FAILED:
         record[CODE] = LATE
     record[ITERATIONS], record[STARTS] = iterations, starts
@@ -162,7 +165,7 @@ def driver(follow: Follow) -> Drive:
         """Solve m problems.
 
         `groups` are robot, scene and settings, laid out as `tables` says; `targets` (m, t, 15); `initial` (m, g, n, 3).
-        `scratch` (at least `judge.check_size`) is what the check works on. Fills `answers` (m, 10 + 3 n): record and
+        `scratch` (at least `judge.check_size`) is what the check works on. Fills `answers` (m, 11 + 3 n): record and
         configuration of each.
         """
         robot, scene, settings = groups

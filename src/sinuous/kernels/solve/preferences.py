@@ -13,7 +13,7 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, step
+from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, self_proof, step
 from sinuous.kernels.step.states import ANGLE, POSITION, WISH, State, Work, carve, pick
 from sinuous.kernels.tables import BENDS_WEIGHT, INITIAL_WEIGHT, LENGTH_SCALE, MAX_ITERATIONS, WISHED_CLEARANCE
 
@@ -61,10 +61,10 @@ def _correct(problem: Problem, states: State, at: int, spare: int, work: Work, d
         if met(problem, state, 0.0):
             return at
         rest(work)
-        linearise(problem, state, work, depth, solids.EXACT, 0.0)
+        linearise(problem, state, work, depth, solids.EXACT, 0.0, problem.avoids_itself)
         step(problem, state, work, EXACT)
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, solids.EXACT, wish)
+        linearise(problem, trial, work, depth, solids.EXACT, wish, problem.avoids_itself)
         at, spare = spare, at
     return at
 
@@ -78,7 +78,7 @@ def improve(
     at, free, spare = 0, 1, 2
     start = pick(states, at)
     copy(best, start.q)
-    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance)
+    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, problem.avoids_itself)
     least = cost(problem, start, wishes)
     share = 1.0
     for iteration in range(most):
@@ -91,7 +91,7 @@ def improve(
             for k in range(state.q.shape[0]):
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance)
+        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance, problem.avoids_itself)
         found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance)
         free, spare = found_at, free + spare - found_at
         found = pick(states, free)
@@ -116,27 +116,29 @@ def prefer(
     settings: Array,
     targets: Array,
     reference: Array,
-    proved: tuple[float, float, float, float],
+    proved: tuple[float, float, float, float, float],
     workspace: Array,
     best: Array,
-) -> tuple[int, float, float, float]:
+) -> tuple[int, float, float, float, float]:
     """Improve the solved `best` (n, 3) and prove it again; what is not proved is not taken.
 
-    `reference` (n, 3) is the configuration to stay close to; `proved` holds position error, angle error and proved
-    clearance of `best`, and the seconds that may be spent; for the rest see `search.search`. Returns the iterations,
-    and the first three of `proved` for what `best` holds then.
+    `reference` (n, 3) is the configuration to stay close to; `proved` holds position error, angle error, proved
+    clearance and self-clearance of `best`, and the seconds that may be spent; for the rest see `search.search`. Returns
+    the iterations, and the first four of `proved` for what `best` holds then.
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
     wishes = Wishes(settings[INITIAL_WEIGHT], settings[BENDS_WEIGHT], settings[WISHED_CLEARANCE], reference)
     copy(best, work.solved)
-    deadline = now(work.clock) + proved[3]
+    deadline = now(work.clock) + proved[4]
     used = improve(problem, states, work, wishes, best, int(settings[MAX_ITERATIONS]), deadline)
     state = pick(states, 0)
     copy(best, state.q)
-    linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0)
-    verdict, clearance = proof(problem, state, work)
-    if verdict == CLEAR and met(problem, state, 0.0):
-        return used, state.norms[POSITION], state.norms[ANGLE], clearance
+    linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0, False)
+    own, self_clearance = self_proof(problem, state, work, deadline)
+    if own == CLEAR and met(problem, state, 0.0):
+        verdict, clearance = proof(problem, state, work)
+        if verdict == CLEAR:
+            return used, state.norms[POSITION], state.norms[ANGLE], clearance, self_clearance
     copy(work.solved, best)
-    return used, proved[0], proved[1], proved[2]
+    return used, proved[0], proved[1], proved[2], proved[3]

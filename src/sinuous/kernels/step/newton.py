@@ -5,6 +5,9 @@ import math
 from sinuous.kernels.body.contacts import SOFTNESS, Body, Look, contacts
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
+from sinuous.kernels.body.self_contacts import VALUE, self_contacts
+from sinuous.kernels.body.self_pairs import Shape
+from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import now
 from sinuous.kernels.compile import inline, kernel
@@ -13,7 +16,8 @@ from sinuous.kernels.fields.distances import coarseness
 from sinuous.kernels.maths.vectors import ZERO, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
-from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, WISH, State, Work, pick
+from sinuous.kernels.step.coupling import couple
+from sinuous.kernels.step.states import ANGLE, MERIT, PAIRS, POSITION, SEEN, SELF_SEEN, WISH, State, Work, pick
 from sinuous.kernels.step.targets import add_rows, end_segment
 
 MISSED = -1
@@ -25,6 +29,10 @@ less would cost exact distances everywhere."""
 
 FINEST = 1e-7
 """Length of backbone, in robot lengths, below which a proof gives up."""
+
+SELF_MARGIN = 10.0
+"""Self-clearance that steps aim for where they look at it, as a multiple of the margin from obstacles: which places are
+closest to each other changes more in a step than which are closest to an obstacle."""
 
 EXACT = 1e-10
 """Least damping, with which rows are met exactly."""
@@ -55,7 +63,7 @@ def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, f
 
 @kernel
 def close(state: State, count: int) -> None:
-    """Finish a linearisation with `count` rows: where they end, and the norms of their values."""
+    """Finish a linearisation with `count` rows and no self-contact: where rows end, and the norms of their values."""
     rows = state.rows
     rows.start[state.q.shape[0]] = count
     merit = wished = 0.0
@@ -67,16 +75,29 @@ def close(state: State, count: int) -> None:
             merit += square
     state.norms[MERIT] = merit
     state.norms[WISH] = wished / (SOFTNESS * SOFTNESS)
+    state.norms[SELF_SEEN], state.norms[PAIRS] = math.inf, 0.0
+
+
+@kernel
+def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
+    """Add the self-contacts to a linearisation that `close` has finished."""
+    shape = Shape(problem.limits, state.q, state.frames, work.spans)
+    margin = SELF_MARGIN * problem.margin
+    count, low = self_contacts(shape, state.columns, margin, problem.unit, state.pairs)
+    for a in range(count):
+        state.norms[MERIT] += state.pairs[a, VALUE] * state.pairs[a, VALUE]
+    state.norms[SELF_SEEN], state.norms[PAIRS] = low, count
 
 
 add_targets_here, close_here = inline(add_targets), inline(close)
 
 
 @kernel
-def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float) -> None:
+def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float, with_self: bool) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
-    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`).
+    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`), self-contacts only
+    `with_self`.
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
@@ -97,6 +118,8 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
         off, turn = max(off, miss), max(turn, angle)
     close_here(state, at)
     state.norms[POSITION], state.norms[ANGLE], state.norms[SEEN] = off, turn, seen
+    if with_self:
+        add_self_contacts(problem, state, work)
 
 
 @kernel
@@ -113,6 +136,8 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
     for _ in range(ROUNDS):
         sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
         sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
+        if state.norms[PAIRS] > 0.0:
+            couple(state, work, mu, coupled)
         count = limits.bind(problem.limits, state.q, work.step, work.root, work.mean, work.bound)
         if coupled:
             count += actuation.bind(problem.actuation, state.q, work.step, state.rows)
@@ -147,12 +172,13 @@ def project_to_limits(problem: Problem, state: State, work: Work) -> None:
 
 @kernel
 def met(problem: Problem, state: State, loose: float) -> bool:
-    """Targets within tolerance, and no overlap seen that is more than `loose`."""
+    """Targets within tolerance, and no overlap seen that is more than `loose`, none at all of the body with itself."""
     norms = state.norms
     return bool(
         norms[POSITION] <= problem.position_tolerance
         and norms[ANGLE] <= problem.angle_tolerance
         and norms[SEEN] >= -loose
+        and norms[SELF_SEEN] >= 0.0
     )
 
 
@@ -175,20 +201,31 @@ def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     return verdict, clearance
 
 
+@kernel
+def self_proof(problem: Problem, state: State, work: Work, deadline: float) -> tuple[int, float]:
+    """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
+    if not problem.avoids_itself:
+        return CLEAR, math.inf
+    shape = Shape(problem.limits, state.q, state.frames, work.spans)
+    verdict, clearance, _ = prove_self(shape, FINEST * problem.unit, work.clock, deadline)
+    return verdict, clearance
+
+
 linearise_here, step_here = inline(linearise), inline(step)
 
 
 @kernel
 def descend(
     problem: Problem, states: State, at: int, work: Work, most: int, deadline: float
-) -> tuple[int, int, int, float, bool]:
+) -> tuple[int, int, int, float, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
     Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
-    when it fails again, contacts are looked for more closely.
+    when it fails again, contacts are looked for more closely. Self-contacts are looked for from the first failed proof
+    that the body does not run through itself on: most shapes never come near themselves.
 
-    Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
-    the clearance that the proof saw, and whether limits bound the last step.
+    Returns which is the best, the verdict of the proofs (MISSED: the targets were not met), the number of iterations,
+    the clearances from obstacles and from itself that were seen, and whether limits bound the last step.
     """
     project_to_limits(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
@@ -196,10 +233,10 @@ def descend(
     loose = coarseness(problem.scene)
     mode = solids.STEP if loose > 0.0 else solids.EXACT
     slow = iteration = 0
-    bound = False
+    bound = with_self = False
     while True:
         looked = pick(states, looked_at)
-        linearise_here(problem, looked, work, depth, mode, 0.0)
+        linearise_here(problem, looked, work, depth, mode, 0.0, with_self)
         found = looked.norms[MERIT]
         if found < merit:
             if merit < math.inf:
@@ -211,9 +248,15 @@ def descend(
             easing *= 10.0
         state = pick(states, at)
         if met(problem, state, loose):
+            verdict, self_clearance = self_proof(problem, state, work, deadline)
+            if verdict != CLEAR:
+                if with_self:
+                    return at, verdict, iteration, state.norms[SEEN], self_clearance, bound
+                with_self, looked_at, merit, slow, easing = True, at, math.inf, 0, 1.0
+                continue
             verdict, clearance = proof(problem, state, work)
             if verdict == CLEAR or depth >= problem.step_depth + 6:
-                return at, verdict, iteration, clearance, bound
+                return at, verdict, iteration, clearance, self_clearance, bound
             if mode == solids.STEP:
                 mode, loose = solids.EXACT, 0.0
             else:
@@ -225,7 +268,7 @@ def descend(
             looked_at, merit, slow, easing = at, math.inf, 0, 1.0
             continue
         if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
-            return at, MISSED, iteration, 0.0, bound
+            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         iteration += 1
         rest(work)
         bound = step_here(problem, state, work, max(EXACT, 0.01 * easing * merit))

@@ -111,7 +111,7 @@ def limits_of(segment: Segment, key: str) -> Limits | None:
         return None if segment.tendons is None else segment.tendons.displacement
     if key == "chambers.length":
         return None if segment.chambers is None else segment.chambers.length
-    limits: Limits = getattr(segment, key)
+    limits: Limits | None = None if key == "radius" else getattr(segment, key)  # `make_thinner` is for that
     return limits
 
 

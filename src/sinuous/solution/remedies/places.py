@@ -27,7 +27,7 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     free = trials.quick(_without(case.problem, {scene.name(i) for i in range(len(scene))}))
     if free is None:
         return
-    in_the_way = [contact.obstacle for contact in contacts_of(case.problem, free.q, 0.0)]
+    in_the_way = [each.obstacle for each in contacts_of(case.problem, free.q, 0.0) if each.obstacle is not None]
     bound = [each.obstacle for each in case.binding if each.obstacle is not None]
     proved = [case.reason.obstacle] if case.reason is not None and case.reason.obstacle is not None else []
     names = list(dict.fromkeys([*proved, *bound, *in_the_way]))[:MOST]
@@ -97,6 +97,17 @@ def make_thinner(trials: Trials, case: Case) -> Iterator[Remedy]:
 
 
 def _touches(case: Case) -> bool:
-    """Whether obstacles have to do with it."""
-    bound = any(each.constraint == "clearance" for each in case.binding)
+    """Whether the thickness of the body has to do with it."""
+    kinds = "clearance", "self_clearance"
+    bound = any(each.constraint in kinds or each.key == "radius" for each in case.binding)
     return bound or (case.reason is not None and case.reason.obstacle is not None)
+
+
+def let_through(trials: Trials, case: Case) -> Iterator[Remedy]:
+    """Yield that the body may run through itself, where that holds it back."""
+    robot = case.problem.robot
+    bound = any(each.constraint == "self_clearance" or each.key == "radius" for each in case.binding)
+    if bound and robot.avoids_itself:
+        through = case.problem.changed(robot=robot.changed(self_collision="allow"))
+        if trials.whole(through) is not None:
+            yield Remedy("self_collision", "avoid", "allow")

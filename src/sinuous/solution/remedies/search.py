@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 from sinuous.solution.remedies.effort import change_method, go_on
 from sinuous.solution.remedies.limits import widen
-from sinuous.solution.remedies.places import clear_away, free_the_base, make_thinner
+from sinuous.solution.remedies.places import clear_away, free_the_base, let_through, make_thinner
 from sinuous.solution.remedies.remedy import Remedy
 from sinuous.solution.remedies.targets import drop, relax
 from sinuous.solution.remedies.trials import Case, Trials
@@ -23,6 +23,7 @@ KINDS = (
     (clear_away, 3.0),
     (free_the_base, 1.0),
     (make_thinner, 1.0),
+    (let_through, 1.0),
     (drop, 1.0),
     (go_on, 1.0),
 )

@@ -30,6 +30,7 @@ FLOORS = {
     "checks": 0,
     "errors": 0,
     "caches": 0,
+    "words": 0,
     "frozen": 0,
 }
 

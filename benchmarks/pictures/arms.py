@@ -15,6 +15,9 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
+from sinuous.solving.again import Again
+from sinuous.solving.options import SolveOptions
+from sinuous.solving.solver import prepared
 
 ALONG = 24
 """Points of a line, a segment."""
@@ -70,4 +73,6 @@ def _as_solution(problems: ProblemSet, number: int, record: dict[str, Any]) -> S
     outcome = Outcome(
         np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, math.inf, False, 0.0, 0.0
     )
-    return Solution(problem, outcome, record["seconds"], "", 0)
+    return Solution(
+        problem, outcome, record["seconds"], Again(prepared, SolveOptions()), np.empty((0, *outcome.q.shape))
+    )

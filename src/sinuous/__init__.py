@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from sinuous.poses import pose as pose
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
+    from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
     from sinuous.problem.target import Target as Target
     from sinuous.problem.tolerance import Tolerance as Tolerance
     from sinuous.robot.actuators import Chambers as Chambers
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from sinuous.scene.obstacles import HalfSpace as HalfSpace
     from sinuous.scene.obstacles import Sphere as Sphere
     from sinuous.scene.scene import Scene as Scene
+    from sinuous.solution.explanation import Explanation as Explanation
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.status import Status as Status
     from sinuous.solving.solver import Solver as Solver
@@ -64,6 +66,7 @@ _HOMES = {
     "poses": ("pose",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
+    "problem.suspicions": ("SuspiciousInput",),
     "problem.tolerance": ("Tolerance",),
     "robot.parameters": ("arc_parameters", "from_arc_parameters"),
     "robot.robot": ("Robot",),
@@ -74,6 +77,7 @@ _HOMES = {
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
     "scene.clouds.point_cloud": ("PointCloud",),
     "scene.scene": ("Scene",),
+    "solution.explanation": ("Explanation",),
     "solution.solution": ("Solution",),
     "solution.status": ("Status",),
     "solving.solver": ("Solver", "solve", "solve_all"),

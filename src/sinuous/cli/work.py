@@ -1,6 +1,7 @@
 """The commands solve and track: read everything, then answer one file after the other."""
 
 import time as clock
+import warnings
 from collections.abc import Callable
 
 import typer
@@ -12,6 +13,7 @@ from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.track import Track, waypoints
+from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
 
@@ -49,7 +51,7 @@ def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
                     solver, prepare_seconds = _prepare(one.problem, options)
                 found = answer(solver, one.problem, bar)
                 with bar.hidden():
-                    output.write(one.problem.file, found, one.seconds + prepare_seconds)
+                    _write(output, one, found, prepare_seconds)
                 if isinstance(found, Track) and found.remaining:
                     raise KeyboardInterrupt
                 done += 1
@@ -60,9 +62,22 @@ def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
     return SOLVED if solved == len(read) else UNSOLVED
 
 
+def _write(output: Output, one: Read, found: Solution | Track, prepare_seconds: float) -> None:
+    """Write an answer, with what explains it where that is wished for; an interrupt meanwhile leaves the answer."""
+    asked = one.problem.file, found, one.seconds + prepare_seconds
+    try:
+        why = found.explain() if output.explains and isinstance(found, Solution) else None
+    except KeyboardInterrupt:
+        output.write(*asked)
+        raise
+    output.write(*asked, why)
+
+
 def _prepare(problem: ProblemFile, options: Options) -> tuple[Solver, float]:
     began = clock.perf_counter()
-    solver = Solver(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
+        solver = Solver(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
     return solver, clock.perf_counter() - began
 
 

@@ -17,6 +17,7 @@ from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
+from sinuous.problem.suspicions import all_suspicions
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
@@ -57,13 +58,14 @@ class ProblemFile:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is not as it should be, and what became of it: of the robot, and the defects of all meshes."""
-        return self.robot.notes + tuple(
+        """What is not as it should be: the defects of all meshes and what became of them, and what is suspicious."""
+        defects = [
             f"{self.scene.name(i)}: {defect}"
             for i, obstacle in enumerate(self.scene.obstacles)
             if isinstance(obstacle, Mesh)
             for defect in obstacle.defects
-        )
+        ]
+        return (*defects, *all_suspicions(self.robot, self.scene.snapshot(), self.waypoints))
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""

@@ -13,10 +13,17 @@ def json_line(result: dict[str, Any]) -> str:
 
 
 def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[str, Any]:
-    """Put the name of the problem file in front of an answer, and the time of preparing after the time of solving."""
+    """Put the name of the problem file in front of an answer, and the time of preparing after the time of solving.
+
+    Remedies, where there are any, stand behind what they are remedies of.
+    """
+    answer = dict(answer)
+    remedies = {"remedies": answer.pop("remedies")} if "remedies" in answer else {}
     entries: dict[str, Any] = {"file": file}
     for key, value in answer.items():
         entries[key] = value
+        if key == "binding":
+            entries.update(remedies)
         if key == "seconds":
             entries["prepare_seconds"] = prepare_seconds
     return entries

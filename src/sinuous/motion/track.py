@@ -145,7 +145,7 @@ class Track:
         failed = next((i for i, solution in enumerate(self.solutions) if not solution.solved), None)
         if failed is None:
             return counted
-        reason = self.solutions[failed].worst or self.solutions[failed].status.sentence
+        reason = self.solutions[failed].worst or self.solutions[failed].sentence
         return f"{counted}; waypoint {failed + 1}: {reason}"
 
 

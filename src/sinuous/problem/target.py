@@ -65,6 +65,11 @@ class Target(Frozen):
         table = target_row(number, place, axis, matrix)
         self._set(position=place, direction=axis, rotation=matrix, segment=number, _table=table)
 
+    def changed(self, **values: Any) -> "Target":
+        """Return the same target with other values of some parameters."""
+        own = {key: getattr(self, key) for key in ("position", "direction", "rotation", "segment")}
+        return Target(**{**own, **values})
+
     @property
     def table(self) -> Floats:
         """All this as kernels read it (1, 15), read-only."""

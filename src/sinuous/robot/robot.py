@@ -128,6 +128,13 @@ class Robot(Frozen):
         segment = Segment(length, max_bend, max_curvature, radius, tendons, chambers)
         return cls([segment] * number, **whole)
 
+    def changed(self, **values: Any) -> "Robot":
+        """Return the same robot with other values of some parameters; segments keep the radii that they have in it."""
+        own = {key: getattr(self, key) for key in ("mount", "base", "tool", "self_collision")}
+        segments = values.pop("segments", self.segments)
+        thick = [segment.changed(radius=radius) for segment, radius in zip(segments, self.radii, strict=True)]
+        return Robot(thick, **{**own, **values})
+
     def __len__(self) -> int:
         return len(self.segments)
 

@@ -73,6 +73,12 @@ class Segment(Frozen):
             chambers=chambers,
         )
 
+    def changed(self, **values: Any) -> "Segment":
+        """Return the same segment with other values of some parameters."""
+        own = {key: getattr(self, key) for key in ("length", "max_bend", "radius", "tendons", "chambers")}
+        curvature = None if math.isinf(self.max_curvature) else self.max_curvature
+        return Segment(**{**own, "max_curvature": curvature, **values})
+
     def __repr__(self) -> str:
         low, high = self.length
         shown = f"{low:g}" if low == high else f"({low:g}, {high:g})"

@@ -47,6 +47,13 @@ class Scene:
         self._lock = threading.Lock()
         self._snapshot = Snapshot(tuple(flat))
 
+    @classmethod
+    def of(cls, snapshot: Snapshot) -> "Scene":
+        """Make a scene that begins with these obstacles; nothing is sampled again."""
+        scene = cls()
+        scene._snapshot = snapshot
+        return scene
+
     def snapshot(self) -> Snapshot:
         """Return the obstacles as they are now, frozen; the same object until the next update."""
         return self._snapshot

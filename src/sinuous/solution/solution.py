@@ -1,18 +1,26 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.solution.binding import Binding, find_binding
+from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
+from sinuous.solution.remedies.trials import Case
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
+from sinuous.solution.wording import in_words
+from sinuous.words import listed
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
+    from sinuous.solution.again import Again
 
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
@@ -50,18 +58,19 @@ class Solution:
     """
 
     # Properties over private slots: setting attributes as `sinuous.frozen.Frozen` does would cost a solve 0.3 us.
-    __slots__ = ("_method", "_outcome", "_problem", "_reason", "_seconds", "_seed", "_status", "_worst")
+    __slots__ = ("_again", "_binding", "_given", "_outcome", "_problem", "_reason", "_seconds", "_status", "_worst")
 
+    _binding: tuple[Binding, ...]
     _reason: Reason | None
     _worst: Worst | None
 
-    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, method: str, seed: int) -> None:
+    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, again: "Again", given: Floats) -> None:
         self._problem = problem
         self._status = status_of(outcome)
         self._outcome = outcome
         self._seconds = seconds
-        self._method = method
-        self._seed = seed
+        self._again = again
+        self._given = given
         # By position: by its name, or by `flags`, it takes three times as long.
         outcome.q.setflags(False)  # type: ignore[call-arg]
 
@@ -72,7 +81,7 @@ class Solution:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Solution, (self.problem, self._outcome, self.seconds, self.method, self.seed)
+        return Solution, (self.problem, self._outcome, self.seconds, self._again, self._given)
 
     @property
     def problem(self) -> "Problem":
@@ -97,12 +106,12 @@ class Solution:
     @property
     def method(self) -> str:
         """Name of the method."""
-        return self._method
+        return self._again.method
 
     @property
     def seed(self) -> int:
         """Of the scattered starts."""
-        return self._seed
+        return self._again.seed
 
     @property
     def iterations(self) -> int:
@@ -167,6 +176,56 @@ class Solution:
             self._worst = None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
         return self._worst
 
+    @property
+    def binding(self) -> tuple[Binding, ...]:
+        """The limits and obstacles that hold the best configuration back, strongest first; empty when solved."""
+        if not hasattr(self, "_binding"):
+            self._binding = () if self.solved else self._find_binding()
+        return self._binding
+
+    @property
+    def sentence(self) -> str:
+        """What the status means here; of `limit_bound` with the names of the limits."""
+        if self.status is not Status.LIMIT_BOUND:
+            return self.status.sentence
+        limits = [each for each in self.binding if each.key is not None]
+        return f"{self.status.sentence}: {listed(in_words(limits, len(self.problem.robot)))}"
+
+    def explain(self, time: Any = 2.0) -> Explanation:
+        """Say why it ended like this, and what would help.
+
+        Every change that is told was tried: with it the problem is solved and proved. What is found is the same each
+        time, unless the time runs out.
+
+        Parameters
+        ----------
+        time : float
+            Budget of all trials together, in seconds.
+
+        Returns
+        -------
+        Explanation
+            Prints itself. When solved: what is closest to its limit.
+
+        Raises
+        ------
+        InputError
+            When `time` is no number of at least 0.
+        """
+        end = perf_counter() + checks.number("time", time, low=0.0)
+        given = self._given.reshape(-1, *self.q.shape)
+        own = self.problem, self.status, self.q, given[0] if len(given) else None
+        return explain(self, Case(*own, self.binding, self.reason, self._again, self.starts), end)
+
+    def _find_binding(self) -> tuple[Binding, ...]:
+        """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
+        found = find_binding(self.problem, self.q, any_limit=self.status is Status.LIMIT_BOUND)
+        reason = self.reason
+        if reason is None or reason.obstacle is None or self.status is Status.NO_ROUTE:
+            return found
+        first = Binding("clearance", None, reason.obstacle, reason.available - reason.needed, 0.0)
+        return (first, *(each for each in found if each.obstacle != reason.obstacle))
+
     def _find_reason(self) -> Reason | None:
         if self.status is Status.OUT_OF_REACH:
             return unreachable(self.problem)
@@ -222,6 +281,7 @@ class Solution:
                 "available": reason.available,
                 "obstacle": reason.obstacle,
             },
+            "binding": [each.to_dict() for each in self.binding],
             "iterations": self.iterations,
             "starts": self.starts,
             "start": self.start,
@@ -231,7 +291,7 @@ class Solution:
         }
 
     def __repr__(self) -> str:
-        parts = [f"Solution: {self.status} ({self.status.sentence})"]
+        parts = [f"Solution: {self.status} ({self.sentence})"]
         if self.reason is not None:
             parts.append(f"  reason     {self.reason}")
         if self.worst is not None:

@@ -13,11 +13,13 @@ from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Call
 from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
+from sinuous.solving.again import Again
 from sinuous.solving.base import base_blocked
 from sinuous.solving.options import SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
@@ -58,18 +60,21 @@ class Solver:
     def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
-        self.robot = robot
-        self.scene: Scene = as_scene(scene)
-        check_sizes(robot, self.scene)
-        chosen = SolveOptions.of(options)
-        self.options = chosen
+        place, chosen = as_scene(scene), SolveOptions.of(options)
+        check_sizes(robot, place)
+        warn_of(suspicions(robot, place.snapshot()))
+        self._prepare(robot, place, chosen)
+
+    def _prepare(self, robot: Robot, scene: Scene, chosen: SolveOptions) -> None:
+        """Get ready, with arguments that are checked."""
+        self.robot, self.scene, self.options = robot, scene, chosen
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
         router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
         self._portfolio = Portfolio(chosen.max_starts, router)
-        self._seed = chosen.seed
+        self._again = Again(prepared, chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._no_initial: Floats = np.empty((0, len(robot), 3))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
@@ -111,7 +116,7 @@ class Solver:
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self.method, self._seed)
+        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
 
     def build(self, target: Targets, initial: "Solution | Any" = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
@@ -172,8 +177,8 @@ class Solver:
             for i, outcome in enumerate(found)
         ]
         return [
-            Solution(problem, outcome, outcome.seconds, self.method, self.options.seed)
-            for problem, outcome in zip(problems, best, strict=True)
+            Solution(problem, outcome, outcome.seconds, self._again, own)
+            for problem, outcome, own in zip(problems, best, given, strict=True)
         ]
 
     def solve_all(
@@ -230,12 +235,10 @@ class Solver:
         search.pursue(self._portfolio.batches(question), self._follow(problem, given))
         reference = None if initial is None else given[0]
         best = sorted(search.found, key=lambda outcome: self._dislike(outcome.q, reference))
-        return [
-            Solution(problem, outcome, outcome.seconds, self.method, self.options.seed) for outcome in best[:wanted]
-        ]
+        return [Solution(problem, outcome, outcome.seconds, self._again, given) for outcome in best[:wanted]]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuilt, (self.robot, self.scene, self.options)
+        return prepared, (self.robot, self.scene, self.options)
 
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
@@ -290,9 +293,11 @@ class Solver:
         return given.reshape(1, len(self.robot), 3).copy()
 
 
-def _rebuilt(robot: Robot, scene: Scene, options: SolveOptions) -> Solver:
-    """Prepare a solver again, in the process that it was sent to."""
-    return Solver(robot, scene, **vars(options))
+def prepared(robot: Robot, scene: Scene, options: SolveOptions) -> Solver:
+    """Prepare a solver of what was checked before; nothing is warned of twice."""
+    solver = object.__new__(Solver)
+    solver._prepare(robot, scene, options)
+    return solver
 
 
 def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:

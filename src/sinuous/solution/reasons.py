@@ -1,11 +1,15 @@
-"""Why there is no solution, in words: the number that proves it. `sinuous.measures` computes it, without kernels."""
+"""Why there is no solution, in words: the number that proves it.
+
+Bounds on lengths and bends come from `sinuous.measures`, without kernels; distances to obstacles from
+`sinuous.scene.nearest`.
+"""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sinuous.measures.clearance import room_at
 from sinuous.measures.reach import bounds
 from sinuous.measures.targets import backbone_end
+from sinuous.scene.nearest import room_at
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
@@ -24,7 +28,7 @@ class Reason:
         there than the obstacle leaves. `route`: no route from mount to target is wide enough.
     needed, available : float
         What the bound compares: lengths, for `turning` angles (rad), for `route` the radius of the body and the edge of
-        the cubes that free space was divided into.
+        the cells that free space was divided into.
     obstacle : str or None
         The nearest one, by name, where obstacles are the reason.
     """
@@ -37,7 +41,7 @@ class Reason:
     def __str__(self) -> str:
         if self.bound == "route":
             return (
-                f"route: none is wide enough for a body of radius {self.needed:.4g}, shown with cubes of edge "
+                f"route: none is wide enough for a body of radius {self.needed:.4g}, shown with cells of edge "
                 f"{self.available:.3g}; the obstacle nearest to the target is {self.obstacle}"
             )
         at = "" if self.obstacle is None else f" at {self.obstacle}"
@@ -76,6 +80,6 @@ def base_in(problem: "Problem") -> Reason:
 
 
 def closed_in(problem: "Problem", cell: float) -> Reason:
-    """The obstacle nearest to a target that no route leads to; `cell` is the edge of the cubes that proved it."""
+    """The obstacle nearest to a target that no route leads to; `cell` is the edge of the cells that proved it."""
     place = next(target.position for target in reversed(problem.targets) if target.position is not None)
     return Reason("route", min(problem.robot.radii), cell, room_at(place, problem.scene).obstacle)

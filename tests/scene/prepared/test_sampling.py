@@ -16,12 +16,12 @@ from tests.scene import shapes
 
 @pytest.mark.parametrize("extent", [(1.0, 1.0, 1.0), (100.0, 1.0, 0.01), (0.0, 0.0, 5.0), (1e-6, 3e-6, 2e-6)])
 @pytest.mark.parametrize("most", [1000, 50_000])
-def test_a_lattice_holds_the_box_and_its_cells_are_as_small_as_allowed(
+def test_a_grid_holds_the_box_and_its_cells_are_as_small_as_allowed(
     extent: tuple[float, float, float], most: int
 ) -> None:
     low = np.array([1.0, -2.0, 0.5])
     high = low + extent
-    first, spacing, shape = sampling.lattice(low, high, most)
+    first, spacing, shape = sampling.sampling_grid(low, high, most)
     last = first + spacing * (np.array(shape) - 1)
     assert math.prod(shape) <= most
     assert (first <= low - sampling.PAD * spacing * (1 - 1e-9)).all()
@@ -34,7 +34,7 @@ def test_samples_are_exact_distances() -> None:
     mesh = Mesh(*shapes.ball(3))
     part = parts.prepare(mesh, "ball")
     pieces = trees.triangles(mesh)
-    low, spacing, shape = sampling.lattice(pieces.low, pieces.high, sampling.LEAST)
+    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.LEAST)
     index = np.random.default_rng(0).integers(0, shape, (300, 3))
     values = part.store[-math.prod(shape) :].reshape(shape)
     expected = Scene([mesh]).distance(low + spacing * index)

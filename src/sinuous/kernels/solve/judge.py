@@ -9,8 +9,10 @@ from collections import namedtuple
 
 import numpy as np
 
+from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
+from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -65,8 +67,8 @@ ROUNDING = 1e-11
 """By how much a limit may be exceeded, rad or robot lengths: what arithmetic rounds."""
 
 Check = namedtuple("Check", ["frames", "among", "clock"])
-"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); and what
-reads the clock (2,)."""
+"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); and the clock, see
+`kernels.clock`."""
 
 Answer = namedtuple("Answer", ["best", "record"])
 """What a search fills: the best configuration (n, 3; rad and length unit), and its record (10,; see `tables`)."""
@@ -74,7 +76,7 @@ Answer = namedtuple("Answer", ["best", "record"])
 
 def check_size(segments: int, obstacles: int) -> int:
     """Numbers (float64) that `carve_check` takes from a buffer."""
-    return 12 * (segments + 1) + obstacles + 2
+    return 12 * (segments + 1) + obstacles + CLOCK_SIZE
 
 
 @kernel
@@ -85,7 +87,7 @@ def carve_check(buffer: Array, problem: Problem) -> Check:
     rotation, position = frame(problem.base, 0)
     put_frame(frames, 0, rotation, position)
     rest = buffer[12 * (n + 1) :]
-    return Check(frames, rest[:m].view(np.int64), rest[m : m + 2].view(np.int64))
+    return Check(frames, rest[:m].view(np.int64), rest[m : m + CLOCK_SIZE].view(np.int64))
 
 
 @kernel
@@ -164,7 +166,7 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
             problem.mount,
             SLACK,
             FINEST * problem.unit,
-            check.among,
+            Scratch(check.among, check.clock),
         )
     overlap = max(0.0, -clearance) if verdict == TOUCHING else 0.0
     merit = (

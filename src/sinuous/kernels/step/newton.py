@@ -3,10 +3,11 @@
 import math
 
 from sinuous.kernels.body.contacts import SOFTNESS, Body, Look, contacts
+from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import coarseness
@@ -76,7 +77,8 @@ add_targets_here, close_here = inline(add_targets), inline(close)
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
-    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`).
+    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`). When the time is
+    over, some are missing.
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
@@ -85,12 +87,13 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     mount = problem.mount
     body = Body(problem.limits, q, frames, problem.unit)
     look = Look(problem.margin, wish, depth, mode)
+    scratch = Scratch(work.among, work.clock)
     at = actuator = 0
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
         if problem.scene.table.shape[0] > 0:
-            at, least = contacts(body, problem.scene, k, mount, look, work.among, rows, at)
+            at, least = contacts(body, problem.scene, k, mount, look, scratch, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
         at, miss, angle = add_targets_here(problem, state, k, at)
@@ -169,8 +172,9 @@ def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
         return CLEAR, math.inf
     slack = SAMPLED_SLACK if coarseness(problem.scene) > 0.0 else SLACK
     finest = FINEST * problem.unit
+    scratch = Scratch(work.among, work.clock)
     verdict, clearance, _, _, _ = prove(
-        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, work.among
+        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, scratch
     )
     return verdict, clearance
 
@@ -179,16 +183,15 @@ linearise_here, step_here = inline(linearise), inline(step)
 
 
 @kernel
-def descend(
-    problem: Problem, states: State, at: int, work: Work, most: int, deadline: float
-) -> tuple[int, int, int, float, bool]:
+def descend(problem: Problem, states: State, at: int, work: Work, most: int) -> tuple[int, int, int, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
     Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
     when it fails again, contacts are looked for more closely.
 
     Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
-    the clearance that the proof saw, and whether limits bound the last step.
+    the clearance that the proof saw, and whether limits bound the last step. Of a state that was never linearised
+    whole, for lack of time, the merit is infinite.
     """
     project_to_limits(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
@@ -200,6 +203,10 @@ def descend(
     while True:
         looked = pick(states, looked_at)
         linearise_here(problem, looked, work, depth, mode, 0.0)
+        if late(work.clock):
+            if merit == math.inf:
+                at, looked.norms[MERIT] = looked_at, math.inf
+            return at, MISSED, iteration, 0.0, bound
         found = looked.norms[MERIT]
         if found < merit:
             if merit < math.inf:
@@ -212,7 +219,7 @@ def descend(
         state = pick(states, at)
         if met(problem, state, loose):
             verdict, clearance = proof(problem, state, work)
-            if verdict == CLEAR or depth >= problem.step_depth + 6:
+            if verdict == CLEAR or depth >= problem.step_depth + 6 or late(work.clock):
                 return at, verdict, iteration, clearance, bound
             if mode == solids.STEP:
                 mode, loose = solids.EXACT, 0.0
@@ -224,7 +231,7 @@ def descend(
             mode, loose = solids.EXACT, 0.0
             looked_at, merit, slow, easing = at, math.inf, 0, 1.0
             continue
-        if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
+        if iteration >= most or slow >= PATIENCE or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0]):
             return at, MISSED, iteration, 0.0, bound
         iteration += 1
         rest(work)

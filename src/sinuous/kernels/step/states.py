@@ -7,6 +7,7 @@ import numpy as np
 from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.chain.kinematics import frame, put_frame
+from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
@@ -16,7 +17,7 @@ State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 least clearance seen, and how far wishes for clearance are from met."""
 
 Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock"])
-"""Scratch of one solve."""
+"""Scratch of one solve; `clock`: see `kernels.clock`."""
 
 STATES = 3
 """States in a workspace: two take turns in a descent, a third serves corrections."""
@@ -27,7 +28,7 @@ MERIT, POSITION, ANGLE, SEEN, WISH = 0, 1, 2, 3, 4
 def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
     """Numbers (float64) that a solve needs as workspace."""
     capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
-    return STATES * (33 * segments + 18 + 27 * capacity + segments) + 19 * segments + obstacles + 2
+    return STATES * (33 * segments + 18 + 27 * capacity + segments) + 19 * segments + obstacles + CLOCK_SIZE
 
 
 @kernel
@@ -61,7 +62,7 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         rest[15 * n : 18 * n].reshape((n, 3)),
         rest[18 * n : 19 * n].view(np.int64),
         rest[19 * n : 19 * n + m].view(np.int64),
-        rest[19 * n + m : 19 * n + m + 2].view(np.int64),
+        rest[19 * n + m : 19 * n + m + CLOCK_SIZE].view(np.int64),
     )
     return states, work
 

@@ -70,7 +70,7 @@ def test_a_fresh_workspace_may_hold_anything() -> None:
         assert work(np.full(CLOCK_SIZE, stands), 1e3, 3 * STRIDE) == 3 * STRIDE
 
 
-class Refused(Exception):
+class RefusedError(Exception):
     """What a handler raises."""
 
 
@@ -94,7 +94,7 @@ posix = pytest.mark.skipif(sys.platform == "win32", reason="there a process cann
 
 
 @posix
-@pytest.mark.parametrize("kind", [KeyboardInterrupt, Refused])
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, RefusedError])
 def test_an_exception_of_a_handler_ends_the_work(
     handler: Callable[[Callable[[], None]], None], kind: type[BaseException]
 ) -> None:

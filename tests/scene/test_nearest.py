@@ -8,13 +8,13 @@ from sinuous.measures.body import body_places, segment_ends
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.nearest import least_gap, room_at
-from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Sphere
+from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution.verification import _least_clearance
 from tests.helpers import Floats
 from tests.solving.test_live import MADE
 
-SCENES = {
+SCENES: dict[str, list[Obstacle]] = {
     **{name: [make()] for name, make in MADE.items()},
     "primitives": [
         Sphere((0.4, 0.1, 0.5), 0.2),

@@ -6,8 +6,8 @@ time is read, which costs some 30 ns. Once it is over, every `spend` says so, un
 the loop around it ends with its next `spend`.
 
 Compiled code does not see signals. So whoever reads the time also listens for them, every `LISTENING` nanoseconds, as
-the manual of Python wants it: it takes the interpreter's lock and calls `PyErr_CheckSignals`. A handler runs only in the
-main thread, in which `Ctrl-C` raises `KeyboardInterrupt`. Then all time is over, and an exception of the same type is
+the manual of Python wants it: it takes the interpreter's lock and calls `PyErr_CheckSignals`. Handlers run only in the
+main thread; that of `Ctrl-C` raises `KeyboardInterrupt`. Then all time is over, and an exception of the same type is
 raised as soon as the compiled code is back in Python (`PyThreadState_SetAsyncExc`).
 """
 

@@ -1,8 +1,8 @@
 """Where points are nearest to the obstacles, by the compiled distances: for what is told of a failure.
 
-The values are those of `sinuous.measures`, which shares nothing with the kernels and judges what is called solved; tests
-hold both together. Only out of a `Grid` of distances, where bounds are all that is known, one of them may prove more.
-Here they come in microseconds, also among large meshes.
+The values are those of `sinuous.measures`, which shares nothing with the kernels and judges what is called solved;
+tests hold both together. Only out of a `Grid` of distances, where bounds are all that is known, one of them may prove
+more. Here they come in milliseconds, also among large meshes.
 """
 
 import math

@@ -1,16 +1,18 @@
 """Samples about an obstacle: where, how many, exact, and not computed twice."""
 
 import math
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sinuous.kernels.fields import solids
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.prepared import kept, parts, sampling, trees
 from sinuous.scene.scene import Scene
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 from tests.scene import shapes
 
 
@@ -48,6 +50,22 @@ def test_progress_goes_from_nothing_to_all() -> None:
     shares = [share for _, share in seen]
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
+
+
+def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    computed: list[int] = []
+
+    def slab(table: Floats, store: Floats, discs: Floats, first: int, last: int, out: Floats) -> None:
+        computed.append(first)
+        threading.Event().wait(0.01)
+
+    def interrupted(_name: str, _share: float) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(solids, "sample", slab)
+    with pytest.raises(KeyboardInterrupt):
+        Scene([Mesh(*shapes.ball(2))]).prepare(interrupted)
+    assert len(computed) < sampling.SLABS // 2
 
 
 def test_the_same_obstacle_is_computed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, slope
-from sinuous.kernels.maths.vectors import Array, scale
+from sinuous.kernels.maths.vectors import scale
 from sinuous.kernels.tables import RADIUS
 
 PER_SEGMENT = 32

@@ -42,8 +42,8 @@ def prove(
 
     Returns the verdict (CLEAR, TOUCHING, UNDECIDED), the clearance, and where the worst was seen: segment, fraction,
     obstacle. With CLEAR the clearance is a lower bound, at most `slack` of it below the truth; otherwise it is the
-    least one that was seen. Pieces shorter than `finest` are not halved any more. When the time of the clock in `scratch`
-    is over, the verdict is UNDECIDED.
+    least one that was seen. Pieces shorter than `finest` are not halved any more. When the time of the clock in
+    `scratch` is over, the verdict is UNDECIDED.
     """
     bound = least = math.inf
     where, fraction, which = -1, 0.0, -1

@@ -1,15 +1,15 @@
 """Discs about the nodes of a tree of triangles, which say better than boxes how far a point is at least.
 
-A smooth surface is nearly flat in a small place, but seldom along the axes: there a box is as thick as it is wide, while
-a disc across the mean normal is thin. From far away a surface is nearly as far in many places, and few of the discs
-have to be opened. They are made for sampling alone, because they take more memory than the boxes.
+A smooth surface is nearly flat in a small place, but seldom along the axes: there a box is as thick as it is wide,
+while a disc across the mean normal is thin. From far away a surface is nearly as far in many places, and few of the
+discs have to be opened. They are made for sampling alone, because they take more memory than the boxes.
 """
 
 import math
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.fields.trees import Tree, item_distance
+from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
 from sinuous.kernels.tables import NODE_SIZE, TRIANGLE_NORMAL, TRIANGLE_SIZE
 

@@ -150,8 +150,8 @@ def many(
 def least_gap(table: Array, store: Array, points: Array, radii: Array, above: bool) -> tuple[float, int, int]:
     """Find the least of `distance - radius` over `points` (m, 3) with `radii` (m,): the value, the point, the obstacle.
 
-    `above`: of upper bounds, which differ for samples alone. Without obstacles or points inf, -1 and -1. Points that are
-    sure to be farther, because the one looked at last is far enough away, are passed over; samples alone promise
+    `above`: of upper bounds, which differ for samples alone. Without obstacles or points inf, -1 and -1. Points that
+    are sure to be farther, because the one looked at last is far enough away, are passed over; samples alone promise
     nothing of the next point.
     """
     scene = Scene(table, store)

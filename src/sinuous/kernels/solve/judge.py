@@ -67,8 +67,8 @@ ROUNDING = 1e-11
 """By how much a limit may be exceeded, rad or robot lengths: what arithmetic rounds."""
 
 Check = namedtuple("Check", ["frames", "among", "clock"])
-"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); and the clock, see
-`kernels.clock`."""
+"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); and the
+clock, see `kernels.clock`."""
 
 Answer = namedtuple("Answer", ["best", "record"])
 """What a search fills: the best configuration (n, 3; rad and length unit), and its record (10,; see `tables`)."""

@@ -109,7 +109,7 @@ class Solver:
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given = self._no_initial if initial is None else self._given("initial", initial)
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
-        if looked:
+        if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:

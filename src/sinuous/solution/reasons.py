@@ -1,11 +1,15 @@
-"""Why there is no solution: a sentence, and the number that proves it, which `sinuous.measures` computes."""
+"""Why there is no solution: a sentence, and the number that proves it.
+
+Bounds on lengths and bends come from `sinuous.measures`, without kernels; distances to obstacles from
+`sinuous.scene.nearest`.
+"""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from sinuous.measures.clearance import room_at
 from sinuous.measures.reach import bounds
 from sinuous.measures.targets import backbone_end
+from sinuous.scene.nearest import room_at
 from sinuous.words import number
 
 if TYPE_CHECKING:

@@ -1,18 +1,26 @@
-"""Judge an answer by an independent, slow path: what `sinuous.measures` computes. No kernel is used."""
+"""Judge an answer by an independent, slow path: what `sinuous.measures` computes. `verify` uses no kernel.
+
+`find_worst` does: it only says of a failure what is missing, and has to be quick, also among large meshes. Its values
+are the same.
+"""
 
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from sinuous.checks import Floats
-from sinuous.measures.body import segment_ends
+from sinuous.measures.body import SAMPLES, segment_ends
 from sinuous.measures.clearance import least_clearance
 from sinuous.measures.self_clearance import Meeting, least_self_clearance
 from sinuous.measures.targets import target_errors
+from sinuous.scene.nearest import least_gap
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
     from sinuous.robot.robot import Robot
+    from sinuous.scene.snapshot import Snapshot
 
 LIMIT_SLACK = 1e-9
 ROUNDING = 1e-9
@@ -119,9 +127,9 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
     With `overlap` it is known to be a clearance, however deep.
     """
     robot, tolerance = problem.robot, problem.tolerance
-    ends = segment_ends(robot, q)
+    ends = np.concatenate([robot.base[None], robot.forward(q)])
     unit = robot.mean_length
-    clearance, where, which = least_clearance(robot, problem.scene, q, ends)
+    clearance, where, which = _least_clearance(robot, problem.scene, q)
     itself, segments = _meeting(robot, q, ends)
     near, far = segments or (None, None)
     found = [
@@ -139,3 +147,18 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
         found.append((miss / unit, Worst("position", segment, None, miss)))
         found.append((twist, Worst("angle", segment, None, twist)))
     return max(found, key=lambda pair: pair[0])[1]
+
+
+def _least_clearance(robot: "Robot", scene: "Snapshot", q: Floats) -> tuple[float, int | None, str | None]:
+    """Least clearance, its segment (1 = first) and obstacle: as `measures.clearance.least_clearance`, but compiled."""
+    if len(scene) == 0:
+        return math.inf, None, None
+    points, lengths = robot.backbone(q, SAMPLES), q[:, 2]
+    # The end of a segment is the beginning of the next one, which may be thicker: it counts for both.
+    places = np.arange(SAMPLES * len(robot)).reshape(-1, SAMPLES)[:, :1] + np.arange(SAMPLES + 1)
+    before = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
+    free = before[:, None] + np.linspace(0.0, lengths, SAMPLES + 1, axis=-1) >= robot.mount
+    segments = np.broadcast_to(np.arange(len(robot))[:, None], free.shape)[free]
+    nearest = least_gap(points[places[free]], np.array(robot.radii)[segments], scene)
+    segment = None if nearest.place is None else int(segments[nearest.place]) + 1
+    return nearest.distance, segment, nearest.obstacle

@@ -1,7 +1,6 @@
 """The start source for narrow places: routes through free space from the base to a target, and the chain along them."""
 
-from collections.abc import Iterator
-from time import monotonic
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -126,14 +125,13 @@ class Router:
             seconds = question.seconds_left()
             if query is None or seconds <= 0.0:
                 return
-            began = monotonic()
             found = self.find(problem, query, plan, seconds)
             known = told.get((plan.cell, plan.exact), 0)
             told[plan.cell, plan.exact] = max(known, len(found.routes))
-            initial = self.fit(problem, found, known)
+            initial = self.fit(problem, found, known, question.seconds_left)
             closed = plan.cell if found.ended == PROVED_CLOSED else None
             then = max(plan.then, found.cells // CELLS_A_START)
-            yield Batch(self.name, initial, seconds=monotonic() - began, then=then, closed=closed)
+            yield Batch(self.name, initial, then=then, closed=closed)
             if closed is not None:
                 return
 
@@ -163,15 +161,17 @@ class Router:
         lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
         return Found(lines, spacings[:found].tolist(), ended, cells)
 
-    def fit(self, problem: Problem, found: Found, known: int = 0) -> Floats:
-        """Return configurations (m, n, 3) along the routes, but for the first `known` ones."""
+    def fit(self, problem: Problem, found: Found, known: int, seconds_left: Callable[[], float]) -> Floats:
+        """Return configurations (m, n, 3) along the routes, but for the first `known` ones, while there is time."""
         robot = self._robot
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
         workspace = np.empty(fit_workspace_size(*sizes))
         fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
         groups = self._group, problem.scene._kernel_group, self._settings, problem._rows
-        for route, spacing, q in zip(found.routes[known:], found.spacings[known:], fits, strict=True):
-            fit_route(*groups, route, spacing, workspace, q)
+        for i, q in enumerate(fits):
+            if seconds_left() <= 0.0:
+                return fits[:i]
+            fit_route(*groups, found.routes[known + i], found.spacings[known + i], workspace, q)
         return fits
 
     def _load(self, problem: Problem) -> None:
@@ -182,7 +182,7 @@ class Router:
         if query is not None:
             self.find(problem, query, self.plans[0]._replace(slots=256), 0.0)
         announce(fit_route)
-        self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], [1.0], 0, 0))
+        self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], [1.0], 0, 0), 0, lambda: 1.0)
 
 
 def _plans(radius: float, length: float) -> tuple[Plan, ...]:

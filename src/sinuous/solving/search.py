@@ -1,8 +1,8 @@
 """One solve under way: what was found, what it cost, and whether it goes on. Two rules say when it stops."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from time import monotonic
 
 import numpy as np
 
@@ -10,15 +10,17 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, OUT_OF_REACH, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.solving.sources import Batch
 
-SLICE = 0.1
-"""Seconds after which a method should return to Python, so that an interrupt is seen."""
-
 Follow = Callable[[Batch, float], Outcome]
 """Follows the starts of a batch, for at most so many seconds, until one is solved."""
+
+Clock = Callable[[], float]
+"""Seconds since any moment."""
 
 
 class Search(ABC):
     """Counts starts, iterations and seconds; a stopping rule is what subclasses add.
+
+    The budget is one of time on the wall, from when the search is made: what happens between two calls is in it.
 
     Parameters
     ----------
@@ -26,12 +28,13 @@ class Search(ABC):
         Most starts.
     seconds : float
         Budget.
+    clock : callable
     """
 
-    def __init__(self, max_starts: int, seconds: float) -> None:
-        self._max_starts, self._budget = max_starts, seconds
+    def __init__(self, max_starts: int, seconds: float, clock: Clock = monotonic) -> None:
+        self._max_starts, self._budget, self._clock = max_starts, seconds, clock
         self._starts = self._iterations = 0
-        self._used = 0.0
+        self._began = clock()
 
     @property
     @abstractmethod
@@ -58,13 +61,17 @@ class Search(ABC):
     @property
     def seconds_left(self) -> float:
         """What is left of the budget."""
-        return self._budget - self._used
+        return self._budget - self.seconds_used
+
+    @property
+    def seconds_used(self) -> float:
+        """What is used of the budget."""
+        return self._clock() - self._began
 
     def take(self, found: Outcome) -> None:
         """Count what came of one call, and look at it."""
         self._starts += found.starts
         self._iterations += found.iterations
-        self._used += found.seconds
         self.keep(found)
 
     def pursue(self, batches: Iterator[Batch], follow: Follow) -> None:
@@ -73,7 +80,6 @@ class Search(ABC):
             batch = next(batches, None)
             if batch is None:
                 return
-            self._used += batch.seconds
             if batch.closed is not None:
                 self.close(batch.closed)
             for part in batch.parts(self.chunk):
@@ -93,13 +99,14 @@ class FirstSolved(Search):
     Parameters
     ----------
     first : Outcome
-        Of the first call.
-    max_starts, seconds
+        Of the first call, whose seconds are off the budget.
+    max_starts, seconds, clock
         See `Search`.
     """
 
-    def __init__(self, first: Outcome, max_starts: int, seconds: float) -> None:
-        super().__init__(max_starts, seconds)
+    def __init__(self, first: Outcome, max_starts: int, seconds: float, clock: Clock = monotonic) -> None:
+        super().__init__(max_starts, seconds, clock)
+        self._began -= first.seconds
         self._best = first
         self.take(first)
 
@@ -110,9 +117,8 @@ class FirstSolved(Search):
         return undecided and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
-        """As many as before, if that takes no longer than `SLICE`."""
-        quick = math.floor(SLICE * self._starts / max(self._used, 1e-9))
-        return min(self.starts_left, max(1, min(self._starts, quick)))
+        """As many as before."""
+        return min(self.starts_left, max(1, self._starts))
 
     def keep(self, found: Outcome) -> None:
         """Keep it if it is better: solved, or met as far as could be seen, or nearer to that."""
@@ -131,7 +137,7 @@ class FirstSolved(Search):
         best = self._best
         if best.code == FAILED and self.seconds_left <= 0.0:
             best = best._replace(code=LATE)
-        return best._replace(starts=self._starts, iterations=self._iterations, seconds=self._used)
+        return best._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
 
 
 def _rank(outcome: Outcome) -> tuple[int, float]:
@@ -150,7 +156,7 @@ class Distinct(Search):
         Two solutions are the same when no point of the backbone is farther from its counterpart, in the length unit.
     shape : callable
         Points (k, 3) of the backbone of a configuration (n, 3).
-    max_starts, seconds
+    max_starts, seconds, clock
         See `Search`.
 
     Attributes
@@ -160,9 +166,15 @@ class Distinct(Search):
     """
 
     def __init__(
-        self, count: int, apart: float, shape: Callable[[Floats], Floats], max_starts: int, seconds: float
+        self,
+        count: int,
+        apart: float,
+        shape: Callable[[Floats], Floats],
+        max_starts: int,
+        seconds: float,
+        clock: Clock = monotonic,
     ) -> None:
-        super().__init__(max_starts, seconds)
+        super().__init__(max_starts, seconds, clock)
         self._count, self._apart, self._shape = count, apart, shape
         self._shapes: list[Floats] = []
         self._impossible = False
@@ -186,7 +198,8 @@ class Distinct(Search):
         shape = self._shape(found.q)
         if all(np.linalg.norm(shape - other, axis=-1).max() > self._apart for other in self._shapes):
             self._shapes.append(shape)
-            self.found.append(found._replace(starts=self._starts, iterations=self._iterations, seconds=self._used))
+            found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
+            self.found.append(found)
 
     def close(self, cell: float) -> None:
         """End it: no route leads to the target, so there are no more solutions."""

@@ -31,7 +31,7 @@ CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
 TOGETHER = 256
-"""Most problems that `solve_many` hands over in one call, so that an interrupt is seen."""
+"""Most problems that `solve_many` hands over in one call."""
 
 
 class Solver:
@@ -107,12 +107,15 @@ class Solver:
         if renamed:
             refuse_renamed(renamed)
         scene, blocked = self._place
-        if scene is not self.scene.snapshot():
+        looked = scene is not self.scene.snapshot()
+        if looked:
             scene, blocked = self._look_at_base()
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given = self._no_initial if initial is None else self._given("initial", initial)
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
+        if looked:  # which is in the budget, too
+            budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])

@@ -22,8 +22,6 @@ class Batch:
     own : (int, int)
         Numbers of starts that the method makes by itself in compiled code, after the initial configurations, from the
         first up to, without it, the last: number 0 is the single arc, all others are scattered.
-    seconds : float
-        What it cost to make the batch.
     then : int
         Scattered starts that should come before the next batch of this source: in proportion to what that costs.
     closed : float or None
@@ -33,7 +31,6 @@ class Batch:
     source: str
     initial: Floats
     own: tuple[int, int] = (0, 0)
-    seconds: float = 0.0
     then: int = 0
     closed: float | None = None
 

@@ -11,6 +11,7 @@ from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.packing import segment_row
 from tests.helpers import Floats, frames_of, random_pose, random_rotation
+from tests.kernels.workspace import NEVER, make_clock
 
 SAMPLES = 150
 FINEST = 1e-7
@@ -23,10 +24,10 @@ def table_of(radii: Floats | Sequence[float]) -> Floats:
 
 
 def prove(
-    q: Floats, radii: Floats | Sequence[float], base: Floats | None = None, deadline: float = math.inf
+    q: Floats, radii: Floats | Sequence[float], base: Floats | None = None, deadline: int = NEVER
 ) -> tuple[int, float, tuple[int, float, int, float]]:
     shape = Shape(table_of(radii), q, frames_of(q, base), np.full((len(q) + 1, SPAN_WIDTH), np.nan))
-    return self_proof.prove_self(shape, FINEST * float(q[:, 2].sum()), np.zeros(2, np.int64), deadline)
+    return self_proof.prove_self(shape, FINEST * float(q[:, 2].sum()), make_clock(deadline))
 
 
 def sampled(q: Floats, radii: Floats | Sequence[float]) -> tuple[float, float]:
@@ -240,4 +241,4 @@ def test_the_proof_ends_by_its_deadline() -> None:
     q = coil(30, 0.6)
     radii = [0.5 * (least + 2e-3 - 1e-2)] * len(q)
     assert prove(q, radii)[0] == CLEAR
-    assert prove(q, radii, deadline=-math.inf)[0] == UNDECIDED
+    assert prove(q, radii, deadline=0)[0] == UNDECIDED

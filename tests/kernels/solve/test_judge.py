@@ -17,6 +17,7 @@ from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution.verification import verify
 from tests.helpers import Floats, kernel_scene
+from tests.kernels.workspace import make_clock
 
 
 def kernel_problem(problem: Problem) -> KernelProblem:
@@ -44,9 +45,8 @@ def checker(problem: Problem) -> tuple[Any, Any]:
     frames = np.zeros((len(problem.robot) + 1, 12))
     frames[0] = pose_row(problem.robot.base)
     obstacles = np.zeros(len(problem.scene), np.int64)
-    return kernel_problem(problem), common.Check(
-        frames, obstacles, np.zeros(2, np.int64), np.zeros((len(problem.robot) + 1, SPAN_WIDTH))
-    )
+    spans = np.zeros((len(problem.robot) + 1, SPAN_WIDTH))
+    return kernel_problem(problem), common.Check(frames, obstacles, make_clock(), spans)
 
 
 def judged(problem: Problem, q: Floats) -> tuple[int, float, float, float, float, bool, float]:

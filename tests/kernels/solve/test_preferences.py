@@ -53,7 +53,7 @@ def preferred(
     told = prefer(
         packing.robot_group(ROBOT), group, settings, problem.rows.copy(), reference, proved, np.empty(size), best
     )
-    return best, *told
+    return best, *told[:-1]
 
 
 def disliked(wish: Preferences, q: Floats, reference: Floats) -> float:

@@ -13,25 +13,25 @@ from sinuous.kernels.body.proof import CLEAR, ROUNDING, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
 from sinuous.kernels.body.self_pieces import Aim, closest, wanted
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, norm
 
-PAUSE = 256
-"""Pairs of pieces that are looked at between two looks at the clock."""
+PAIR_LOOKS = 16
+"""What a look at a pair of pieces costs, see `kernels.clock`."""
 
 Meeting = tuple[int, float, int, float]
 """Two places of the body: segment and fraction of it, segment and fraction; segments are -1 where none are known."""
 
 
 @kernel
-def prove_self(shape: Shape, finest: float, clock: Array, deadline: float) -> tuple[int, float, Meeting]:
+def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, Meeting]:
     """Prove that the body does not run through itself, or find where it does.
 
     Returns the verdict (CLEAR, TOUCHING, UNDECIDED), the self-clearance, and the closest places that were seen. With
     CLEAR the self-clearance is a lower bound of all gaps (infinite: no two places concern each other), else it is the
-    least that was seen. Pieces shorter than `finest` are not halved any more; what is not proved by the `deadline` (s,
-    see `clock.now`) is UNDECIDED.
+    least that was seen. Pieces shorter than `finest` are not halved any more; what is not proved when the time of
+    the `clock` is over is UNDECIDED.
     """
     most, thickest = survey(shape)
     where = (-1, 0.0, -1, 0.0)
@@ -40,7 +40,7 @@ def prove_self(shape: Shape, finest: float, clock: Array, deadline: float) -> tu
     # What the survey bounds needs no better bound; where it bounds nothing, a radius is enough.
     aim = Aim(most if 0.0 < most < math.inf else thickest, 0.0, finest, True)
     bound, least = most, math.inf
-    i, j, looks = -1, shape.q.shape[0], 0
+    i, j = -1, shape.q.shape[0]
     while True:
         i, j, passed = next_pair(shape, i, j, wanted(aim, least), thickest)
         bound = min(bound, passed)
@@ -51,17 +51,15 @@ def prove_self(shape: Shape, finest: float, clock: Array, deadline: float) -> tu
             gap, t = own_gap(shape, i)
             low = gap
         else:
-            low, gap, s, t, more = closest(shape, i, j, aim, least)
-            looks += more
+            low, gap, s, t, looks = closest(shape, i, j, aim, least)
+            spend(clock, PAIR_LOOKS * looks)
         bound = min(bound, low)
         if gap < least:
             least, where = gap, (i, s, j, t)
         if least < 0.0:
             return TOUCHING, least, where
-        if looks >= PAUSE:
-            looks = 0
-            if now(clock) > deadline:
-                return UNDECIDED, least, where
+        if late(clock):
+            return UNDECIDED, least, where
     rounding = norm(frame(shape.frames, 0)[1])
     for k in range(shape.q.shape[0]):
         rounding += shape.q[k, 2]

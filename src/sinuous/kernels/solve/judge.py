@@ -9,10 +9,12 @@ from collections import namedtuple
 
 import numpy as np
 
+from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, prove
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
+from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -68,8 +70,8 @@ ROUNDING = 1e-11
 """By how much a limit may be exceeded, rad or robot lengths: what arithmetic rounds."""
 
 Check = namedtuple("Check", ["frames", "among", "clock", "spans"])
-"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); what
-reads the clock (2,); and `spans` (n + 1, 5) of `self_pairs`."""
+"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); the
+clock, see `kernels.clock`; and `spans` (n + 1, 5) of `self_pairs`."""
 
 Answer = namedtuple("Answer", ["best", "record"])
 """What a search fills: the best configuration (n, 3; rad and length unit), and its record (11,; see `tables`)."""
@@ -77,7 +79,7 @@ Answer = namedtuple("Answer", ["best", "record"])
 
 def check_size(segments: int, obstacles: int) -> int:
     """Numbers (float64) that `carve_check` takes from a buffer."""
-    return (12 + SPAN_WIDTH) * (segments + 1) + obstacles + 2
+    return (12 + SPAN_WIDTH) * (segments + 1) + obstacles + CLOCK_SIZE
 
 
 @kernel
@@ -88,8 +90,9 @@ def carve_check(buffer: Array, problem: Problem) -> Check:
     rotation, position = frame(problem.base, 0)
     put_frame(frames, 0, rotation, position)
     rest = buffer[12 * (n + 1) :]
-    spans = rest[m + 2 : m + 2 + SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH))
-    return Check(frames, rest[:m].view(np.int64), rest[m : m + 2].view(np.int64), spans)
+    clock = rest[m : m + CLOCK_SIZE].view(np.int64)
+    spans = rest[m + CLOCK_SIZE : m + CLOCK_SIZE + SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH))
+    return Check(frames, rest[:m].view(np.int64), clock, spans)
 
 
 @kernel
@@ -168,12 +171,12 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
             problem.mount,
             SLACK,
             FINEST * problem.unit,
-            check.among,
+            Scratch(check.among, check.clock),
         )
     own, self_clearance = CLEAR, math.inf
     if problem.avoids_itself:
         shape = Shape(problem.limits, q, check.frames, check.spans)
-        own, self_clearance, _ = prove_self(shape, FINEST * problem.unit, check.clock, math.inf)
+        own, self_clearance, _ = prove_self(shape, FINEST * problem.unit, check.clock)
     overlap = max(0.0, -clearance) if verdict == TOUCHING else 0.0
     crossing = max(0.0, -self_clearance) if own == TOUCHING else 0.0
     lengths = off * off + length * length + overlap * overlap + crossing * crossing

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import allow, begin, late, now, over
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
@@ -62,6 +62,8 @@ def _begin(
         if tip >= 0:
             face(trial.frames, problem.tool, tip, goal, trial.q)
         linearise(problem, trial, work, problem.look_depth, solids.STEP, 0.0, False)
+        if late(work.clock) and draw > 0:
+            break
         if draw == 0 or trial.norms[MERIT] < least:
             least = trial.norms[MERIT]
             copy(trial.q, state.q)
@@ -80,8 +82,7 @@ def _solve(
 ) -> Numbers:
     """Solve one problem; fills `best` (n, 3) and returns the record."""
     first, last, seed, seconds = budget
-    began = now(work.clock)
-    deadline = began + seconds
+    began = allow(work.clock, seconds)
     tip, goal = most_distal(problem)
     impossible = verdict_of(problem)
     own = last - first if impossible == POSSIBLE else min(last - first, 1)
@@ -97,10 +98,10 @@ def _solve(
         else:
             kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
         index += 1
-        at, verdict, used, seen, self_seen, bound = descend(problem, states, at, work, iterations, deadline)
+        at, verdict, used, seen, self_seen, bound = descend(problem, states, at, work, iterations)
         total += used
         state = pick(states, at)
-        if verdict == CLEAR or state.norms[MERIT] < least:
+        if verdict == CLEAR or state.norms[MERIT] < least or index == 1:
             copy(state.q, best)
             least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
             clearance, self_clearance = seen, self_seen
@@ -110,7 +111,7 @@ def _solve(
                 break
             if verdict == UNDECIDED:
                 status = UNPROVED
-        if now(work.clock) > deadline:
+        if over(work.clock):
             if status == FAILED:
                 status = LATE
             break
@@ -139,6 +140,7 @@ def search(
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
+    begin(work.clock)
     return _solve(problem, states, work, initial, budget, int(settings[MAX_ITERATIONS]), best)
 
 
@@ -158,6 +160,7 @@ def search_many(
     `targets` (m, t, 15), `initial` (m, g, n, 3); fills `answers` (m, 11 + 3 n): record and configuration of each.
     """
     states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
+    begin(work.clock)
     for i in range(targets.shape[0]):
         problem = read_problem(robot, scene, settings, targets[i])
         best, record = answer_of(answers, i, problem.limits.shape[0])

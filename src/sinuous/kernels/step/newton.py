@@ -3,13 +3,14 @@
 import math
 
 from sinuous.kernels.body.contacts import SOFTNESS, Body, Look, contacts
+from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
 from sinuous.kernels.body.self_contacts import VALUE, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import coarseness
@@ -109,7 +110,7 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
     Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`), self-contacts only
-    `with_self`.
+    `with_self`. When the time is over, some are missing.
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
@@ -118,12 +119,13 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     mount = problem.mount
     body = Body(problem.limits, q, frames, problem.unit)
     look = Look(problem.margin, wish, depth, mode)
+    scratch = Scratch(work.among, work.clock)
     at = actuator = 0
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
         if problem.scene.table.shape[0] > 0:
-            at, least = contacts(body, problem.scene, k, mount, look, work.among, rows, at)
+            at, least = contacts(body, problem.scene, k, mount, look, scratch, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
         at, miss, angle = add_targets_here(problem, state, k, at)
@@ -207,20 +209,31 @@ def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
         return CLEAR, math.inf
     slack = SAMPLED_SLACK if coarseness(problem.scene) > 0.0 else SLACK
     finest = FINEST * problem.unit
+    scratch = Scratch(work.among, work.clock)
     verdict, clearance, _, _, _ = prove(
-        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, work.among
+        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, scratch
     )
     return verdict, clearance
 
 
 @kernel
-def self_proof(problem: Problem, state: State, work: Work, deadline: float) -> tuple[int, float]:
+def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
     if not problem.avoids_itself:
         return CLEAR, math.inf
     shape = Shape(problem.limits, state.q, state.frames, spans_of(work))
-    verdict, clearance, _ = prove_self(shape, FINEST * problem.unit, work.clock, deadline)
+    verdict, clearance, _ = prove_self(shape, FINEST * problem.unit, work.clock)
     return verdict, clearance
+
+
+@kernel
+def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int, float]:
+    """Count steps in a row that gain little, and adapt how much the damping is eased; `merit` is the best so far."""
+    if found >= merit:
+        return slow + 1, 10.0 * easing
+    if merit == math.inf:
+        return slow, easing
+    return slow + 1 if found > 0.8 * merit else 0, max(1e-6, 0.3 * easing)
 
 
 linearise_here, step_here = inline(linearise), inline(step)
@@ -228,7 +241,7 @@ linearise_here, step_here = inline(linearise), inline(step)
 
 @kernel
 def descend(
-    problem: Problem, states: State, at: int, work: Work, most: int, deadline: float
+    problem: Problem, states: State, at: int, work: Work, most: int
 ) -> tuple[int, int, int, float, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
@@ -237,7 +250,8 @@ def descend(
     that the body does not run through itself on: most shapes never come near themselves.
 
     Returns which is the best, the verdict of the proofs (MISSED: the targets were not met), the number of iterations,
-    the clearances from obstacles and from itself that were seen, and whether limits bound the last step.
+    the clearances from obstacles and from itself that were seen, and whether limits bound the last step. Of a state
+    that was never linearised whole, for lack of time, the merit is infinite.
     """
     project_to_limits(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
@@ -249,25 +263,25 @@ def descend(
     while True:
         looked = pick(states, looked_at)
         linearise_here(problem, looked, work, depth, mode, 0.0, with_self)
+        if late(work.clock):
+            if merit == math.inf:
+                at, looked.norms[MERIT] = looked_at, math.inf
+            state = pick(states, at)
+            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         found = looked.norms[MERIT]
+        slow, easing = _progress(found, merit, slow, easing)
         if found < merit:
-            if merit < math.inf:
-                slow = slow + 1 if found > 0.8 * merit else 0
-                easing = max(1e-6, 0.3 * easing)
             at, merit = looked_at, found
-        else:
-            slow += 1
-            easing *= 10.0
         state = pick(states, at)
         if met(problem, state, loose):
-            verdict, self_clearance = self_proof(problem, state, work, deadline)
+            verdict, self_clearance = self_proof(problem, state, work)
             if verdict != CLEAR:
                 if with_self:
                     return at, verdict, iteration, state.norms[SEEN], self_clearance, bound
                 with_self, looked_at, merit, slow, easing = True, at, math.inf, 0, 1.0
                 continue
             verdict, clearance = proof(problem, state, work)
-            if verdict == CLEAR or depth >= problem.step_depth + 6:
+            if verdict == CLEAR or depth >= problem.step_depth + 6 or late(work.clock):
                 return at, verdict, iteration, clearance, self_clearance, bound
             if mode == solids.STEP:
                 mode, loose = solids.EXACT, 0.0
@@ -279,7 +293,7 @@ def descend(
             mode, loose = solids.EXACT, 0.0
             looked_at, merit, slow, easing = at, math.inf, 0, 1.0
             continue
-        if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
+        if iteration >= most or slow >= PATIENCE or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0]):
             return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         iteration += 1
         rest(work)

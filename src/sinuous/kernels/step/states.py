@@ -9,6 +9,7 @@ from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
+from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
@@ -19,8 +20,8 @@ least clearance seen, how far wishes for clearance are from met, a lower bound o
 not looked at), and the number of self-contacts; then these, see `pairs_of`."""
 
 Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock", "rest"])
-"""Scratch of one solve. `rest` is what few solves need, in one array, because each costs time whenever a kernel is
-called: see `spans_of` and `coupling_of`."""
+"""Scratch of one solve; `clock`: see `kernels.clock`. `rest` is what few solves need, in one array, because each costs
+time whenever a kernel is called: see `spans_of` and `coupling_of`."""
 
 Coupling = namedtuple("Coupling", ["pull", "replies", "system"])
 """Scratch of `step.coupling`, for up to m self-contacts: a motion (n, 3), what each of them moves (m, n, 3), and a
@@ -40,7 +41,7 @@ def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) 
     rows, pairs = segments + 1 + 28 * capacity, MOST_PAIRS * (1 + 3 * segments)
     state = 33 * segments + 12 + NORMS + rows + pairs
     coupling = 3 * segments * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
-    return STATES * state + 19 * segments + obstacles + 2 + SPAN_WIDTH * (segments + 1) + coupling
+    return STATES * state + 19 * segments + obstacles + CLOCK_SIZE + SPAN_WIDTH * (segments + 1) + coupling
 
 
 @kernel
@@ -69,7 +70,7 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
     )
     rest = buffer[size + c * rows_size(n, capacity) :]
     coupling = 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
-    own = 19 * n + m + 2
+    own = 19 * n + m + CLOCK_SIZE
     work = Work(
         rest[: 9 * n].reshape((n, 9)),
         rest[9 * n : 12 * n].reshape((n, 3)),
@@ -77,7 +78,7 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         rest[15 * n : 18 * n].reshape((n, 3)),
         rest[18 * n : 19 * n].view(np.int64),
         rest[19 * n : 19 * n + m].view(np.int64),
-        rest[19 * n + m : 19 * n + m + 2].view(np.int64),
+        rest[19 * n + m : own].view(np.int64),
         rest[own : own + SPAN_WIDTH * (n + 1) + coupling],
     )
     return states, work

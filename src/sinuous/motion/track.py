@@ -115,6 +115,7 @@ class Track:
             "self_clearance": _least([w["self_clearance"] for w in waypoints]),
             "worst": next((w["worst"] for w in waypoints if w["worst"] is not None), None),
             "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
+            "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
             "iterations": sum(w["iterations"] for w in waypoints),
             "starts": sum(w["starts"] for w in waypoints),
             "seconds": self.seconds,

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,8 @@ def _moved(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:
         return _with(problem, i, position=np.round(place + by, min(15, digits)))
 
     ends = (_end(problem, q, target)[:3, 3] for q in _without(trials, case, i, "position"))
-    least = nearest(trials, moved, (end - place for end in ends), 0.5 * tolerance)
+    firsts = chain(_out_of(case, place), (end - place for end in ends))
+    least = nearest(trials, moved, firsts, 0.5 * tolerance)
     if least is not None and float(np.linalg.norm(least[0])) <= tolerance:
         yield from _from_there(trials, case, least[1].q)
         return
@@ -69,6 +71,13 @@ def _moved(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:
             after = moved(by).targets[i].position
             yield Remedy("target position", place.tolist(), np.asarray(after).tolist(), f"{number(size)} away")
             return
+
+
+def _out_of(case: Case, place: Floats) -> Iterator[Floats]:
+    """The shortest way out of the obstacle that a target is in, where that is the reason."""
+    if case.reason is not None and case.reason.bound == "target":
+        deep = case.reason.needed - case.reason.available
+        yield (deep + (case.problem.tolerance.position or 0.0)) * case.problem.scene.gradient(place)
 
 
 def _turned(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:

@@ -1,7 +1,11 @@
 """Robots for intricate places: every twenty seeds in a row have all kinds, from 3 segments to 20."""
 
+import math
+
+import numpy as np
 from numpy.random import Generator
 
+from sinuous.checks import Floats
 from sinuous.poses import pose
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
@@ -37,3 +41,30 @@ def robot_of(seed: int, rng: Generator) -> Robot:
         segments = [Segment((0.0, STROKE * unit), 0.0, radius=radius), *segments]
         mount = float(rng.choice([0.0, HOLDER])) * unit
     return Robot(segments, mount=mount, base=pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)))
+
+
+THICKNESS = (0.05, 0.12)
+"""Of the body of various robots: range of its radius at the base, of a segment's length."""
+
+TAPER = 0.7
+"""Radius at the tip of those that taper, of that at the base."""
+
+TOOL, SLANT = (0.05, 0.4), 0.5
+"""Range of the length of a tool, in lengths of a segment; its largest angle with the tangent, rad."""
+
+
+def various_robot(seed: int, rng: Generator) -> Robot:
+    """Return the robot of a seed with another body: slender or thick, half of them tapered, and a third with a tool."""
+    plain = robot_of(seed, rng)
+    unit = UNITS[seed // 20 % 3]
+    radii = unit * rng.uniform(*THICKNESS) * np.linspace(1.0, rng.choice([1.0, TAPER]), len(plain))
+    segments = [
+        Segment(one.length, one.max_bend, radius=radius) for one, radius in zip(plain.segments, radii, strict=True)
+    ]
+    return Robot(segments, mount=plain.mount, base=plain.base, tool=_tool(unit, rng) if rng.random() < 1 / 3 else None)
+
+
+def _tool(unit: float, rng: Generator) -> Floats:
+    """A point ahead of the tip, to which the tool leads straight."""
+    direction = np.array([0.0, 0.0, 1.0]) + np.append(rng.uniform(-1.0, 1.0, 2) * SLANT / math.sqrt(2.0), 0.0)
+    return pose(unit * rng.uniform(*TOOL) * direction / np.linalg.norm(direction), direction=direction)

@@ -7,8 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.scene.meshes.mesh import Mesh
 
 Faces = NDArray[np.int64]
+
+WALL = 0.8
+"""Thickness of the walls of pipes, in radii of the body."""
 
 
 class Surface(NamedTuple):
@@ -27,6 +31,11 @@ class Surface(NamedTuple):
     def turned(self) -> "Surface":
         """The same triangles, seen from the other side: the wall of a hollow."""
         return Surface(self.vertices, self.faces[:, ::-1].copy())
+
+
+def solid(surface: Surface, name: str) -> Mesh:
+    """Return the obstacle that a closed surface bounds."""
+    return Mesh(surface.vertices, surface.faces, name=name)
 
 
 def joined(surfaces: list[Surface]) -> Surface:
@@ -75,6 +84,23 @@ def tube(poses: Floats, radius: float, sides: int = 16, caps: int = 4) -> Surfac
     rings += [_ring(poses[-1], outer * math.cos(a), outer * math.sin(a), sides) for a in lean]
     ends = [poses[0, :3, 3] - outer * poses[0, :3, 2], poses[-1, :3, 3] + outer * poses[-1, :3, 2]]
     return loft(np.array(rings), np.array(ends))
+
+
+def hollow(poses: Floats, inside: float, outside: float) -> Surface:
+    """Return the wall between two radii around a curve, closed by half a ball at each end."""
+    return joined([tube(poses, outside), tube(poses, inside).turned])
+
+
+def open_tube(poses: Floats, inside: float, outside: float, bottom: bool = False, sides: int = 16) -> Surface:
+    """Return the wall between two radii around a curve, open at both ends, or (`bottom`) only at the last one."""
+    widen = 1.0 / math.cos(math.pi / sides)
+    outer = [_ring(pose, outside * widen, 0.0, sides) for pose in poses]
+    inner = [_ring(pose, inside * widen, 0.0, sides) for pose in poses]
+    if not bottom:
+        return ring_loft(np.array([*outer, *inner[::-1]]))
+    start, tangent = poses[0, :3, 3], poses[0, :3, 2]
+    behind = _ring(poses[0], outside * widen, inside - outside, sides)
+    return loft(np.array([behind, *outer, *inner[::-1]]), np.array([start - (outside - inside) * tangent, start]))
 
 
 def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:

@@ -159,7 +159,7 @@ def balls() -> Place:
     robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
     target = sn.Target((0.5, 0, 2.5), direction=(0.2, 0, 1))
     scene = Scene([Sphere((0.25, 0.05, 1.4), 0.2), Sphere((1.5, 0, 1.5), 0.3)])
-    return Place("balls", 0, robot, scene, target, Tolerance().for_robot(robot), np.zeros((3, 3)))
+    return Place("balls", 0, robot, scene, (target,), Tolerance().for_robot(robot), np.zeros((3, 3)))
 
 
 def test_ipopt_keeps_out_of_balls() -> None:

@@ -9,9 +9,9 @@ import trimesh
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import Flags
 from benchmarks.places import FAMILIES, Place, make, place
+from benchmarks.places.around.spheres import spheres
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.place import Sketch, settle
-from benchmarks.places.spheres import spheres
 from benchmarks.problems import random_configurations
 from sinuous.checks import Floats
 from sinuous.measures.body import arc_poses

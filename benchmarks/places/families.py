@@ -1,0 +1,95 @@
+"""All families of places, and what each is."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from benchmarks.places import polyhedra
+from benchmarks.places.around.drum import drum
+from benchmarks.places.around.duct import duct
+from benchmarks.places.around.pipes import pipe
+from benchmarks.places.around.plates import plates
+from benchmarks.places.around.shelf import shelf
+from benchmarks.places.around.spheres import spheres
+from benchmarks.places.place import Draw, Place, settle
+from benchmarks.places.scans import scan
+from benchmarks.places.traps import pipes
+
+
+@dataclass(frozen=True)
+class Family:
+    """Places of one kind.
+
+    Attributes
+    ----------
+    make : callable
+        From a seed to a place.
+    words : str
+        What it is.
+    published : bool
+        Whether it repeats what others were measured on.
+    """
+
+    make: Callable[[int], Place]
+    words: str
+    published: bool = False
+
+
+_DRAWN: dict[str, tuple[Draw, str]] = {
+    "spheres 12": (partial(spheres, 12), "12 balls beside the hidden shape"),
+    "spheres 40": (partial(spheres, 40), "40 balls beside the hidden shape"),
+    "spheres 100": (partial(spheres, 100), "100 balls beside the hidden shape"),
+    "pipe 2.2": (partial(pipe, 2.2), "closed curved pipe of 2.2 times the body's radius, a mesh"),
+    "pipe 1.6": (partial(pipe, 1.6), "closed curved pipe of 1.6 times the body's radius, a mesh"),
+    "pipe 1.3": (partial(pipe, 1.3), "closed curved pipe of 1.3 times the body's radius, a mesh"),
+    "plates": (plates, "2 to 6 plates with holes of 1.5 times the body's radius, meshes"),
+    "drum": (drum, "rows of blades on a drum, meshes; the target deep between two blades"),
+    "shelf": (shelf, "a shelf of boxes; the target deep in a compartment"),
+    "duct": (duct, "closed duct of 1.7 times the body's radius with 2 to 4 dead ends, a mesh"),
+    "open pipe 2.2": (
+        partial(pipes.open_pipe, 2.2),
+        "base in a mouth of a pipe of 2.2 times the body's radius, a mesh",
+    ),
+    "open pipe 1.6": (
+        partial(pipes.open_pipe, 1.6),
+        "base in a mouth of a pipe of 1.6 times the body's radius, a mesh",
+    ),
+    "open pipe 1.3": (
+        partial(pipes.open_pipe, 1.3),
+        "base in a mouth of a pipe of 1.3 times the body's radius, a mesh",
+    ),
+    "pipe between": (partial(pipes.pipe_between, 1.6), "an open pipe between base and target, a mesh"),
+    "guide tube": (pipes.guide_tube, "base in a straight tube that hardly leaves room, a mesh"),
+    "channel": (partial(pipes.open_channel, 1.5), "base in a straight channel of boxes"),
+}
+SCANNED = (
+    *("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct"),
+    *("open pipe 1.6", "pipe between", "guide tube", "channel"),
+)
+
+_PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
+    "p3": (polyhedra.fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
+    "p4 direction": (
+        partial(polyhedra.extensible, whole=False),
+        "four scenes of balls, 3 to 6 extensible segments, position and direction",
+    ),
+    "p4 pose": (
+        partial(polyhedra.extensible, whole=True),
+        "four scenes of balls, 3 to 6 extensible segments, position and rotation",
+    ),
+}
+
+
+def _families() -> dict[str, Family]:
+    scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
+    families = {
+        name: Family(partial(settle, name, draw=draw), words)  # the name is part of what the draws begin with
+        for name, (draw, words) in (_DRAWN | scanned).items()
+    }
+    for name, (made, words) in _PUBLISHED.items():
+        families[name] = Family(made, words, published=True)
+    return families
+
+
+FAMILIES = _families()
+"""By their names, in the order of the benchmark."""

@@ -8,8 +8,8 @@
 `make(family, seed)` returns a `Place`; `FAMILIES` lists the names with what they are. The same seed gives the same
 place. Every twenty seeds in a row have all robots: 3, 5, 8, 12 and 20 segments, extensible or not, with an insertion
 stage or without. Every place was judged when it was made: `place.hidden_q` is free, of obstacles and of itself, within
-limits, and at the target. In "p3", "p4 direction" and "p4 pose" the scenes are the same four in turn, and shared: places
-with the same `robot` and `scene` objects can share a `Solver`.
+limits, and at the target. In "p3", "p4 direction" and "p4 pose" the scenes are the same four in turn, and shared:
+places with the same `robot` and `scene` objects can share a `Solver`.
 
 Rooms: `parts` (robots, hidden shapes, surfaces), `around` (what is drawn around the hidden shape), `traps` (what is
 narrow where a search begins or ends; bodies are slender or thick there, tapered, some with a tool or an elbow that is

@@ -11,9 +11,10 @@ from benchmarks.places.around.pipes import pipe
 from benchmarks.places.around.plates import plates
 from benchmarks.places.around.shelf import shelf
 from benchmarks.places.around.spheres import spheres
+from benchmarks.places.meshed import meshed
 from benchmarks.places.place import Draw, Place, settle
 from benchmarks.places.scans import scan
-from benchmarks.places.traps import pipes
+from benchmarks.places.traps import bores, corridors, doors, pipes
 
 
 @dataclass(frozen=True)
@@ -61,11 +62,22 @@ _DRAWN: dict[str, tuple[Draw, str]] = {
     "pipe between": (partial(pipes.pipe_between, 1.6), "an open pipe between base and target, a mesh"),
     "guide tube": (pipes.guide_tube, "base in a straight tube that hardly leaves room, a mesh"),
     "channel": (partial(pipes.open_channel, 1.5), "base in a straight channel of boxes"),
+    "bore": (bores.bore, "target in a blind bore, the base outside, a mesh"),
+    "square bore": (bores.square_bore, "target in a blind square bore, the base outside, boxes"),
+    "door out": (doors.door_out, "base in a cell with one door, the target outside, boxes"),
+    "door in": (doors.door_in, "target in a cell with one door, the base outside, boxes"),
+    "door beside": (doors.door_beside, "base in a cell whose door is beside or behind it, boxes"),
+    "two doors": (doors.two_doors, "two cells, and between them a door and one that is too narrow, boxes"),
+    "folded": (doors.folded, "20 segments folded in a cell before its door, boxes"),
+    "cells": (corridors.channel_between_cells, "from cell to cell through a straight channel, boxes"),
+    "cells pipe": (corridors.pipe_between_cells, "from cell to cell through a bent pipe, boxes and a mesh"),
 }
 SCANNED = (
     *("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct"),
-    *("open pipe 1.6", "pipe between", "guide tube", "channel"),
+    *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
+    *("door out", "door in", "door beside", "two doors", "folded", "cells", "cells pipe"),
 )
+MESHED = ("square bore", "door out", "door in", "door beside", "two doors", "folded", "cells")
 
 _PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
     "p3": (polyhedra.fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
@@ -82,9 +94,10 @@ _PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
 
 def _families() -> dict[str, Family]:
     scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
+    models = {f"{name} mesh": (partial(meshed, _DRAWN[name][0]), f"a mesh of {name}") for name in MESHED}
     families = {
         name: Family(partial(settle, name, draw=draw), words)  # the name is part of what the draws begin with
-        for name, (draw, words) in (_DRAWN | scanned).items()
+        for name, (draw, words) in (_DRAWN | models | scanned).items()
     }
     for name, (made, words) in _PUBLISHED.items():
         families[name] = Family(made, words, published=True)

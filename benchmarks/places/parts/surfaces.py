@@ -110,16 +110,37 @@ def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
     return ring
 
 
+def blind_bore(pose: Floats, hole: float, depth: float, half: float, bottom: float, sides: int = 24) -> Surface:
+    """Return a block with a bore of radius `hole` from the origin of `pose` along z, closed at `depth`.
+
+    The block is square, with half the edge `half`, and goes on `bottom` beyond the bore. `sides` as for `plate`.
+    """
+    circle, square = _outlines(sides)
+    low, high = np.zeros((sides, 1)), np.full((sides, 1), depth)
+    inner, outer = hole / math.cos(math.pi / sides) * circle, half * square
+    corners = [np.hstack([outer, high + bottom]), np.hstack([outer, low]), np.hstack([inner, low])]
+    corners.append(np.hstack([inner, high]))
+    poles = np.array([[0.0, 0.0, depth + bottom], [0.0, 0.0, depth]])
+    place = pose[:3, :3].T
+    return loft(np.array(corners) @ place + pose[:3, 3], poles @ place + pose[:3, 3]).turned
+
+
 def plate(pose: Floats, half: float, hole: float, thickness: float, sides: int = 24) -> Surface:
     """Return a square plate across the z axis of `pose`, with a hole of radius `hole` around it.
 
     `sides`, a multiple of 8, is also how often the outline is cut, so that it has its corners.
     """
-    turn = 2.0 * math.pi * np.arange(sides) / sides
-    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    square = half * circle / np.abs(circle).max(axis=1, keepdims=True)
+    circle, square = _outlines(sides)
+    square = half * square
     inner = hole / math.cos(math.pi / sides) * circle
     up, down = np.full((sides, 1), 0.5 * thickness), np.full((sides, 1), -0.5 * thickness)
     corners = [np.hstack([inner, down]), np.hstack([square, down]), np.hstack([square, up]), np.hstack([inner, up])]
     rings = np.stack(corners, axis=1) @ pose[:3, :3].T + pose[:3, 3]
     return ring_loft(rings).turned
+
+
+def _outlines(sides: int) -> tuple[Floats, Floats]:
+    """Points (sides, 2) of the circle of radius 1 and of the square around it, in the same directions."""
+    turn = 2.0 * math.pi * np.arange(sides) / sides
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    return circle, circle / np.abs(circle).max(axis=1, keepdims=True)

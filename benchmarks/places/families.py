@@ -12,9 +12,10 @@ from benchmarks.places.around.plates import plates
 from benchmarks.places.around.shelf import shelf
 from benchmarks.places.around.spheres import spheres
 from benchmarks.places.meshed import meshed
-from benchmarks.places.place import Draw, Place, settle
+from benchmarks.places.parts.robots import STOUT, long_robot, stout_robot, various_robot
+from benchmarks.places.place import Draw, Place, Trap, settle, trapped
 from benchmarks.places.scans import scan
-from benchmarks.places.traps import bores, corridors, doors, pipes
+from benchmarks.places.traps import bores, corridors, doors, pipes, worlds
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,10 @@ _DRAWN: dict[str, tuple[Draw, str]] = {
     "drum": (drum, "rows of blades on a drum, meshes; the target deep between two blades"),
     "shelf": (shelf, "a shelf of boxes; the target deep in a compartment"),
     "duct": (duct, "closed duct of 1.7 times the body's radius with 2 to 4 dead ends, a mesh"),
+}
+SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
+
+_TRAPS: dict[str, tuple[Trap, str]] = {
     "open pipe 2.2": (
         partial(pipes.open_pipe, 2.2),
         "base in a mouth of a pipe of 2.2 times the body's radius, a mesh",
@@ -68,16 +73,15 @@ _DRAWN: dict[str, tuple[Draw, str]] = {
     "door in": (doors.door_in, "target in a cell with one door, the base outside, boxes"),
     "door beside": (doors.door_beside, "base in a cell whose door is beside or behind it, boxes"),
     "two doors": (doors.two_doors, "two cells, and between them a door and one that is too narrow, boxes"),
-    "folded": (doors.folded, "20 segments folded in a cell before its door, boxes"),
     "cells": (corridors.channel_between_cells, "from cell to cell through a straight channel, boxes"),
     "cells pipe": (corridors.pipe_between_cells, "from cell to cell through a bent pipe, boxes and a mesh"),
 }
-SCANNED = (
-    *("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct"),
+_LONG: dict[str, tuple[Trap, str]] = {"folded": (doors.folded, "20 segments folded in a cell before its door, boxes")}
+SCANNED_TRAPS = (
     *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
-    *("door out", "door in", "door beside", "two doors", "folded", "cells", "cells pipe"),
+    *("door out", "door in", "door beside", "two doors", "cells", "cells pipe"),
 )
-MESHED = ("square bore", "door out", "door in", "door beside", "two doors", "folded", "cells")
+MESHED = ("square bore", "door out", "door in", "door beside", "two doors", "cells", "folded")
 
 _PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
     "p3": (polyhedra.fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
@@ -92,12 +96,30 @@ _PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
 }
 
 
+_SMALL: dict[str, tuple[Draw, str]] = {
+    "small world": (worlds.small_world, "any robot and shape, a door that it goes through, and boxes, quickly made")
+}
+
+
+def _traps() -> dict[str, tuple[Draw, str]]:
+    """Traps as they are drawn, as meshes, and as scans, each for its robots."""
+    as_drawn: dict[str, tuple[Draw, str]] = {}
+    as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _TRAPS.items()}
+    as_drawn |= {name: (partial(trapped, trap, long_robot), words) for name, (trap, words) in _LONG.items()}
+    to_scan = {name: partial(trapped, _TRAPS[name][0], stout_robot) for name in SCANNED_TRAPS}
+    to_scan |= {name: partial(trapped, trap, partial(long_robot, thickness=STOUT)) for name, (trap, _) in _LONG.items()}
+    meshes = {f"{name} mesh": (partial(meshed, as_drawn[name][0]), f"a mesh of {name}") for name in MESHED}
+    scans: dict[str, tuple[Draw, str]] = {
+        f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, draw in to_scan.items()
+    }
+    return as_drawn | meshes | scans
+
+
 def _families() -> dict[str, Family]:
     scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
-    models = {f"{name} mesh": (partial(meshed, _DRAWN[name][0]), f"a mesh of {name}") for name in MESHED}
     families = {
         name: Family(partial(settle, name, draw=draw), words)  # the name is part of what the draws begin with
-        for name, (draw, words) in (_DRAWN | models | scanned).items()
+        for name, (draw, words) in (_DRAWN | scanned | _traps() | _SMALL).items()
     }
     for name, (made, words) in _PUBLISHED.items():
         families[name] = Family(made, words, published=True)

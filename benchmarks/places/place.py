@@ -84,6 +84,15 @@ Draw = Callable[[int, Generator], Sketch | None]
 """From a seed and its random numbers to a sketch; `None` where the drawing came out impossible."""
 
 
+Trap = Callable[[Robot, Generator], Sketch | None]
+"""The same for a robot that is given."""
+
+
+def trapped(trap: Trap, robots: Callable[[int, Generator], Robot], seed: int, rng: Generator) -> Sketch | None:
+    """Draw a trap for the robot of a seed."""
+    return trap(robots(seed, rng), rng)
+
+
 def settle(family: str, seed: int, draw: Draw) -> Place:
     """Draw until the judge finds the hidden shape feasible.
 

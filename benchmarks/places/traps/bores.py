@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.places.parts.robots import various_robot
 from benchmarks.places.parts.shapes import draw_shape
 from benchmarks.places.parts.surfaces import blind_bore, solid
 from benchmarks.places.place import Sketch, sketch_of
@@ -16,9 +15,8 @@ WIDTH, BLOCK, BOTTOM = (1.3, 1.8), (3.0, 8.0), (1.1, 3.0)
 """Inner radius of a bore; half the edge of the block; how far the bottom is beyond the tip. In radii of the body."""
 
 
-def bore(seed: int, rng: Generator) -> Sketch | None:
+def bore(robot: Robot, rng: Generator) -> Sketch | None:
     """Drill a round bore into a block, a mesh."""
-    robot = various_robot(seed, rng)
     radius = max(robot.radii)
     width, block = radius * rng.uniform(*WIDTH), radius * rng.uniform(*BLOCK)
     q, frame, depth = _drilled(robot, rng)
@@ -27,9 +25,8 @@ def bore(seed: int, rng: Generator) -> Sketch | None:
     return sketch_of(robot, [solid(blind_bore(frame, width, depth, block, radius), "block")], q, rng)
 
 
-def square_bore(seed: int, rng: Generator) -> Sketch | None:
+def square_bore(robot: Robot, rng: Generator) -> Sketch | None:
     """Leave a square bore between four boxes and one at the bottom."""
-    robot = various_robot(seed, rng)
     radius = max(robot.radii)
     width, block = radius * rng.uniform(*WIDTH), radius * rng.uniform(*BLOCK)
     q, frame, depth = _drilled(robot, rng)

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.places.parts.robots import various_robot
 from benchmarks.places.parts.shapes import draw_shape
 from benchmarks.places.parts.surfaces import WALL, open_tube, solid
 from benchmarks.places.place import Sketch, sketch_of
@@ -20,9 +19,8 @@ FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 """Turns a frame about its x axis, so that z leads back."""
 
 
-def channel_between_cells(seed: int, rng: Generator) -> Sketch | None:
+def channel_between_cells(robot: Robot, rng: Generator) -> Sketch | None:
     """Put base and target into two cells that a straight channel of boxes leads between."""
-    robot = various_robot(seed, rng)
     radius, width = max(robot.radii), rng.uniform(*WIDTH)
     n = len(robot)
     first = int(rng.integers(1, n - 1))
@@ -39,9 +37,8 @@ def channel_between_cells(seed: int, rng: Generator) -> Sketch | None:
     )
 
 
-def pipe_between_cells(seed: int, rng: Generator) -> Sketch | None:
+def pipe_between_cells(robot: Robot, rng: Generator) -> Sketch | None:
     """Put base and target into two cells of boxes that a bent pipe leads between, a mesh."""
-    robot = various_robot(seed, rng)
     radius, width = max(robot.radii), rng.uniform(*WIDTH)
     q = _shape(robot, width, range(0), rng)
     line = line_of(robot, q)

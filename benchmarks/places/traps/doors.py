@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.places.parts.robots import various_robot
 from benchmarks.places.parts.shapes import draw_shape
 from benchmarks.places.place import Sketch, sketch_of
 from benchmarks.places.traps.boxes import wall_with_door
@@ -28,16 +27,14 @@ SLIT = (0.5, 0.9)
 """Half of the narrower side of a door that is too narrow, in the smallest radius of the body."""
 
 
-def door_out(seed: int, rng: Generator) -> Sketch | None:
+def door_out(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell with one door, the target outside."""
-    robot = various_robot(seed, rng)
     q, line, k = _drawn(robot, rng)
     return _cell_at_base(robot, q, line, k, rng)
 
 
-def door_in(seed: int, rng: Generator) -> Sketch | None:
+def door_in(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the target into a cell with one door, the base outside."""
-    robot = various_robot(seed, rng)
     q, line, k = _drawn(robot, rng)
     frame = doorway(line.poses[k], rng, inwards=True)
     cell = cell_around(line.after(k), frame, draw_half(line.radius, rng), line.radius, rng)
@@ -46,9 +43,8 @@ def door_in(seed: int, rng: Generator) -> Sketch | None:
     return sketch_of(robot, cell.boxes("cell"), q, rng)
 
 
-def door_beside(seed: int, rng: Generator) -> Sketch | None:
+def door_beside(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell whose door is beside or behind it: the tangent forbids the shortest route."""
-    robot = various_robot(seed, rng)
     q, line, k = _drawn(robot, rng)
     way = line.poses[k, :3, 3] - line.poses[0, :3, 3]
     if way @ line.poses[0, :3, 2] > ASIDE * np.linalg.norm(way):
@@ -56,9 +52,8 @@ def door_beside(seed: int, rng: Generator) -> Sketch | None:
     return _cell_at_base(robot, q, line, k, rng)
 
 
-def folded(seed: int, rng: Generator) -> Sketch | None:
-    """Fold most of a robot of 20 segments into the cell at its base."""
-    robot = various_robot(5 * seed + 4, rng)
+def folded(robot: Robot, rng: Generator) -> Sketch | None:
+    """Fold most of the robot into the cell at its base."""
     q, line, k = _drawn(robot, rng, FOLDED)
     points = line.before(k)
     length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
@@ -67,9 +62,8 @@ def folded(seed: int, rng: Generator) -> Sketch | None:
     return _cell_at_base(robot, q, line, k, rng)
 
 
-def two_doors(seed: int, rng: Generator) -> Sketch | None:
+def two_doors(robot: Robot, rng: Generator) -> Sketch | None:
     """Put base and target into two cells whose common wall has two doors, of which one is too narrow."""
-    robot = various_robot(seed, rng)
     q, line, k = _drawn(robot, rng)
     frame, half = doorway(line.poses[k], rng), draw_half(line.radius, rng)
     first = cell_around(line.before(k), frame, half, line.radius, rng)

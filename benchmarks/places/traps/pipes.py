@@ -5,7 +5,6 @@ import math
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.places.parts.robots import various_robot
 from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape
 from benchmarks.places.parts.surfaces import WALL, open_tube, solid
 from benchmarks.places.place import Sketch, sketch_of
@@ -29,26 +28,23 @@ GUIDE = (1.1, 1.35)
 """Inner radius of a guide tube, in radii of the body."""
 
 
-def open_pipe(width: float, seed: int, rng: Generator) -> Sketch:
+def open_pipe(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Put the base into one mouth of a pipe of `width` times the radius of the body, bent or straight."""
-    robot = various_robot(seed, rng)
     straight = _first(robot, rng) if rng.random() < STRAIGHT else 0
     q, curve = _shape(robot, width, range(straight), rng)
     end = straight * RINGS if straight else round(rng.uniform(*REACH) * (len(curve.poses) - 1))
     return _piped(robot, q, curve.poses[: end + 1], width, rng)
 
 
-def guide_tube(seed: int, rng: Generator) -> Sketch:
+def guide_tube(robot: Robot, rng: Generator) -> Sketch:
     """Put the base into a straight tube that hardly leaves room; the shape bends beyond its mouth."""
-    robot = various_robot(seed, rng)
     straight, width = _first(robot, rng), rng.uniform(*GUIDE)
     q, curve = _shape(robot, width, range(straight), rng)
     return _piped(robot, q, curve.poses[: straight * RINGS + 1], width, rng)
 
 
-def pipe_between(width: float, seed: int, rng: Generator) -> Sketch:
+def pipe_between(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Put a pipe, bent or straight, around the middle of the shape: base and target are outside."""
-    robot = various_robot(seed, rng)
     n = len(robot)
     first = int(rng.integers(1, n - 1))
     straight = range(first, first + 1 + (n - first) // 3) if rng.random() < STRAIGHT else range(0)
@@ -62,9 +58,8 @@ def pipe_between(width: float, seed: int, rng: Generator) -> Sketch:
     return sketch_of(robot, [solid(wall, "pipe")], q, rng)
 
 
-def open_channel(width: float, seed: int, rng: Generator) -> Sketch:
+def open_channel(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Put the base into a straight channel of four boxes."""
-    robot = various_robot(seed, rng)
     straight = _first(robot, rng)
     q, curve = _shape(robot, math.sqrt(2.0) * width, range(straight), rng)
     poses = _backwards(curve.poses[: straight * RINGS + 1], max(robot.radii), rng)

@@ -1,4 +1,4 @@
-"""All families of places, and what each is."""
+"""All families of places, what each is, and for which robots it is drawn."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,11 +30,14 @@ class Family:
         What it is.
     published : bool
         Whether it repeats what others were measured on.
+    trap : bool
+        Whether it is narrow where a search begins or ends.
     """
 
     make: Callable[[int], Place]
     words: str
     published: bool = False
+    trap: bool = False
 
 
 _DRAWN: dict[str, tuple[Draw, str]] = {
@@ -112,14 +115,16 @@ def _traps() -> dict[str, tuple[Draw, str]]:
     scans: dict[str, tuple[Draw, str]] = {
         f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, draw in to_scan.items()
     }
-    return as_drawn | meshes | scans
+    return as_drawn | meshes | scans | _SMALL
 
 
 def _families() -> dict[str, Family]:
     scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
+    traps = _traps()
     families = {
-        name: Family(partial(settle, name, draw=draw), words)  # the name is part of what the draws begin with
-        for name, (draw, words) in (_DRAWN | scanned | _traps() | _SMALL).items()
+        # The name is part of what the draws begin with.
+        name: Family(partial(settle, name, draw=draw), words, trap=name in traps)
+        for name, (draw, words) in (_DRAWN | scanned | traps).items()
     }
     for name, (made, words) in _PUBLISHED.items():
         families[name] = Family(made, words, published=True)

@@ -84,7 +84,7 @@ def _boxes(line: Line, rng: Generator) -> list[Box]:
     local = in_frame(line.poses[0], points)
     extent = np.ptp(local, axis=0)
     size = float(np.linalg.norm(extent))
-    found = []
+    found = list[Box]()
     for _ in range(int(rng.integers(0, MOST_BOXES + 1))):
         center = points[rng.integers(len(points))] + 0.4 * size * rng.normal(size=3)
         box = Box(center, size * rng.uniform(*BOX_SIZE, 3) ** 2, rng.normal(size=4), name=f"box {len(found) + 1}")

@@ -12,7 +12,7 @@ from benchmarks.places.around.plates import plates
 from benchmarks.places.around.shelf import shelf
 from benchmarks.places.around.spheres import spheres
 from benchmarks.places.meshed import meshed
-from benchmarks.places.parts.robots import STOUT, long_robot, stout_robot, various_robot
+from benchmarks.places.parts.robots import long_robot, stout_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
 from benchmarks.places.scans import scan
 from benchmarks.places.traps import bores, corridors, doors, pipes, worlds
@@ -110,7 +110,7 @@ def _traps() -> dict[str, tuple[Draw, str]]:
     as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _TRAPS.items()}
     as_drawn |= {name: (partial(trapped, trap, long_robot), words) for name, (trap, words) in _LONG.items()}
     to_scan = {name: partial(trapped, _TRAPS[name][0], stout_robot) for name in SCANNED_TRAPS}
-    to_scan |= {name: partial(trapped, trap, partial(long_robot, thickness=STOUT)) for name, (trap, _) in _LONG.items()}
+    to_scan |= {name: partial(trapped, trap, partial(long_robot, stout=True)) for name, (trap, _) in _LONG.items()}
     meshes = {f"{name} mesh": (partial(meshed, as_drawn[name][0]), f"a mesh of {name}") for name in MESHED}
     scans: dict[str, tuple[Draw, str]] = {
         f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, draw in to_scan.items()

@@ -43,7 +43,7 @@ def robot_of(seed: int, rng: Generator) -> Robot:
     return Robot(segments, mount=mount, base=pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)))
 
 
-SLENDER, STOUT = (0.05, 0.12), (0.12, 0.2)
+SLENDER, STOUT = (0.05, 0.12), (0.15, 0.22)
 """Of the body of various robots: range of its radius at the base, of a segment's length."""
 
 TAPER = 0.7
@@ -53,11 +53,16 @@ TOOL, SLANT = (0.05, 0.4), 0.5
 """Range of the length of a tool, in lengths of a segment; its largest angle with the tangent, rad."""
 
 
-def various_robot(seed: int, rng: Generator, thickness: tuple[float, float] = SLENDER) -> Robot:
-    """Return the robot of a seed with another body: slender or thick, half of them tapered, and a third with a tool."""
+def various_robot(seed: int, rng: Generator, stout: bool = False) -> Robot:
+    """Return the robot of a seed with another body; a third of them have a tool.
+
+    Half of the slender ones taper. Stout ones are for scans, which around others would have hundreds of thousands of
+    points.
+    """
     plain = robot_of(seed, rng)
     unit = UNITS[seed // 20 % 3]
-    radii = unit * rng.uniform(*thickness) * np.linspace(1.0, rng.choice([1.0, TAPER]), len(plain))
+    thickness, taper = (STOUT, 1.0) if stout else (SLENDER, rng.choice([1.0, TAPER]))
+    radii = unit * rng.uniform(*thickness) * np.linspace(1.0, taper, len(plain))
     segments = [
         Segment(one.length, one.max_bend, radius=radius) for one, radius in zip(plain.segments, radii, strict=True)
     ]
@@ -65,13 +70,13 @@ def various_robot(seed: int, rng: Generator, thickness: tuple[float, float] = SL
 
 
 def stout_robot(seed: int, rng: Generator) -> Robot:
-    """Return a thick robot of 3, 5 or 8 segments: around others, scans would have hundreds of thousands of points."""
-    return various_robot(seed - seed % 5 + (0, 1, 2, 0, 1)[seed % 5], rng, STOUT)
+    """Return a stout robot of 3, 5 or 8 segments."""
+    return various_robot(seed - seed % 5 + (0, 1, 2, 0, 1)[seed % 5], rng, stout=True)
 
 
-def long_robot(seed: int, rng: Generator, thickness: tuple[float, float] = SLENDER) -> Robot:
+def long_robot(seed: int, rng: Generator, stout: bool = False) -> Robot:
     """Return a robot of 20 segments."""
-    return various_robot(5 * seed + 4, rng, thickness)
+    return various_robot(5 * seed + 4, rng, stout)
 
 
 def _tool(unit: float, rng: Generator) -> Floats:

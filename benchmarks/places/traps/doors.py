@@ -20,6 +20,9 @@ APART = 4.0
 ASIDE = 0.2
 """Largest cosine of the angle between the base's tangent and the direction of a door that is beside or behind it."""
 
+LATE = 0.9
+"""Largest share of the shape before such a door."""
+
 FOLDED, FOLDS = (0.5, 0.85), 0.45
 """Share of a folded shape in its room; largest diagonal of that part, of its length."""
 
@@ -45,11 +48,12 @@ def door_in(robot: Robot, rng: Generator) -> Sketch | None:
 
 def door_beside(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell whose door is beside or behind it: the tangent forbids the shortest route."""
-    q, line, k = _drawn(robot, rng)
-    way = line.poses[k, :3, 3] - line.poses[0, :3, 3]
-    if way @ line.poses[0, :3, 2] > ASIDE * np.linalg.norm(way):
-        return None
-    return _cell_at_base(robot, q, line, k, rng)
+    q, line, _ = _drawn(robot, rng)
+    ways = line.poses[:, :3, 3] - line.poses[0, :3, 3]
+    behind = ways @ line.poses[0, :3, 2] <= ASIDE * np.linalg.norm(ways, axis=1)
+    last = len(ways) - 1
+    doors = [k for k in range(round(SHARE[0] * last), round(LATE * last)) if behind[k]]
+    return _cell_at_base(robot, q, line, int(rng.choice(doors)), rng) if doors else None
 
 
 def folded(robot: Robot, rng: Generator) -> Sketch | None:

@@ -12,7 +12,7 @@ from benchmarks.places.around.plates import plates
 from benchmarks.places.around.shelf import shelf
 from benchmarks.places.around.spheres import spheres
 from benchmarks.places.meshed import meshed
-from benchmarks.places.parts.robots import long_robot, stout_robot, various_robot
+from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
 from benchmarks.places.scans import scan
 from benchmarks.places.traps import bores, corridors, doors, pipes, worlds
@@ -99,6 +99,7 @@ _PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
 }
 
 
+_THIN: dict[str, tuple[Trap, str]] = {"hall": (doors.hall, "base in a hall of 1000 radii with one door, boxes")}
 _SMALL: dict[str, tuple[Draw, str]] = {
     "small world": (worlds.small_world, "any robot and shape, a door that it goes through, and boxes, quickly made")
 }
@@ -109,6 +110,7 @@ def _traps() -> dict[str, tuple[Draw, str]]:
     as_drawn: dict[str, tuple[Draw, str]] = {}
     as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _TRAPS.items()}
     as_drawn |= {name: (partial(trapped, trap, long_robot), words) for name, (trap, words) in _LONG.items()}
+    as_drawn |= {name: (partial(trapped, trap, thin_robot), words) for name, (trap, words) in _THIN.items()}
     to_scan = {name: partial(trapped, _TRAPS[name][0], stout_robot) for name in SCANNED_TRAPS}
     to_scan |= {name: partial(trapped, trap, partial(long_robot, stout=True)) for name, (trap, _) in _LONG.items()}
     meshes = {f"{name} mesh": (partial(meshed, as_drawn[name][0]), f"a mesh of {name}") for name in MESHED}

@@ -46,6 +46,9 @@ def robot_of(seed: int, rng: Generator) -> Robot:
 SLENDER, STOUT = (0.05, 0.12), (0.15, 0.22)
 """Of the body of various robots: range of its radius at the base, of a segment's length."""
 
+THIN = 0.018
+"""Radius of thin robots, of a segment's length."""
+
 TAPER = 0.7
 """Radius at the tip of those that taper, of that at the base."""
 
@@ -77,6 +80,12 @@ def stout_robot(seed: int, rng: Generator) -> Robot:
 def long_robot(seed: int, rng: Generator, stout: bool = False) -> Robot:
     """Return a robot of 20 segments."""
     return various_robot(5 * seed + 4, rng, stout)
+
+
+def thin_robot(seed: int, rng: Generator) -> Robot:
+    """Return a robot of 20 segments that is a thousand radii long."""
+    plain = long_robot(seed, rng)
+    return Robot(plain.segments, radius=THIN * max(s.length[1] for s in plain.segments), base=plain.base)
 
 
 def _tool(unit: float, rng: Generator) -> Floats:

@@ -26,6 +26,9 @@ LATE = 0.9
 FOLDED, FOLDS = (0.5, 0.85), 0.45
 """Share of a folded shape in its room; largest diagonal of that part, of its length."""
 
+HALL = 1000.0
+"""Edge of a hall, in radii of the body."""
+
 SLIT = (0.5, 0.9)
 """Half of the narrower side of a door that is too narrow, in the smallest radius of the body."""
 
@@ -64,6 +67,19 @@ def folded(robot: Robot, rng: Generator) -> Sketch | None:
     if np.linalg.norm(np.ptp(in_frame(line.poses[k], points), axis=0)) > FOLDS * length:
         return None
     return _cell_at_base(robot, q, line, k, rng)
+
+
+def hall(robot: Robot, rng: Generator) -> Sketch | None:
+    """Put the base into a cell so large that a search which looks everywhere has much to look at."""
+    q, line, k = _drawn(robot, rng)
+    frame, radius = doorway(line.poses[k], rng), line.radius
+    cell = cell_around(line.before(k), frame, draw_half(radius, rng), radius, rng)
+    if cell is None:
+        return None
+    spare = np.maximum(HALL * radius - (cell.high - cell.low), 0.0)
+    share = np.append(rng.random(2), 1.0)
+    large = cell._replace(low=cell.low - share * spare, high=cell.high + (1.0 - share) * spare)
+    return sketch_of(robot, large.boxes("hall"), q, rng) if large.keeps_out(line.after(k), radius) else None
 
 
 def two_doors(robot: Robot, rng: Generator) -> Sketch | None:

@@ -23,6 +23,9 @@ ASIDE = 0.2
 LATE = 0.9
 """Largest share of the shape before such a door."""
 
+SHAPES = 20
+"""Shapes drawn for one: few turn back."""
+
 FOLDED, FOLDS = (0.5, 0.85), 0.45
 """Share of a folded shape in its room; largest diagonal of that part, of its length."""
 
@@ -51,12 +54,16 @@ def door_in(robot: Robot, rng: Generator) -> Sketch | None:
 
 def door_beside(robot: Robot, rng: Generator) -> Sketch | None:
     """Put the base into a cell whose door is beside or behind it: the tangent forbids the shortest route."""
-    q, line, _ = _drawn(robot, rng)
-    ways = line.poses[:, :3, 3] - line.poses[0, :3, 3]
-    behind = ways @ line.poses[0, :3, 2] <= ASIDE * np.linalg.norm(ways, axis=1)
-    last = len(ways) - 1
-    doors = [k for k in range(round(SHARE[0] * last), round(LATE * last)) if behind[k]]
-    return _cell_at_base(robot, q, line, int(rng.choice(doors)), rng) if doors else None
+    for _ in range(SHAPES):
+        q, line, _ = _drawn(robot, rng)
+        ways = line.poses[:, :3, 3] - line.poses[0, :3, 3]
+        behind = ways @ line.poses[0, :3, 2] <= ASIDE * np.linalg.norm(ways, axis=1)
+        last = len(ways) - 1
+        doors = [k for k in range(round(SHARE[0] * last), round(LATE * last)) if behind[k]]
+        found = _cell_at_base(robot, q, line, int(rng.choice(doors)), rng) if doors else None
+        if found is not None:
+            return found
+    return None
 
 
 def folded(robot: Robot, rng: Generator) -> Sketch | None:

@@ -65,7 +65,7 @@ def test_families_can_be_chosen_and_none_is_made_up() -> None:
 
 
 def test_without_a_choice_all_families_are_measured_and_far_meshes() -> None:
-    assert [name for name, _ in Clutter(Plan()).parts()] == [*FAMILIES, "far"]
+    assert [name for name, _ in Clutter(Plan()).parts()] == [*FAMILIES, "far", "halls"]
     assert [name for name, _ in Clutter(Plan(), ["duct"]).parts()] == ["duct"]
 
 

@@ -28,7 +28,7 @@ OF_LINES = ("speed", "clutter", "wild")
 OF_METHODS = ("table1", "tracking", "segments", "methods")
 """Those in which methods can be chosen."""
 
-BENCHMARKS = (*OF_LINES, *OF_METHODS)
+BENCHMARKS = (*OF_LINES, "worlds", *OF_METHODS)
 
 INTERRUPTED = 130
 
@@ -185,6 +185,10 @@ class Chosen:
             from benchmarks.wild.experiment import Wild  # noqa: PLC0415
 
             return Wild(plan)
+        if self.name == "worlds":
+            from benchmarks.clutter.worlds import Worlds  # noqa: PLC0415
+
+            return Worlds(plan)
         made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
             plan, self.methods
         )

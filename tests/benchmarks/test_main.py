@@ -61,7 +61,7 @@ def test_options_reach_the_experiments(given: Given, tmp_path: Path, name: str) 
 def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
     made = Chosen(name, seed=5).experiment()
     assert (made.name, made.plan.seed) == (name, 5)
-    assert made.divisible is (name in OF_LINES)
+    assert made.divisible is (name in (*OF_LINES, "worlds"))
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
     [
         (
             ["nothing"],
-            "NAME: expected one of speed, clutter, wild, table1, tracking, segments, methods, got 'nothing'\n",
+            "NAME: expected one of speed, clutter, wild, worlds, table1, tracking, segments, methods, got 'nothing'\n",
         ),
         (["speed", "--method", "dls"], "--method: expected nothing with speed, got ['dls'] (is for table1, tracking, "),
         (["clutter", "--method", "dls"], "--method: expected nothing with clutter, got ['dls'] (is for table1, "),

@@ -11,7 +11,7 @@ import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routes import CELLS_A_START, MEMORY, SLOTS, Found, Plan, Router
+from sinuous.solving.routes import CELLS, CELLS_A_START, MEMORY, Found, Plan, Router
 from sinuous.solving.sources import Question
 from tests.helpers import Floats
 
@@ -102,7 +102,7 @@ def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target
 
     with ThreadPoolExecutor(4) as threads:
         assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
-    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(SLOTS[2])
+    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(CELLS[2])
 
 
 def test_routes_differ_in_the_side_on_which_they_pass() -> None:

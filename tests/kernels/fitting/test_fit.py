@@ -15,13 +15,12 @@ from tests.helpers import Floats
 POINTS = 300
 
 
-def lay(robot: Robot, route: Floats) -> Floats:
-    spacing = float(np.linalg.norm(np.diff(route, axis=0), axis=1).sum()) / (len(route) - 1)
+def lay(robot: Robot, route: Floats, seconds: float = 60.0) -> Floats:
     problem = Problem(robot, Target(route[-1]))
     groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
     workspace = np.full(fit_workspace_size(len(robot), len(robot.actuation), 0, 1), np.nan)
     out = np.empty((len(robot), 3))
-    fit_route(*groups, problem.rows.copy(), route, spacing, workspace, out)
+    fit_route(*groups, problem.rows.copy(), route, seconds, workspace, out)
     return out
 
 

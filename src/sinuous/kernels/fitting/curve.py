@@ -4,10 +4,19 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, get_vec, scale, sub
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, get_vec, norm, scale, sub
 
 Curve = namedtuple("Curve", ["points", "spacing"])
 """Points (K, 3) of a route, and the distance between neighbours along it."""
+
+
+@kernel
+def curve_through(points: Array) -> Curve:
+    """Return the curve through points (K, 3) that are evenly spaced, or nearly so."""
+    length = 0.0
+    for i in range(1, points.shape[0]):
+        length += norm(sub(get_vec(points, i, 0), get_vec(points, i - 1, 0)))
+    return Curve(points, length / (points.shape[0] - 1))
 
 
 @kernel

@@ -2,8 +2,9 @@
 
 from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
+from sinuous.kernels.clock import now
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fitting.curve import Curve, closest_on, length_of, point_at
+from sinuous.kernels.fitting.curve import Curve, closest_on, curve_through, length_of, point_at
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
@@ -106,8 +107,8 @@ def _pull(problem: Problem, states: State, at: int, work: Work, curve: Curve, gr
 
 
 @kernel
-def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
-    """Fit the chain to the route, growing from the base; returns the state that holds the fit."""
+def lay(problem: Problem, states: State, work: Work, curve: Curve, deadline: float) -> int:
+    """Fit the chain to the route, growing from the base, as far as the time allows; returns the state with the fit."""
     length = length_of(curve)
     low = high = 0.0
     n = problem.limits.shape[0]
@@ -123,8 +124,12 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
     project_to_limits(problem, pick(states, at), work)
     for grown in range(1, n + 1):
         for _ in range(ROUNDS):
+            if now(work.clock) > deadline:
+                return at
             at = _pull(problem, states, at, work, curve, grown, False)
     for _ in range(LAST_ROUNDS):
+        if now(work.clock) > deadline:
+            return at
         at = _pull(problem, states, at, work, curve, n, True)
     return at
 
@@ -136,7 +141,7 @@ def fit_route(
     settings: Array,
     targets: Array,
     route: Array,
-    spacing: float,
+    seconds: float,
     workspace: Array,
     q: Array,
 ) -> None:
@@ -150,8 +155,8 @@ def fit_route(
         Met by the last steps, as far as the route lets them.
     route : ndarray (K, 3)
         At least two points from the base on, evenly spaced, in the length unit.
-    spacing : float
-        Distance between neighbours along the route.
+    seconds : float
+        Budget.
     workspace : ndarray (w,)
         Scratch, see `fit_workspace_size`.
     q : ndarray (n, 3)
@@ -159,5 +164,5 @@ def fit_route(
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
-    at = lay(problem, states, work, Curve(route, spacing))
+    at = lay(problem, states, work, curve_through(route), now(work.clock) + seconds)
     copy(pick(states, at).q, q)

@@ -87,17 +87,20 @@ def _lines(name: str, kept: list[Kept]) -> Iterator[Line]:
 
 
 def _run(asked: Asked, rng: Generator, name: str) -> Kept:
-    """Solve a problem until nobody disturbs it."""
+    """Solve a problem until nobody disturbs it, and nothing happens that does not happen again: the least counts."""
     budget = float(np.exp(rng.uniform(np.log(SHORTEST), np.log(LONGEST))))
+    runs = []
     for _ in range(TRIES):
         worked, began = thread_time(), perf_counter()
         solution = asked.solver.solve(asked.target, asked.initial, time=budget)
         seconds, worked = perf_counter() - began, thread_time() - worked
         undisturbed = seconds - worked < TAKEN_AWAY
-        if undisturbed or seconds <= budget:
+        runs.append((not undisturbed, seconds - budget))
+        if seconds <= budget or (undisturbed and seconds - budget <= TYPICAL.value):
             break
+    disturbed, over = min(runs)
     told = f"{name}, {1e3 * budget:.3g} ms, {solution.method}, {solution.status}, {solution.starts} starts"
-    return Kept(seconds - budget, undisturbed, told)
+    return Kept(over, not disturbed, told)
 
 
 def _perhaps_torn(robot: Robot, target: Target, rng: Generator) -> Target | list[Target]:

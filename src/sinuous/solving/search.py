@@ -140,6 +140,12 @@ class FirstSolved(Search):
         return best._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
 
 
+def _apart(shapes: Floats, shape: Floats) -> Floats:
+    """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
+    distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
+    return distances
+
+
 def _rank(outcome: Outcome) -> tuple[int, float]:
     """What is smaller is better. A start that met everything but the proof is better than one that did not."""
     return {SOLVED: 0, UNPROVED: 1}.get(outcome.code, 2), outcome.merit
@@ -196,7 +202,7 @@ class Distinct(Search):
         if found.code != SOLVED:
             return
         shape = self._shape(found.q)
-        if all(np.linalg.norm(shape - other, axis=-1).max() > self._apart for other in self._shapes):
+        if not self._shapes or (_apart(np.array(self._shapes), shape) > self._apart).all():
             self._shapes.append(shape)
             found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
             self.found.append(found)

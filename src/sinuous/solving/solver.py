@@ -231,14 +231,18 @@ class Solver:
         given = self._no_initial if initial is None else self._given("initial", initial)
         if blocked:
             return []
-        search = Distinct(
-            CANDIDATES * wanted, separation, lambda q: self.robot.backbone(q, 8), self.options.max_starts, seconds
-        )
+
+        def shape(q: Floats) -> Floats:
+            return self.robot.backbone(q, 8)
+
+        shape(np.zeros((len(self.robot), 3)))  # loads the kernel, before the time begins
+        search = Distinct(CANDIDATES * wanted, separation, shape, self.options.max_starts, seconds)
         question = Question(problem, given, lambda: search.seconds_left)
         search.pursue(self._portfolio.batches(question), self._follow(problem, given))
         reference = None if initial is None else given[0]
-        best = sorted(search.found, key=lambda outcome: self._dislike(outcome.q, reference))
-        return [Solution(problem, outcome, outcome.seconds, self._again, given) for outcome in best[:wanted]]
+        order = np.argsort(self._dislike([outcome.q for outcome in search.found], reference), kind="stable")
+        best = [search.found[i] for i in order[:wanted]]
+        return [Solution(problem, outcome, outcome.seconds, self._again, given) for outcome in best]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return prepared, (self.robot, self.scene, self.options)
@@ -282,12 +286,13 @@ class Solver:
 
         return follow
 
-    def _dislike(self, q: Floats, reference: Floats | None) -> float:
-        """By what `solve_all` orders."""
+    def _dislike(self, found: list[Floats], reference: Floats | None) -> Floats:
+        """By what `solve_all` orders: a number (m,) for each of m configurations (n, 3)."""
+        q = np.array(found).reshape(-1, len(self.robot), 3)
         if reference is None:
-            return float((q[:, :2] ** 2).sum())
+            return np.asarray((q[..., :2] ** 2).sum(axis=(1, 2)))
         unit = self.robot.mean_length / len(self.robot)
-        return float((((q - reference) / [1.0, 1.0, unit]) ** 2).sum())
+        return np.asarray((((q - reference) / [1.0, 1.0, unit]) ** 2).sum(axis=(1, 2)))
 
     def _given(self, key: str, initial: Any) -> Floats:
         if isinstance(initial, Solution):

@@ -19,6 +19,7 @@ KEYS = [
     "position_error",
     "angle_error",
     "clearance",
+    "self_clearance",
     "worst",
     "reason",
     "iterations",

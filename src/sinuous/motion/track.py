@@ -112,7 +112,7 @@ class Track:
             "position_error": _largest(waypoints, "position_error"),
             "angle_error": _largest(waypoints, "angle_error"),
             "clearance": self.clearance,
-            "self_clearance": self.self_clearance,
+            "self_clearance": _least([w["self_clearance"] for w in waypoints]),
             "worst": next((w["worst"] for w in waypoints if w["worst"] is not None), None),
             "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
             "iterations": sum(w["iterations"] for w in waypoints),

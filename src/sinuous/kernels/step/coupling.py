@@ -11,7 +11,7 @@ from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add_scaled, dot, get_mat, get_vec, mat_vec, put_vec, vec_mat
 from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.states import PAIRS, State, Work, coupling_of, pairs_of
+from sinuous.kernels.step.states import PAIRS, State, Work, coupling_of
 
 LEAST = 1e-12
 """What keeps two self-contacts that say the same from leaving nothing to divide by."""
@@ -21,8 +21,7 @@ LEAST = 1e-12
 def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
     """Add to `work.step`, which both sweeps just made, what the self-contacts of `state` ask for."""
     n, count = state.q.shape[0], int(state.norms[PAIRS])
-    pairs, scratch = pairs_of(state), coupling_of(work)
-    pull, replies, system = scratch.pull, scratch.replies, scratch.system
+    pairs, _, pull, replies, system = coupling_of(state, work)
     for a in range(count):
         for k in range(n):
             L = get_mat(work.root, k, 0)

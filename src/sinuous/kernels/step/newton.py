@@ -27,9 +27,8 @@ from sinuous.kernels.step.states import (
     WISH,
     State,
     Work,
-    pairs_of,
+    coupling_of,
     pick,
-    spans_of,
 )
 from sinuous.kernels.step.targets import add_rows, end_segment
 
@@ -94,7 +93,8 @@ def close(state: State, count: int) -> None:
 @kernel
 def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     """Add the self-contacts to a linearisation that `close` has finished."""
-    shape, pairs = Shape(problem.limits, state.q, state.frames, spans_of(work)), pairs_of(state)
+    own = coupling_of(state, work)
+    shape, pairs = Shape(problem.limits, state.q, state.frames, own.spans), own.pairs
     count, low = self_contacts(shape, state.columns, SELF_MARGIN * problem.margin, problem.unit, pairs)
     for a in range(count):
         state.norms[MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
@@ -218,7 +218,7 @@ def self_proof(problem: Problem, state: State, work: Work, deadline: float) -> t
     """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
     if not problem.avoids_itself:
         return CLEAR, math.inf
-    shape = Shape(problem.limits, state.q, state.frames, spans_of(work))
+    shape = Shape(problem.limits, state.q, state.frames, coupling_of(state, work).spans)
     verdict, clearance, _ = prove_self(shape, FINEST * problem.unit, work.clock, deadline)
     return verdict, clearance
 

@@ -16,15 +16,15 @@ from sinuous.kernels.problem import Problem
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
 least clearance seen, how far wishes for clearance are from met, a lower bound of the self-clearance (infinite: it was
-not looked at), and the number of self-contacts; then these, see `pairs_of`."""
+not looked at), and the number of self-contacts; then these, see `coupling_of`."""
 
 Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock", "rest"])
-"""Scratch of one solve. `rest` is what few solves need, in one array, because each costs time whenever a kernel is
-called: see `spans_of` and `coupling_of`."""
+"""Scratch of one solve. `rest` holds what few solves need, in one array: each array costs time whenever a kernel is
+called. See `coupling_of`."""
 
-Coupling = namedtuple("Coupling", ["pull", "replies", "system"])
-"""Scratch of `step.coupling`, for up to m self-contacts: a motion (n, 3), what each of them moves (m, n, 3), and a
-system of equations (m, m + 1)."""
+Coupling = namedtuple("Coupling", ["pairs", "spans", "pull", "replies", "system"])
+"""What serves self-contacts: those of a state, up to m (m, 1 + 3 n); spans of the body (n + 1, 5), see `self_pairs`; a
+motion (n, 3); what each of them moves (m, n, 3); and a system of equations (m, m + 1)."""
 
 STATES = 3
 """States in a workspace: two take turns in a descent, a third serves corrections."""
@@ -90,25 +90,14 @@ def pick(states: State, i: int) -> State:
 
 
 @kernel
-def pairs_of(state: State) -> Array:
-    """Place for the self-contacts of a state (m, 1 + 3 n)."""
-    return state.norms[NORMS:].reshape((MOST_PAIRS, pair_width(state.q.shape[0])))
-
-
-@kernel
-def spans_of(work: Work) -> Array:
-    """Place for the spans of the body (n + 1, 5), see `self_pairs`."""
-    n = work.step.shape[0]
-    return work.rest[: SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH))
-
-
-@kernel
-def coupling_of(work: Work) -> Coupling:
-    """Scratch of `step.coupling`."""
+def coupling_of(state: State, work: Work) -> Coupling:
+    """Lay out what serves self-contacts of a state."""
     n, m = work.step.shape[0], MOST_PAIRS
     pull = work.rest[SPAN_WIDTH * (n + 1) :]
     replies, system = pull[3 * n :], pull[3 * n * (1 + m) :]
     return Coupling(
+        state.norms[NORMS:].reshape((m, pair_width(n))),
+        work.rest[: SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH)),
         pull[: 3 * n].reshape((n, 3)),
         replies[: 3 * n * m].reshape((m, n, 3)),
         system[: m * (m + 1)].reshape((m, m + 1)),

@@ -79,8 +79,7 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
         single_arc(problem.limits, check.frames, tip, goal, q)
         return ARC
     scattered(problem.limits, number, seed, widest(number), q)
-    if tip >= 0:
-        face(check.frames, problem.tool, tip, goal, q)
+    face(problem.targets, check.frames, problem.tool, q)
     return RANDOM
 
 

@@ -59,8 +59,7 @@ def _begin(
     least = math.inf
     for draw in range(DRAWS):
         scattered(problem.limits, DRAWS * number + draw, seed, widest(number), trial.q)
-        if tip >= 0:
-            face(trial.frames, problem.tool, tip, goal, trial.q)
+        face(problem.targets, trial.frames, problem.tool, trial.q)
         linearise(problem, trial, work, problem.look_depth, solids.STEP, 0.0, False)
         if late(work.clock) and draw > 0:
             break

@@ -75,7 +75,9 @@ def test_self_contacts_give_the_dense_step(n: int, mu: float, hard: bool) -> Non
         pairs = rng.normal(size=(rng.integers(1, MOST_PAIRS + 1), 1 + 3 * n))
         expected = dense_step(columns, root.reshape(n, 9), mean, rows, pairs, mu)
         step = coupled_step(columns, root.reshape(n, 9).copy(), mean, rows, pairs, mu, hard)
-        np.testing.assert_allclose(step, expected, atol=1e-9 * (1.0 + np.abs(expected).max()))
+        # A HARD row weighs some 1e10 in the dense system, which loses digits by it.
+        exact = 3e-8 if hard else 1e-9
+        np.testing.assert_allclose(step, expected, atol=exact * (1.0 + np.abs(expected).max()))
 
 
 def test_a_system_is_solved() -> None:

@@ -216,7 +216,7 @@ BAD = {
     "expected a rotation: orthonormal rows and determinant 1 ... [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]",
     "robot: {segments: {length: 1}, base: {matrix: [[1]]}}": "robot.base.matrix: "
     "expected 4 rows of 4 finite numbers, got [[1]] (shape (1, 1))",
-    "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, got 3",
+    "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, self_collision, got 3",
     ROBOT + "scene: {}": "scene: expected a list of obstacles, got {}",
     ROBOT + "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space ... 'ball'",
     ROBOT + "scene: [{spere: {}}]": "scene[0].spere: expected perhaps sphere ... (unknown key)",

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from sinuous import words
-from sinuous.checks import Floats
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.extents import box_of
@@ -58,21 +57,17 @@ def _of_bends(robot: Robot) -> Iterator[str]:
 
 def _of_obstacles(robot: Robot, scene: Snapshot) -> Iterator[str]:
     length = sum(segment.length[1] for segment in robot.segments)
-    boxes = [box_of(obstacle) for obstacle in scene.obstacles]
-    known = [box for box in boxes if box is not None]
-    for i, box in enumerate(boxes):
-        size = 0.0 if box is None else _diagonal(box)
+    boxes = {i: box for i, each in enumerate(scene.obstacles) if (box := box_of(each)) is not None}
+    if not boxes:
+        return
+    corners = np.array([*boxes.values()])
+    sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)
+    for i, size in zip(boxes, sizes, strict=True):
         if size > ODD * length:
             yield f"{scene.name(i)} is {size:.4g} large, the robot {length:.4g} long; are both in one length unit?"
-    if known and len(known) == len(boxes):
-        low, high = np.min([box[0] for box in known], axis=0), np.max([box[1] for box in known], axis=0)
-        size = _diagonal(np.stack([low, high]))
-        if ODD * size < length:
-            yield f"all obstacles lie within {size:.4g}, the robot is {length:.4g} long; are both in one length unit?"
-
-
-def _diagonal(box: Floats) -> float:
-    return float(np.linalg.norm(box[1] - box[0]))
+    size = float(np.linalg.norm(corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)))
+    if len(boxes) == len(scene) and ODD * size < length:
+        yield f"all obstacles lie within {size:.4g}, the robot is {length:.4g} long; are both in one length unit?"
 
 
 def _of_base(robot: Robot, scene: Snapshot) -> Iterator[str]:

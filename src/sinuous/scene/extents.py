@@ -27,9 +27,11 @@ def box_of(obstacle: Obstacle) -> Floats | None:
 
 
 def _of_primitive(obstacle: Primitive) -> Floats:
+    if isinstance(obstacle, Sphere):
+        return np.array([obstacle.center - obstacle.radius, obstacle.center + obstacle.radius])
     center, rotation, half = obstacle.frame
-    rounding = obstacle.radius if isinstance(obstacle, Sphere | Capsule) else 0.0
-    return _around(center[None], np.abs(rotation) @ half + rounding)
+    reach = np.abs(rotation) @ half + (obstacle.radius if isinstance(obstacle, Capsule) else 0.0)
+    return np.array([center - reach, center + reach])
 
 
 def _of_samples(obstacle: Grid | Field) -> Floats | None:

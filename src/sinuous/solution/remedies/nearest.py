@@ -57,7 +57,7 @@ def nearest(
     best = _shorten(trials, vary, best, least)
     for angle in ASIDE:
         better = True
-        while better and trials.left > 0.0 and float(np.linalg.norm(best[0])) > least:
+        while better and float(np.linalg.norm(best[0])) > least and trials.may_refine():
             better = False
             for direction in _aside(best[0], plane):
                 turned = np.cos(angle) * best[0] / np.linalg.norm(best[0]) + np.sin(angle) * direction
@@ -81,7 +81,7 @@ def _shorten(trials: Trials, vary: Vary, best: Found, least: float) -> Found:
     """Make a change smaller, in its direction, as long as that works: in steps that grow, then halving."""
     whole, low, high, step = best[0], 0.0, 1.0, FINE
     size = float(np.linalg.norm(whole))
-    while high - low > FINE * high and high * size > least and trials.left > 0.0:
+    while high - low > FINE * high and high * size > least and trials.may_refine():
         middle = high - min(step, 0.5 * (high - low))
         found = trials.quick(vary(middle * whole), best[1].q)
         if found is None:

@@ -28,6 +28,9 @@ SMALLER = 3.0
 LOOKS = 3
 """How often it is made smaller before it is given up, where it does not work."""
 
+REFINING = 0.6
+"""Share of the time after which nothing is made smaller any more."""
+
 NOTHING = 1e-4
 """Share of the largest change below which it is not made smaller."""
 
@@ -83,13 +86,20 @@ class Trials:
 
     def __init__(self, case: Case, end: float) -> None:
         self._case = case
-        self._end = self._deadline = end
+        self._end = self._deadline = self._refined = end
         self.complete = True
 
     def share(self, part: float) -> None:
         """Give what comes next this part of the time that is left."""
         now = perf_counter()
         self._deadline = now + max(0.0, self._end - now) * part
+        self._refined = now + REFINING * (self._deadline - now)
+
+    def may_refine(self) -> bool:
+        """Whether what was found may still be made smaller; later, there would be no time left to confirm it."""
+        early = perf_counter() < self._refined
+        self.complete &= early
+        return early
 
     @property
     def left(self) -> float:
@@ -135,7 +145,7 @@ class Trials:
         if found is None:
             return None
         low = 0.0
-        while high - low > FINE * high and self.left > 0.0:
+        while high - low > FINE * high and self.may_refine():
             middle = max(high / SMALLER, 0.5 * (low + high)) if low > 0.0 else high / SMALLER
             tried = self.quick(vary(middle), found.q)
             if tried is None:

@@ -13,13 +13,14 @@ from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
+from tests.kernels.workspace import NEVER, make_clock
 
 CELL, RADIUS, REACH = 0.2, 0.25, 1.8
 GOAL = (0.8, 0.4, 0.6)
 
 
-def memory(most: int = 1 << 14) -> Memory:
-    """An empty table, and arrays of their own."""
+def memory(most: int = 1 << 14, deadline: int = NEVER) -> Memory:
+    """An empty table, and arrays of their own; the deadline (ns) is that of its clock."""
     sides = Side(
         np.zeros((2, most), np.int32),
         np.zeros((2, most)),
@@ -36,7 +37,7 @@ def memory(most: int = 1 << 14) -> Memory:
         np.zeros(most),
         np.zeros(most, np.uint8),
     )
-    return Memory(table, sides, np.zeros((LINE_POINTS, 3)), np.zeros(2, np.int64))
+    return Memory(table, sides, np.zeros((LINE_POINTS, 3)), make_clock(deadline))
 
 
 def grid(**changed: Any) -> Grid:

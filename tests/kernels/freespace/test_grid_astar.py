@@ -19,8 +19,8 @@ from tests.helpers import Floats, kernel_scene
 from tests.kernels.freespace.places import CELL, GOAL, RADIUS, REACH, grid, memory, room, spheres
 
 
-def explore(work: Memory, where: Grid, scene: Scene, deadline: float = math.inf) -> tuple[int, int]:
-    found: tuple[int, int] = grid_astar.explore(work, where, kernel_scene(scene), deadline)
+def explore(work: Memory, where: Grid, scene: Scene) -> tuple[int, int]:
+    found: tuple[int, int] = grid_astar.explore(work, where, kernel_scene(scene))
     return found
 
 
@@ -197,7 +197,7 @@ def test_closed_is_said_exactly_where_free_space_is_cut_in_two() -> None:
 def test_a_full_table_and_a_spent_time_are_said() -> None:
     far = grid(reach=50.0, goal=(9.0, 0.0, 0.0))
     assert explore(memory(1 << 7), far, Scene())[0] == FULL
-    assert explore(memory(), far._replace(room=1e9), Scene([Sphere((3, 0, 0), 1.0)]), deadline=0.0)[0] == TIMED_OUT
+    assert explore(memory(deadline=0), far._replace(room=1e9), Scene([Sphere((3, 0, 0), 1.0)]))[0] == TIMED_OUT
 
 
 @pytest.mark.parametrize("off", [0.0, 3.0])

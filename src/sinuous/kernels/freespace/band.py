@@ -2,9 +2,9 @@
 
 import math
 
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, closest, obstacle
+from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.cells import Memory
 from sinuous.kernels.freespace.grid import Grid
@@ -58,19 +58,19 @@ def _push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
 
 
 @kernel
-def tighten(scene: Scene, grid: Grid, route: Array, memory: Memory, count: int, deadline: float) -> None:
+def tighten(scene: Scene, grid: Grid, route: Array, memory: Memory, count: int) -> None:
     """Draw the first `count` points of `route` (m, 3) tight and away from obstacles, as far as the time allows.
 
     The first two points stay, and the last; so does the last but one when the goal has a tangent.
     """
     wanted = grid.radius + grid.room
     last = count - 1 if norm(grid.back) == 0.0 else count - 2
-    spare = memory.points
+    spare, looks = memory.points, price(scene)
     for sweep in range(SWEEPS):
-        if now(memory.clock) > deadline:
-            return
         most = grid.cell * (0.5 - 0.4 * sweep / SWEEPS)
         for i in range(2, last):
+            if spend(memory.clock, looks):
+                return
             p = get_vec(route, i, 0)
             between = scale(0.5, add(get_vec(route, i - 1, 0), get_vec(route, i + 1, 0)))
             pull = sub(between, p)

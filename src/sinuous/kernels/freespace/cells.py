@@ -11,6 +11,7 @@ from collections import namedtuple
 
 import numpy as np
 
+from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import Array
@@ -28,7 +29,7 @@ final. And the heap of cells that are open, see `heap`: `priority` (h,), `items`
 
 Memory = namedtuple("Memory", ["table", "sides", "points", "clock"])
 """All that a search works in: table, both sides (arrays with one more axis in front, see `pick`), `points` (m, 3) of a
-line, and scratch (2,) of the clock."""
+line, and the clock, see `kernels.clock`."""
 
 NONE = -1
 
@@ -44,7 +45,7 @@ OFFSET = 1 << 20
 
 def memory_size(most: int) -> int:
     """Numbers (float64) that a search works in that meets `most` cells, a power of two from 8 on: 83 bytes a cell."""
-    return 10 * most + 3 * (most // 8) + 3 * LINE_POINTS + 6
+    return 10 * most + 3 * (most // 8) + 3 * LINE_POINTS + CLOCK_SIZE + 4
 
 
 @kernel
@@ -68,8 +69,8 @@ def carve(buffer: Array, most: int) -> Memory:
         buffer[9 * c : 10 * c],
         buffer[10 * c + 2 * eighth : 10 * c + 3 * eighth].view(np.uint8),
     )
-    lines = 3 * LINE_POINTS
-    return Memory(table, sides, rest[4 : 4 + lines].reshape((LINE_POINTS, 3)), rest[2:4].view(np.int64))
+    clock, points = rest[2 : 2 + CLOCK_SIZE].view(np.int64), rest[2 + CLOCK_SIZE :]
+    return Memory(table, sides, points[: 3 * LINE_POINTS].reshape((LINE_POINTS, 3)), clock)
 
 
 @kernel

@@ -1,6 +1,6 @@
 """The door: routes of a ball through free space, from one place to another, and the proof that there are none."""
 
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
@@ -53,27 +53,27 @@ def _trace(memory: Memory, grid: Grid, met: int, query: Query) -> int:
 
 
 @kernel
-def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, deadline: float, route: Array) -> int:
+def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, route: Array) -> int:
     """Fill `route` (K, 3) with the one through the cell `met`; returns how many points it has (0: too many cells)."""
     traced = _trace(memory, grid, met, query)
     if traced == 0:
         return 0
     wanted = points_wanted(span(memory.points, traced), grid.cell, route.shape[0])
     respace(memory.points, traced, route, wanted)
-    tighten(scene, grid, route, memory, wanted, deadline)
+    tighten(scene, grid, route, memory, wanted)
     return wanted
 
 
 @kernel
-def _proved_closed(memory: Memory, query: Query, scene: Scene, deadline: float) -> bool:
+def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
     """Prove that there is no route for any body of this radius, whatever its tangents."""
     clear(memory)
-    ended, _ = explore(memory, proof_grid(query), scene, deadline)
+    ended, _ = explore(memory, proof_grid(query), scene)
     return ended == CLOSED
 
 
 @kernel
-def _find(memory: Memory, scene: Scene, query: Query, deadline: float, routes: Array, counts: Array) -> tuple[int, int]:
+def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Array) -> tuple[int, int]:
     """Fill `routes`: how many, and how the last search ended.
 
     The first search does not know how long the route is, and so how far it leaves straight: when it leaves straight for
@@ -85,9 +85,9 @@ def _find(memory: Memory, scene: Scene, query: Query, deadline: float, routes: A
     clear(memory)
     count, ended = 0, FOUND
     while count < routes.shape[0]:
-        ended, met = explore(memory, grid, scene, deadline)
+        ended, met = explore(memory, grid, scene)
         if ended == CLOSED and count == 0 and barred:
-            if query.prove and _proved_closed(memory, query, scene, deadline):
+            if query.prove and _proved_closed(memory, query, scene):
                 return 0, PROVED_CLOSED
             barred = False
             grid = route_grid(query, scene, straight, barred)
@@ -95,7 +95,7 @@ def _find(memory: Memory, scene: Scene, query: Query, deadline: float, routes: A
             continue
         if ended != FOUND:
             break
-        points = _smooth(memory, grid, scene, met, query, deadline, routes[count])
+        points = _smooth(memory, grid, scene, met, query, routes[count])
         if points == 0:
             break
         ahead = straight_length(query, span(routes[count], points))
@@ -139,6 +139,7 @@ def find_routes(
     """
     obstacles, asked = read_scene(scene), read_query(query)
     memory = carve(buffer, asked.most_cells)
-    deadline = now(memory.clock) + seconds
-    count, ended = _find(memory, obstacles, asked, deadline, routes, counts)
+    begin(memory.clock)
+    allow(memory.clock, seconds)
+    count, ended = _find(memory, obstacles, asked, routes, counts)
     return count, ended, int(memory.table.size[0])

@@ -15,9 +15,10 @@ by w c takes as long as two searches. Where the least priority of one side alrea
 
 import math
 
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene
+from sinuous.kernels.fields.distances import price as looks_of
 from sinuous.kernels.freespace.cells import (
     NONE,
     Memory,
@@ -47,9 +48,6 @@ SEEDS = 0.25
 """Most of the table that the cells about one end may take. About a larger ball nothing is searched from: the other side
 ends when it gets there."""
 
-LOOKS_AT_ONCE, SEEDS_AT_ONCE = 8, 64
-"""After so many the clock is looked at."""
-
 AROUND = 27
 """Cells that a look at all neighbours of one may add to the table, and to a heap."""
 
@@ -70,7 +68,7 @@ def _arrive(other: Side, cell: int, rest: float, close: float) -> None:
 
 
 @kernel
-def _seed(memory: Memory, grid: Grid, scene: Scene, which: int, deadline: float) -> bool:
+def _seed(memory: Memory, grid: Grid, scene: Scene, which: int) -> bool:
     """Open the cells that have their middles in the ball where a side begins; say whether they are not too many."""
     table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
     place, around = _end(grid, which)
@@ -78,6 +76,7 @@ def _seed(memory: Memory, grid: Grid, scene: Scene, which: int, deadline: float)
     span = math.ceil(around / grid.cell) + 1
     if (2.0 * span + 1.0) ** 3 > SEEDS * table.keys.shape[0]:
         return False
+    looks = looks_of(scene)
     x, y, z = numbers_of(cell_at(grid, place))
     for i in range(-span, span + 1):
         for j in range(-span, span + 1):
@@ -86,8 +85,7 @@ def _seed(memory: Memory, grid: Grid, scene: Scene, which: int, deadline: float)
                 off = norm(sub(middle(grid, key), place))
                 if off > around:
                     continue
-                full = table.size[0] == table.keys.shape[0]
-                if full or (table.size[0] % SEEDS_AT_ONCE == 0 and now(memory.clock) > deadline):
+                if table.size[0] == table.keys.shape[0] or spend(memory.clock, looks):
                     return True
                 cell = cell_of(table, key)
                 if cell == NONE:
@@ -121,7 +119,7 @@ def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met:
     table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
     aim, close = _end(grid, 1 - which)
     x, y, z = numbers_of(table.keys[cell])
-    h = grid.cell
+    h, looks = grid.cell, looks_of(scene)
     own = price(grid, table.distance[cell]) + DETOUR * table.penalized[cell]
     for i in range(-1, 2):
         for j in range(-1, 2):
@@ -130,12 +128,15 @@ def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met:
                 new = cell_of_here(table, key)
                 if new == NONE:
                     new = add_cell(table, memory.sides, key, free_distance(grid, scene, middle(grid, key)))
+                    spend(memory.clock, looks)
                 d = table.distance[new]
                 if d == -math.inf or side.done[new] != 0:
                     continue
                 step = h * math.sqrt(i * i + j * j + k * k)
-                if d + table.distance[cell] < step and walled(grid, scene, table.keys[cell], key):
-                    continue
+                if d + table.distance[cell] < step:
+                    spend(memory.clock, looks)
+                    if walled(grid, scene, table.keys[cell], key):
+                        continue
                 cost = side.cost[cell] + 0.5 * step * (own + price(grid, d) + DETOUR * table.penalized[new])
                 length = side.length[cell] + step
                 rest = norm(sub(middle(grid, key), aim))
@@ -156,7 +157,7 @@ def _least(side: Side) -> float:
 
 
 @kernel
-def explore(memory: Memory, grid: Grid, scene: Scene, deadline: float) -> tuple[int, int]:
+def explore(memory: Memory, grid: Grid, scene: Scene) -> tuple[int, int]:
     """Search from the cells about the goal and from those about the start; what was searched before is in the memory.
 
     Returns FOUND, CLOSED (no route), FULL (the table or a heap is) or TIMED_OUT; and the cell in which both sides met
@@ -165,19 +166,17 @@ def explore(memory: Memory, grid: Grid, scene: Scene, deadline: float) -> tuple[
     table, sides = memory.table, memory.sides
     goal_side, start_side = pick(sides, FROM_GOAL), pick(sides, FROM_START)
     most, places = table.keys.shape[0] - AROUND, goal_side.items.shape[0] - AROUND
-    from_goal = _seed(memory, grid, scene, FROM_GOAL, deadline)
-    from_start = _seed(memory, grid, scene, FROM_START, deadline)
+    from_goal = _seed(memory, grid, scene, FROM_GOAL)
+    from_start = _seed(memory, grid, scene, FROM_START)
     if not from_goal and not from_start:
         return FULL, NONE
     met = NONE
     for cell in range(table.size[0]):
         if _joins(sides, grid, cell, met):
             met = cell
-    looks = 0
     while True:
-        if looks % LOOKS_AT_ONCE == 0 and now(memory.clock) > deadline:
+        if spend(memory.clock, AROUND):
             return TIMED_OUT, NONE
-        looks += 1
         least_from_goal = _least(goal_side) if from_goal else 0.0
         least_from_start = _least(start_side) if from_start else 0.0
         if met != NONE and _through(sides, met) <= max(least_from_goal, least_from_start):

@@ -27,8 +27,10 @@ if TYPE_CHECKING:
     from sinuous.problem.problem import Problem as Problem
     from sinuous.problem.target import Target as Target
     from sinuous.problem.tolerance import Tolerance as Tolerance
+    from sinuous.robot.actuation import Actuator as Actuator
     from sinuous.robot.actuators import Chambers as Chambers
     from sinuous.robot.actuators import Tendons as Tendons
+    from sinuous.robot.coupled import Actuators as Actuators
     from sinuous.robot.parameters import arc_parameters as arc_parameters
     from sinuous.robot.parameters import from_arc_parameters as from_arc_parameters
     from sinuous.robot.robot import Robot as Robot
@@ -50,7 +52,9 @@ if TYPE_CHECKING:
     from sinuous.solving.solver import solve_all as solve_all
 
 _HOMES = {
+    "robot.actuation": ("Actuator",),
     "robot.actuators": ("Chambers", "Tendons"),
+    "robot.coupled": ("Actuators",),
     "errors": ("InputError", "NotSolvedError"),
     "methods.dls.options": ("Dls",),
     "methods.fabrik_avoid.options": ("FabrikAvoid",),

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterable
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,12 +12,27 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.poses import as_pose
-from sinuous.robot import actuation, limits
+from sinuous.robot import limits
+from sinuous.robot.actuation import Actuation, Actuator
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.coupled import Actuators
+from sinuous.robot.coupled_limits import coupled_rows
+from sinuous.robot.inverse import Inverse, fitting
 from sinuous.robot.limits import Violation
+from sinuous.robot.names import optional_name, segment_names
 from sinuous.robot.segment import Segment
 
 MOST_SEGMENTS = 10_000
+
+REPLACED = {
+    "tendon_displacements": "to_actuators",
+    "tendon_lengths": "to_actuators",
+    "chamber_lengths": "to_actuators",
+    "from_tendon_displacements": "from_actuators",
+    "from_tendon_lengths": "from_actuators",
+    "from_chamber_lengths": "from_actuators",
+}
+"""Methods of before, and what does their work now."""
 
 
 class Robot(Frozen):
@@ -36,31 +52,51 @@ class Robot(Frozen):
         Pose of the base in the world; its z axis is the tangent that the backbone leaves with.
     tool : array_like (4, 4), optional
         Pose of the tool in the frame of the tip. Targets of the tip mean the tool; the tool has no body.
+    actuators : Actuators, optional
+        Actuators beside the tendons and chambers of the segments.
+    name : str, optional
 
     Attributes
     ----------
     segments : tuple of Segment
+    segment_names : tuple of str
+        By default `s1`, `s2`, ... from base to tip.
     radii : tuple of float
         Radius of the body, per segment.
+    linear : Actuators or None
+        What was given as `actuators`.
     limits, actuation : ndarray (n, 7), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises
     ------
     InputError
-        When there is no segment, nothing has a length, or a pose is none.
+        When there is no segment, nothing has a length, a pose is none, two segments or two actuators have the same
+        name, or `actuators` do not fit the robot.
     """
 
     segments: tuple[Segment, ...]
+    segment_names: tuple[str, ...]
     radii: tuple[float, ...]
     mount: float
     base: Floats
     tool: Floats
+    linear: Actuators | None
+    name: str | None
     limits: Floats
     actuation: Floats
+    _drive: Actuation
 
     def __init__(
-        self, segments: Iterable[Segment], *, radius: Any = None, mount: Any = 0.0, base: Any = None, tool: Any = None
+        self,
+        segments: Iterable[Segment],
+        *,
+        radius: Any = None,
+        mount: Any = 0.0,
+        base: Any = None,
+        tool: Any = None,
+        actuators: Actuators | None = None,
+        name: Any = None,
     ) -> None:
         if not isinstance(segments, Iterable):
             raise InputError("segments", "", segments, "a list of Segment")
@@ -71,17 +107,25 @@ class Robot(Frozen):
                 raise InputError(f"segments[{k}]", "", segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in listed):
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
-        radii = tuple(segment.radius for segment in listed)
         if radius is not None:
-            radii = (checks.number("radius", radius, low=0.0),) * len(listed)
+            listed = tuple(segment.with_radius(radius) for segment in listed)
+        if not (actuators is None or isinstance(actuators, Actuators)):
+            raise InputError("actuators", "", actuators, "Actuators or nothing")
+        drive = Actuation(listed, actuators)
+        table = packing.segment_table(listed)
+        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_gains, table)
         self._set(
             segments=listed,
+            segment_names=segment_names(listed),
             mount=checks.number("mount", mount, low=0.0),
             base=as_pose("base", base),
             tool=as_pose("tool", tool),
-            radii=radii,
-            limits=packing.segment_table(listed, radii),
-            actuation=packing.actuator_table(listed),
+            linear=actuators,
+            name=optional_name(name),
+            radii=tuple(segment.radius for segment in listed),
+            limits=table,
+            actuation=packing.actuator_table([*drive.limit_rows(), *coupled]),
+            _drive=drive,
         )
 
     @classmethod
@@ -107,7 +151,8 @@ class Robot(Frozen):
 
     def __repr__(self) -> str:
         low, high = (sum(segment.length[i] for segment in self.segments) for i in (0, 1))
-        return f"Robot({len(self)} segments, total length {low:g} to {high:g})"
+        name = "" if self.name is None else f"{self.name!r}, "
+        return f"Robot({name}{len(self)} segments, total length {low:g} to {high:g})"
 
     @property
     def mean_length(self) -> float:
@@ -171,9 +216,10 @@ class Robot(Frozen):
     def excess(self, q: Any) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
-        Bends and lengths count in their own units (rad, length unit), actuators in the length unit.
+        Bends and lengths count in their own units (rad, length unit), actuators in the length unit: the values of
+        `Actuators` are divided by their largest weight, those of bends taken relative to the mean length.
         """
-        return limits.excess(self.segments, self.configuration("q", q))
+        return limits.excess(self.segments, self._drive, self.configuration("q", q))
 
     def violations(self, q: Any) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
@@ -182,35 +228,60 @@ class Robot(Frozen):
         what the curvature allows at this length.
         """
         slack = 1e-11 * max(1.0, self.mean_length)
-        return limits.violations(self.segments, checks.array("q", q, (len(self), 3)), slack)
+        return limits.violations(self.segments, self._drive, checks.array("q", q, (len(self), 3)), slack)
 
-    def tendon_displacements(self, q: Any) -> list[Floats]:
-        """Displacement of every tendon, per segment an array (..., m); positive is pulled, of the bends alone."""
-        return actuation.tendon_displacements(self.segments, self.configuration("q", q))
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """All actuators: segment by segment tendons, then chambers; at the end those of `Actuators`."""
+        return self._drive.actuators
 
-    def tendon_lengths(self, q: Any) -> list[Floats]:
-        """Length of every tendon from base to where it ends, per segment an array (..., m)."""
-        return actuation.tendon_lengths(self.segments, self.configuration("q", q))
+    def to_actuators(self, q: Any) -> Floats:
+        """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
 
-    def from_tendon_lengths(self, lengths: list[Any]) -> Floats:
-        """Configuration (..., n, 3) of a robot whose tendons have these lengths (by least squares where they are many).
-
-        Every segment needs tendons that are not all in one plane with the backbone; without extension the known
-        length of a segment is used, otherwise the lengths of its tendons determine it.
+        Of a tendon it is the displacement (positive is pulled), of a chamber the length, both in the length unit.
         """
-        return actuation.from_tendon_lengths(self.segments, lengths)
+        return self._drive.values(self.configuration("q", q))
 
-    def from_tendon_displacements(self, displacements: list[Any], length: Any = None) -> Floats:
-        """Configuration (..., n, 3) from displacements per segment (..., m), with segment lengths (..., n).
+    def from_actuators(self, actuators: Any, initial: Any = None) -> Floats:
+        """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
 
-        `length` may be left out when no segment can stretch.
+        Least squares where values contradict each other. Coordinates that cannot move are what they are.
+
+        Parameters
+        ----------
+        actuators : array_like (..., m)
+        initial : array_like (..., n, 3), optional
+            What no actuator determines stays as it is here: of all configurations with these values the nearest to
+            this one (bends in rad, lengths relative to the mean length of their segment).
+
+        Raises
+        ------
+        InputError
+            When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named.
         """
-        return actuation.from_tendon_displacements(self.segments, displacements, length)
+        values, reference = fitting(actuators, initial, len(self._drive), len(self))
+        if reference is None:
+            self._inverse.refuse_undetermined(self.segment_names)
+        return self._inverse.configuration(values, reference)
 
-    def chamber_lengths(self, q: Any) -> list[Floats]:
-        """Length of every chamber, per segment an array (..., m)."""
-        return actuation.chamber_lengths(self.segments, self.configuration("q", q))
+    def actuator_jacobian(self, q: Any) -> Floats:
+        """Derivative (..., m, 3 n) of the values of all actuators, read-only.
 
-    def from_chamber_lengths(self, lengths: list[Any]) -> Floats:
-        """Configuration (..., n, 3) of a robot whose chambers have these lengths (least squares where many)."""
-        return actuation.from_chamber_lengths(self.segments, lengths)
+        Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
+        configuration, because all actuators are linear.
+        """
+        lead = self.configuration("q", q).shape[:-2]
+        jacobian = self._drive.jacobian()
+        return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
+
+    @cached_property
+    def _inverse(self) -> Inverse:
+        return Inverse(self._drive, self.limits)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            now = REPLACED.get(name)
+            if now is None:
+                raise AttributeError(f"'Robot' object has no attribute {name!r}", name=name, obj=self)
+            raise AttributeError(f"Robot.{name} is gone: all actuators are one array now, see Robot.{now}")

@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.names import optional_name
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -29,6 +30,8 @@ class Segment(Frozen):
         Tendons that end at the end of this segment.
     chambers : Chambers, optional
         Chambers along this segment.
+    name : str, optional
+        By default the robot calls its segments `s1`, `s2`, ... from base to tip.
 
     Raises
     ------
@@ -43,6 +46,7 @@ class Segment(Frozen):
     radius: float
     tendons: Tendons | None
     chambers: Chambers | None
+    name: str | None
 
     def __init__(
         self,
@@ -52,6 +56,7 @@ class Segment(Frozen):
         radius: Any = 0.0,
         tendons: Tendons | None = None,
         chambers: Chambers | None = None,
+        name: Any = None,
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
@@ -71,9 +76,17 @@ class Segment(Frozen):
             radius=checks.number("radius", radius, low=0.0),
             tendons=tendons,
             chambers=chambers,
+            name=optional_name(name),
         )
+
+    def with_radius(self, radius: Any) -> Self:
+        """Return the same segment with this radius of its body."""
+        twin = object.__new__(type(self))
+        twin._set(**{**vars(self), "radius": checks.number("radius", radius, low=0.0)})
+        return twin
 
     def __repr__(self) -> str:
         low, high = self.length
         shown = f"{low:g}" if low == high else f"({low:g}, {high:g})"
-        return f"Segment(length={shown}, max_bend={self.max_bend:g}, radius={self.radius:g})"
+        name = "" if self.name is None else f"{self.name!r}, "
+        return f"Segment({name}length={shown}, max_bend={self.max_bend:g}, radius={self.radius:g})"

@@ -19,6 +19,7 @@ KEYS = [
     "position_error",
     "angle_error",
     "clearance",
+    "actuators",
     "worst",
     "reason",
     "iterations",

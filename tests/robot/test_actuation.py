@@ -28,21 +28,8 @@ MIXED = Robot(
     ),
     name="arm",
 )
-NAMES = [
-    "s2.t1",
-    "s2.t2",
-    "s2.t3",
-    "s4.t1",
-    "s4.t2",
-    "s4.c1",
-    "s4.c2",
-    "s4.c3",
-    "s4.c4",
-    "left",
-    "right",
-    "motor",
-    "differential",
-]
+NAMES = [*(f"s2.t{i}" for i in (1, 2, 3)), "s4.t1", "s4.t2", *(f"s4.c{i}" for i in (1, 2, 3, 4))]
+NAMES += ["left", "right", "motor", "differential"]
 
 
 def one_by_one(robot: Robot, q: Floats) -> list[float]:
@@ -78,6 +65,8 @@ def test_values_are_those_of_single_actuators(lead: tuple[int, ...]) -> None:
     q = np.random.default_rng(0).normal(size=(*lead, 5, 3))
     expected = np.array([one_by_one(MIXED, each) for each in q.reshape(-1, 5, 3)]).reshape(*lead, 13)
     np.testing.assert_allclose(MIXED.to_actuators(q), expected, atol=1e-14)
+    one = q.reshape(-1, 5, 3)[-1]
+    np.testing.assert_allclose(MIXED.to_actuators(one), one_by_one(MIXED, one), atol=1e-14)
     jacobian = MIXED.actuator_jacobian(q)
     assert jacobian.shape == (*lead, 13, 15)
     assert not jacobian.flags.writeable

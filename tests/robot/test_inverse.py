@@ -115,6 +115,8 @@ def test_axes_in_front_broadcast() -> None:
     values = robot.to_actuators(q)
     assert robot.from_actuators(values, q).shape == (4, 2, 1, 3)
     assert robot.from_actuators(values[0, 0], q).shape == (4, 2, 1, 3)
+    assert robot.from_actuators(values[:0], q[:0]).shape == (0, 2, 1, 3)
+    assert robot.to_actuators(q[:0]).shape == (0, 2, 3)
     np.testing.assert_allclose(robot.from_actuators(values, [[0, 0, 1.0]])[..., 2], 1.0)
     np.testing.assert_allclose(robot.from_actuators(values, q[:, :1])[:, 1, 0, 2], q[:, 0, 0, 2])
     refused("initial", lambda: robot.from_actuators(values, np.ones((3, 2, 1, 3))), "broadcast")

@@ -6,6 +6,7 @@ each of `Actuators` all of them. Arrays are (..., n, 3) for configurations and (
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -21,6 +22,10 @@ from sinuous.robot.names import line_names, refuse_repeated, segment_names
 from sinuous.robot.segment import Segment
 
 Kind = Literal["tendon", "chamber", "linear"]
+
+TOGETHER = 256
+"""Vectors that are multiplied at once. NumPy hands more of them to several threads, which wait for each other longer
+than such small matrices take."""
 
 
 class Actuator(NamedTuple):
@@ -116,16 +121,20 @@ class Actuation(Frozen):
 
     def values(self, q: Floats) -> Floats:
         """Values (..., m) of all actuators in configurations (..., n, 3)."""
+        return self._sums_of(q) if q.ndim == 2 else product(flat(q), self.jacobian)
+
+    def _sums_of(self, q: Floats) -> Floats:
+        """Compute the same from sums over the segments, without a matrix whose size is that of the robot squared."""
         both = np.concatenate([q, np.cumsum(q, axis=-2)], axis=-2)
         lines = np.einsum("...lc,lc->...l", both[..., self._sums, :], self._weights)
-        if len(self._matrix) == 0:
-            return lines  # type: ignore[no-any-return]
-        return np.concatenate([lines, q.reshape(*q.shape[:-2], -1) @ self._matrix.T], axis=-1)
+        return np.concatenate([lines, flat(q) @ self._matrix.T], axis=-1)
 
+    @cached_property
     def jacobian(self) -> Floats:
-        """Derivative (m, 3 n) of the values by the coordinates: the same everywhere."""
+        """Derivative (m, 3 n) of the values by the coordinates, read-only: the same everywhere."""
         columns = self._matrix.shape[1]
-        result: Floats = np.ascontiguousarray(self.values(np.eye(columns).reshape(columns, -1, 3)).T)
+        result: Floats = np.ascontiguousarray(self._sums_of(np.eye(columns).reshape(columns, -1, 3)).T)
+        result.flags.writeable = False
         return result
 
     def limit_rows(self) -> Iterator[list[float]]:
@@ -140,6 +149,21 @@ class Actuation(Frozen):
         values = self.values(q)
         result: Floats = np.maximum(self.limits[:, 0] - values, values - self.limits[:, 1]) / self.gains
         return result
+
+
+def flat(q: Floats) -> Floats:
+    """Configurations (..., n, 3) as vectors (..., 3 n)."""
+    return q.reshape(*q.shape[:-2], q.shape[-2] * 3)
+
+
+def product(vectors: Floats, matrix: Floats) -> Floats:
+    """Multiply vectors (..., c) by a matrix (r, c), to (..., r)."""
+    lead = vectors.shape[:-1]
+    rows = vectors.reshape(math.prod(lead), matrix.shape[1])
+    out = np.empty((len(rows), len(matrix)))
+    for first in range(0, len(rows), TOGETHER):
+        np.matmul(rows[first : first + TOGETHER], matrix.T, out=out[first : first + TOGETHER])
+    return out.reshape(*lead, len(matrix))
 
 
 def _lines(k: int, name: str, segment: Segment) -> Iterator[Line]:

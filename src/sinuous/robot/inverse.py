@@ -10,8 +10,8 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
-from sinuous.robot.actuation import Actuation
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MIN_LENGTH
+from sinuous.robot.actuation import Actuation, flat, product
 
 RANK = 1e-9
 """Actuators that are as nearly dependent as this, relative to their weights, count as dependent."""
@@ -41,39 +41,42 @@ class Inverse(Frozen):
     """
 
     undetermined: NDArray[np.bool_]
-    _actuation: Actuation
-    _fixed: Floats
-    _moves: NDArray[np.bool_]
-    _solve: Floats
+    _of_values: Floats
+    _of_reference: Floats
+    _constant: Floats
 
     def __init__(self, actuation: Actuation, limits: Floats) -> None:
         scale = limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]]
         moves = scale.ravel() > 0.0
-        system = actuation.jacobian()[:, moves] * scale.ravel()[moves]
+        jacobian = actuation.jacobian
+        system = jacobian[:, moves] * scale.ravel()[moves]
         norms = np.linalg.norm(system, axis=1, keepdims=True)
         _, sizes, directions = np.linalg.svd(system / np.where(norms > 0.0, norms, 1.0))
         rank = int((sizes > RANK).sum())
         loose = np.zeros(scale.shape, np.bool_)
         loose.ravel()[moves] = np.linalg.norm(directions[rank:], axis=0) > np.sqrt(RANK)
         u, s, vt = np.linalg.svd(system, full_matrices=False)
-        inverse = (vt[:rank].T / s[:rank]) @ u[:, :rank].T
-        fixed = np.zeros(scale.shape)
-        fixed[:, 2] = np.where(scale[:, 2] > 0.0, 0.0, limits[:, 0])
-        solve = np.zeros((scale.size, len(actuation)))
-        solve[moves] = scale.ravel()[moves, None] * inverse
-        for array in (loose, fixed, moves, solve):
+        inverse = np.zeros((scale.size, len(actuation)))
+        inverse[moves] = scale.ravel()[moves, None] * ((vt[:rank].T / s[:rank]) @ u[:, :rank].T)
+        fixed = np.where([False, False, True] & ~moves.reshape(scale.shape), limits[:, [MIN_LENGTH]], 0.0).ravel()
+        # reference + inverse (values - jacobian reference), where what is fixed replaces it in the reference
+        rest = np.eye(scale.size) - inverse @ jacobian
+        arrays = {
+            "undetermined": loose,
+            "_of_values": inverse,
+            "_of_reference": np.where(moves, rest, 0.0),
+            "_constant": rest @ fixed,
+        }
+        for array in arrays.values():
             array.flags.writeable = False
-        self._set(undetermined=loose, _actuation=actuation, _fixed=fixed, _moves=moves, _solve=solve)
+        self._set(**arrays)
 
     def configuration(self, values: Floats, reference: Floats | None) -> Floats:
         """Configurations (..., n, 3) with these values (..., m), nearest to the reference (..., n, 3)."""
-        n = len(self._fixed)
-        near = self._fixed
+        found = product(values, self._of_values) + self._constant
         if reference is not None:
-            near = np.where(self._moves.reshape(n, 3), reference, self._fixed)
-        miss = values - self._actuation.values(near)
-        result: Floats = near + (miss @ self._solve.T).reshape(*miss.shape[:-1], n, 3)
-        return result
+            found = found + product(flat(reference), self._of_reference)
+        return found.reshape(*found.shape[:-1], len(self.undetermined), 3)
 
     def refuse_undetermined(self, names: Sequence[str]) -> None:
         """Refuse to do without a reference when a coordinate of one of these segments is undetermined."""

@@ -271,7 +271,7 @@ class Robot(Frozen):
         configuration, because all actuators are linear.
         """
         lead = self.configuration("q", q).shape[:-2]
-        jacobian = self._drive.jacobian()
+        jacobian = self._drive.jacobian
         return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
 
     @cached_property

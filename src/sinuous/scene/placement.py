@@ -20,15 +20,17 @@ class Placement(Frozen):
     scale : float
         Greater than 0.
     position : array_like (3,), optional
-    rotation : array_like (3, 3) or (4,), optional
+    rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
         A matrix or a quaternion wxyz.
+    xyzw : array_like (4,), optional
+        A quaternion in the order of SciPy and ROS, instead of `rotation`.
     """
 
     scale: float
     pose: Floats
 
-    def __init__(self, scale: Any, position: Any = None, rotation: Any = None) -> None:
-        self._set(scale=checks.number("scale", scale, above=0.0), pose=pose(position, rotation=rotation))
+    def __init__(self, scale: Any, position: Any = None, rotation: Any = None, xyzw: Any = None) -> None:
+        self._set(scale=checks.number("scale", scale, above=0.0), pose=pose(position, rotation=rotation, xyzw=xyzw))
 
     def apply(self, points: Floats) -> Floats:
         """Map points (m, 3); what is not finite stays so."""

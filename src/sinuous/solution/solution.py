@@ -1,5 +1,6 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -145,6 +146,13 @@ class Solution:
         return self.problem.robot.base
 
     @property
+    def actuators(self) -> dict[str, float] | None:
+        """Displacement of every tendon, length of every chamber, values of other actuators; `None` without any."""
+        robot = self.problem.robot
+        names = [actuator.name for actuator in robot.actuators]
+        return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
+
+    @property
     def reason(self) -> Reason | None:
         """What proves that there is no solution; `None` when nothing does."""
         if not hasattr(self, "_reason"):
@@ -195,6 +203,7 @@ class Solution:
             "position_error": self.position_error,
             "angle_error": self.angle_error,
             "clearance": None if self.clearance is None or np.isinf(self.clearance) else self.clearance,
+            "actuators": self.actuators,
             "worst": None
             if worst is None
             else {
@@ -236,4 +245,7 @@ class Solution:
             f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us"
         )
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
+        values = "  ".join(f"{name}={value:.4g}" for name, value in (self.actuators or {}).items())
+        lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
+        parts += [f"  {'' if i else 'actuators':<10} {line}" for i, line in enumerate(lines)]
         return "\n".join(parts)

@@ -57,6 +57,8 @@ class PointCloud(Obstacle):
         position: Any = None,
         rotation: Any = None,
         name: Any = None,
+        *,
+        xyzw: Any = None,
     ) -> "PointCloud":
         """Read a cloud from a PLY (needs the extra `mesh`), PCD, NPY, XYZ, TXT or CSV file.
 
@@ -73,9 +75,11 @@ class PointCloud(Obstacle):
             Length unit of the scene over that of the file.
         position : array_like (3,), optional
             Where the origin of the file lies.
-        rotation : array_like (3, 3) or (4,), optional
+        rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
             A matrix or a quaternion wxyz.
         name : str, optional
+        xyzw : array_like (4,), optional
+            A quaternion in the order of SciPy and ROS, instead of `rotation`.
 
         Raises
         ------
@@ -84,7 +88,7 @@ class PointCloud(Obstacle):
         """
         from sinuous.scene.clouds.cloud_files import read_points  # noqa: PLC0415
 
-        placement = Placement(scale, position, rotation)
+        placement = Placement(scale, position, rotation, xyzw)
         try:
             points = checks.points("points", placement.apply(checks.points("points", read_points(Path(file)))))
         except InputError as error:

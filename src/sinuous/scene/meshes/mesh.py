@@ -106,6 +106,8 @@ class Mesh(Obstacle):
         thickness: Any = 0.0,
         inside: Any = False,
         name: Any = None,
+        *,
+        xyzw: Any = None,
     ) -> "Mesh":
         """Read a mesh from an STL, PLY, OBJ or GLB file; needs the extra `mesh`.
 
@@ -120,10 +122,12 @@ class Mesh(Obstacle):
             do not say it.
         position : array_like (3,), optional
             Where the origin of the file lies.
-        rotation : array_like (3, 3) or (4,), optional
+        rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
             A matrix or a quaternion wxyz.
         thickness, inside, name
             See `Mesh`.
+        xyzw : array_like (4,), optional
+            A quaternion in the order of SciPy and ROS, instead of `rotation`.
 
         Raises
         ------
@@ -132,7 +136,7 @@ class Mesh(Obstacle):
         """
         from sinuous.scene.meshes.mesh_files import read_mesh  # noqa: PLC0415
 
-        placement = Placement(scale, position, rotation)
+        placement = Placement(scale, position, rotation, xyzw)
         vertices, faces = read_mesh(Path(file))
         try:
             moved = placement.apply(checks.points("vertices", vertices))

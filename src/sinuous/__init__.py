@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath
     from sinuous.methods.slinki.options import Slinki as Slinki
+    from sinuous.motion.job import Job as Job
+    from sinuous.motion.job import load as load
     from sinuous.motion.track import Track as Track
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
@@ -82,6 +84,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
+    "motion.job": ("Job", "load"),
     "motion.track": ("Track", "track"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

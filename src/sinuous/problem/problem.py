@@ -72,6 +72,9 @@ class Problem(Frozen, _Open):
         )
         check_sizes(robot, place)
 
+    def _content(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("robot", "targets", "scene", "tolerance")}
+
     @property
     def rows(self) -> Floats:
         """The targets as kernels read them (t, 15), read-only."""

@@ -1,9 +1,10 @@
 """The robot: segments that bend and stretch, one after the other on a base."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -21,6 +22,8 @@ from sinuous.robot.inverse import Inverse, fitting
 from sinuous.robot.limits import Violation
 from sinuous.robot.names import optional_name, segment_names
 from sinuous.robot.segment import Segment
+from sinuous.writing.documents import write_document
+from sinuous.writing.plain import counted, described
 
 MOST_SEGMENTS = 10_000
 
@@ -87,6 +90,8 @@ class Robot(Frozen):
     actuation: Floats
     _drive: Actuation
 
+    _arguments: ClassVar[Mapping[str, str]] = {"actuators": "linear"}
+
     def __init__(
         self,
         segments: Iterable[Segment],
@@ -108,7 +113,7 @@ class Robot(Frozen):
         if all(segment.length[1] == 0.0 for segment in listed):
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
         if radius is not None:
-            listed = tuple(segment.with_radius(radius) for segment in listed)
+            listed = tuple(segment.changed(radius=radius) for segment in listed)
         if not (actuators is None or isinstance(actuators, Actuators)):
             raise InputError("actuators", "", actuators, "Actuators or nothing")
         drive = Actuation(listed, actuators)
@@ -158,6 +163,20 @@ class Robot(Frozen):
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
         return 0.5 * sum(sum(segment.length) for segment in self.segments)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the robot as a problem file says it: plain values that make an equal robot."""
+        return described(self) | {"segments": counted([segment.to_dict() for segment in self.segments])}
+
+    def save(self, file: str | Path) -> None:
+        """Write the robot into a file, JSON when it is called so, YAML otherwise; `sinuous.load` reads it.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        write_document(file, self.to_dict())
 
     def configuration(self, key: str, q: Any) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""

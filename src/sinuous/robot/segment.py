@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.names import optional_name
+from sinuous.writing.plain import described, plain
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -79,11 +80,15 @@ class Segment(Frozen):
             name=optional_name(name),
         )
 
-    def with_radius(self, radius: Any) -> Self:
-        """Return the same segment with this radius of its body."""
-        twin = object.__new__(type(self))
-        twin._set(**{**vars(self), "radius": checks.number("radius", radius, low=0.0)})
-        return twin
+    def changed(self, **values: Any) -> "Segment":
+        """Return the same segment with other values of some parameters."""
+        own = {key: value for key, value in vars(self).items() if key != "max_curvature" or math.isfinite(value)}
+        return Segment(**{**own, **values})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the segment as a problem file says it."""
+        low, high = self.length
+        return described(self) | {"length": plain(low if low == high else self.length)}
 
     def __repr__(self) -> str:
         low, high = self.length

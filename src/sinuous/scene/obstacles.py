@@ -6,7 +6,7 @@ With `inside=True` the body must stay within.
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.packing import primitive_row
 from sinuous.poses import any_rotation, least_rotation
+from sinuous.scene.sources import Source
 
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False
@@ -27,6 +28,14 @@ class Obstacle(Frozen, ABC):
     """Something the body must not touch."""
 
     name: str | None
+
+    exact: ClassVar[bool] = False
+    """Whether its constructor says it in a few numbers."""
+
+    @property
+    def source(self) -> Source | None:
+        """The file that it was read from, and how; `None` when it is from none."""
+        return vars(self).get("_source")
 
     @property
     def kind(self) -> str:
@@ -64,6 +73,8 @@ class Frame(NamedTuple):
 @dataclass(frozen=True, init=False, eq=False)
 class Primitive(Obstacle):
     """An obstacle that a few numbers say exactly."""
+
+    exact: ClassVar[bool] = True
 
     @property
     @abstractmethod

@@ -9,6 +9,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.poses import pose
+from sinuous.writing.plain import plain
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -31,6 +32,11 @@ class Placement(Frozen):
 
     def __init__(self, scale: Any, position: Any = None, rotation: Any = None, xyzw: Any = None) -> None:
         self._set(scale=checks.number("scale", scale, above=0.0), pose=pose(position, rotation=rotation, xyzw=xyzw))
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What makes an equal placement."""
+        return {"scale": self.scale, **(plain(self.pose) or {})}
 
     def apply(self, points: Floats) -> Floats:
         """Map points (m, 3); what is not finite stays so."""

@@ -83,6 +83,9 @@ class Snapshot(Frozen):
         parts[index] = live(cloud)
         return Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
 
+    def _content(self) -> dict[str, Any]:
+        return {"obstacles": self._obstacles}
+
     def __getstate__(self) -> tuple[tuple[Obstacle, ...], Sequence[Part] | None]:
         return self._obstacles, self._parts
 

@@ -8,6 +8,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.solution.reading import read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
@@ -192,6 +193,20 @@ class Solution:
         if not self.solved:
             raise NotSolvedError(str(self), self)
         return self
+
+    @classmethod
+    def from_dict(cls, values: Any, problem: "Problem") -> "Solution":
+        """Make a solution of its result as plain values, and of the problem that it answers.
+
+        It says what the result says; `verify` recomputes that.
+
+        Raises
+        ------
+        InputError
+            When `values` are no result, or one for another number of segments.
+        """
+        read = read_result(values, problem)
+        return cls(problem, read.outcome, read.seconds, read.method, read.seed)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""

@@ -11,6 +11,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
+from sinuous.scene.sources import Source
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -93,7 +94,10 @@ class PointCloud(Obstacle):
             points = checks.points("points", placement.apply(checks.points("points", read_points(Path(file)))))
         except InputError as error:
             raise error if error.key == "file" else error.in_file(file) from None
-        return cls(points, radius, name=name)
+        cloud = cls(points, radius, name=name)
+        radii = cloud.radii if (cloud.radii != cloud.radii[0]).any() else float(cloud.radii[0])
+        cloud._set(_source=Source.of(file, **placement.arguments, radius=radii))
+        return cloud
 
 
 def _radii(radius: Any, count: int) -> Floats:

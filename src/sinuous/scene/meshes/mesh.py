@@ -14,6 +14,7 @@ from sinuous.scene.meshes.mending import mend
 from sinuous.scene.meshes.topology import Integers
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
+from sinuous.scene.sources import Source
 
 ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
@@ -143,7 +144,8 @@ class Mesh(Obstacle):
             mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
-        mesh._keep(name, scale=placement.scale)
+        source = Source.of(file, **placement.arguments, thickness=mesh.thickness or None, inside=mesh.inside or None)
+        mesh._keep(name, scale=placement.scale, _source=source)
         return mesh
 
     def bodies(self) -> "tuple[Mesh, ...]":
@@ -157,8 +159,10 @@ class Mesh(Obstacle):
         if len(groups) < 2:
             return (self,)
         parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
+        source = None if self.source is None else self.source._replace(parts=len(parts))
         for i, part in enumerate(parts):
-            part._keep(self.name, defects=() if i else self.defects, extent=self.extent, scale=self.scale)
+            defects = () if i else self.defects
+            part._keep(self.name, defects=defects, extent=self.extent, scale=self.scale, _source=source)
         return parts
 
     def check_size(self, length: float) -> None:

@@ -47,8 +47,10 @@ if TYPE_CHECKING:
     from sinuous.scene.obstacles import HalfSpace as HalfSpace
     from sinuous.scene.obstacles import Sphere as Sphere
     from sinuous.scene.scene import Scene as Scene
+    from sinuous.solution.checking import check as check
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.status import Status as Status
+    from sinuous.solution.verification import Verification as Verification
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
@@ -80,8 +82,10 @@ _HOMES = {
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
     "scene.clouds.point_cloud": ("PointCloud",),
     "scene.scene": ("Scene",),
+    "solution.checking": ("check",),
     "solution.solution": ("Solution",),
     "solution.status": ("Status",),
+    "solution.verification": ("Verification",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
     "motion.job": ("Job", "load"),

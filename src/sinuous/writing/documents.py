@@ -84,7 +84,7 @@ def _letter(letter: str) -> str:
     """Write a letter of a quoted text; those that YAML would fold or refuse are escaped."""
     if letter in '"\\':
         return "\\" + letter
-    if letter.isprintable():
-        return letter
     code = ord(letter)
+    if letter.isprintable() or 0xD800 <= code <= 0xDFFF:  # half of a letter is no text, and will be refused
+        return letter
     return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

@@ -170,16 +170,11 @@ def test_nouns_are_compared_by_what_they_say(name: str) -> None:
 
 
 def test_the_last_digit_counts() -> None:
-    for change in (
-        {"center": (1.0, 2.0, np.nextafter(3.0, 4.0))},
-        {"radius": 0.5 + 1e-16},
-        {"inside": True},
-        {"name": "a"},
-    ):
-        ball: dict[str, Any] = {"center": (1.0, 2.0, 3.0), "radius": 0.5}
-        assert sn.Sphere(**ball).equals(sn.Sphere(**ball))
-        same = sn.Sphere(**{**ball, **change})
-        assert sn.Sphere(**ball).equals(same) == (same.radius == 0.5 and change.keys() == {"radius"})
+    ball: dict[str, Any] = {"center": (1.0, 2.0, 3.0), "radius": 0.5}
+    assert sn.Sphere(**ball).equals(sn.Sphere(**ball))
+    center = 1.0, 2.0, np.nextafter(3.0, 4.0)
+    for change in ({"center": center}, {"radius": np.nextafter(0.5, 1.0)}, {"inside": True}, {"name": "a"}):
+        assert not sn.Sphere(**ball).equals(sn.Sphere(**{**ball, **change}))
     segment = sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))
     assert not segment.equals(sn.Segment(1.0, tendons=sn.Tendons(3, 0.1, angle=1e-9)))
     assert not segment.equals(sn.Segment(1.0, tendons=sn.Tendons(3, 0.1), name="a"))

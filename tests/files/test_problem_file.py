@@ -216,6 +216,19 @@ BAD = {
     "expected a rotation: orthonormal rows and determinant 1 ... [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]",
     "robot: {segments: {length: 1}, base: {matrix: [[1]]}}": "robot.base.matrix: "
     "expected 4 rows of 4 finite numbers, got [[1]] (shape (1, 1))",
+    "robot: {segments: {count: 2, length: 1, name: a}}": "robot.segments[1].name: "
+    "expected a name of its own, got 'a' (is that of segments[0].name already)",
+    "robot: {segments: {length: 1}, actuators: {matrix: [[1, 2]]}}": "robot.actuators.matrix: "
+    "expected shape (1, 3), for 1 segments, got (1, 2)",
+    "robot: {segments: {length: 1}, actuators: {matrix: [[0, 0, 0]]}}": "robot.actuators.matrix[0]: "
+    "expected a row that is not zero ... ",
+    "robot: {segments: {length: [1, 2]}, actuators: {matrix: [[1, 0, 2]], limits: [0, 3]}}": "robot.actuators"
+    ".limits[0]: expected limits that contain [2, 4], got (0.0, 3.0) (excludes straight robots)",
+    "robot: {segments: {length: 1}, actuators: [[1, 0, 0]]}": "robot.actuators: "
+    "expected a mapping with matrix, names, limits, got [[1, 0, 0]]",
+    "robot: {segments: {length: 1}, actuators: {rows: 1}}": "robot.actuators.rows: expected one of matrix ... ",
+    "robot: {segments: {length: 1, tendons: {count: 2, radius: 1, names: [a]}}}": "robot.segments.tendons.names: "
+    "expected a list of 2 names, got ['a']",
     "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, actuators, name, got 3",
     ROBOT + "scene: {}": "scene: expected a list of obstacles, got {}",
     ROBOT + "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space ... 'ball'",

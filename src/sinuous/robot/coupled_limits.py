@@ -40,12 +40,13 @@ def coupled_rows(linear: Actuators, gains: Floats, limits: Floats) -> Iterator[l
     moves = limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] > 0.0
     lengths = limits[:, [MIN_LENGTH, MAX_LENGTH]]
     for i, (row, pair, gain) in enumerate(zip(linear.matrix, linear.limits, gains, strict=True)):
-        weights, (low, high) = row.reshape(-1, 3) / gain, (end / gain for end in pair)
-        if math.isfinite(low) or math.isfinite(high):
+        weights = row.reshape(-1, 3)
+        if math.isfinite(pair[0]) or math.isfinite(pair[1]):
             with checks.inside(f"actuators.limits[{i}]"):
-                eased = _eased(weights, (low, high), lengths)
+                eased = _eased(weights, pair, lengths)
                 if (weights[:, :2] * moves[:, :2]).any():  # otherwise straight robots have all its values
-                    yield _row(weights, eased, moves, lengths)
+                    first, last, *numbers = _row(weights, eased, moves, lengths)
+                    yield [first, last, *(number / gain for number in numbers)]
 
 
 def _eased(weights: Floats, pair: tuple[float, float], lengths: Floats) -> tuple[float, float]:

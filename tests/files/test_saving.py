@@ -18,6 +18,7 @@ from tests.robot.test_actuation import MIXED
 from tests.robot.test_laws import robots
 from tests.scene.shapes import cube, together
 
+LAMP = sn.Sphere((0, 0, 9), 1.0)
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
 
 seeds = st.integers(0, 10**6)
@@ -126,15 +127,49 @@ def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:
     assert isinstance(found, sn.Scene)
     assert found.equals(scene)
     assert [found.name(i) for i in range(5)] == [scene.name(i) for i in range(5)]
-    part = sn.Scene(scene.obstacles[1:])
-    refused("scene[0]", part.entries, "all 2 parts")
+    whole = sn.Mesh.load(tmp_path / "shapes" / "parts.obj", 2.0)
+    parts = whole.bodies()
+    named = [part.named("engine") for part in parts]
+    for kept in (
+        scene.obstacles[1:],
+        scene.obstacles[:2],
+        [whole],
+        parts,
+        [*parts, *parts],
+        [*named, LAMP],
+        [*named, LAMP.named("lamp")],
+    ):
+        some = sn.Scene(kept)
+        some.save(tmp_path / "some.yaml")
+        assert some.equals(sn.load(tmp_path / "some.yaml"))
 
 
-@pytest.mark.parametrize(
-    "obstacle",
-    [sn.Mesh(*cube()), sn.PointCloud([[0, 0, 1]], 0.1), sn.Field(lambda p: p[:, 2] + 9, (0,) * 3, (1,) * 3, 1)],
-)
-def test_what_no_file_can_say_is_refused_before_anything_is_written(tmp_path: Path, obstacle: Any) -> None:
-    problem = ProblemFile(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [sn.Sphere((0, 0, 9), 1.0), obstacle])
-    refused("scene[1]", lambda: problem.save(tmp_path / "a.yaml"), "from files")
+HELD = {
+    "solid": sn.Mesh(*cube(), name="crate"),
+    "shell": sn.Mesh(*(part[:-1] if part.dtype == int else part for part in cube(2.0)), thickness=0.1),
+    "bodies": sn.Mesh(*together(cube(), cube(1.0, (0.5, 0.0, 0.0)))),
+    "points": sn.PointCloud(np.eye(3), 0.1),
+    "balls": sn.PointCloud(np.random.default_rng(0).normal(size=(50, 3)), np.linspace(0, 1, 50), name="scan"),
+    "cubes": sn.Grid(np.random.default_rng(0).random((3, 4, 2)) < 0.5, (1, 2, 3), 0.3),
+    "distances": sn.Grid(np.linalg.norm(np.indices((3, 3, 3)), axis=0), (0, 0, 0), 1.0),
+}
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_obstacles_of_arrays_are_written_out(tmp_path: Path, name: str) -> None:
+    problem = ProblemFile(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]])
+    problem.save(tmp_path / "a.yaml")
+    assert read_problem(tmp_path / "a.yaml").equals(problem)
+    assert os.listdir(tmp_path) == ["a.yaml"]
+
+
+def test_a_matrix_that_looks_like_no_turn_is_kept() -> None:
+    robot = sn.Robot([sn.Segment(1.0)], actuators=sn.Actuators(np.eye(3)))
+    assert robot.to_dict()["actuators"]["matrix"] == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+
+def test_a_function_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    field = sn.Field(lambda p: p[:, 2] + 9, (0, 0, 0), (1, 1, 1), 1)
+    problem = ProblemFile(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
+    refused("scene[1]", lambda: problem.save(tmp_path / "a.yaml"), "a file can hold")
     assert os.listdir(tmp_path) == []

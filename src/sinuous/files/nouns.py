@@ -28,7 +28,14 @@ OBSTACLES: dict[str, Callable[..., Obstacle]] = {
     "half_space": HalfSpace,
 }
 FROM_FILES: dict[str, Callable[..., Obstacle]] = {"mesh": Mesh.load, "points": PointCloud.load, "grid": Grid.load}
-"""Obstacles of which the problem file says where they stand."""
+"""Obstacles of which the problem file says in which file they are."""
+
+FROM_ARRAYS: dict[str, tuple[str, Callable[..., Obstacle]]] = {
+    "mesh": ("vertices", Mesh),
+    "points": ("points", PointCloud),
+    "grid": ("values", Grid),
+}
+"""The same, where the problem file holds them itself: the key that says so, and the noun."""
 
 
 def read_robot(value: Any) -> Robot:
@@ -100,6 +107,9 @@ def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obsta
     with checks.inside(kind):
         if kind in OBSTACLES:
             return [make(OBSTACLES[kind], description)]
+        array, noun = FROM_ARRAYS[kind]
+        if isinstance(description, dict) and array in description:
+            return [make(noun, description)]
         obstacle = make(FROM_FILES[kind], description, {"file": lambda name: folder / checks.text("", name)})
         if not isinstance(obstacle, Mesh):
             return [obstacle]

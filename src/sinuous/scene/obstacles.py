@@ -29,8 +29,8 @@ class Obstacle(Frozen, ABC):
 
     name: str | None
 
-    exact: ClassVar[bool] = False
-    """Whether its constructor says it in a few numbers."""
+    is_function: ClassVar[bool] = False
+    """Whether code says where it is, so that no file can."""
 
     @property
     def source(self) -> Source | None:
@@ -73,8 +73,6 @@ class Frame(NamedTuple):
 @dataclass(frozen=True, init=False, eq=False)
 class Primitive(Obstacle):
     """An obstacle that a few numbers say exactly."""
-
-    exact: ClassVar[bool] = True
 
     @property
     @abstractmethod

@@ -9,7 +9,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.poses import pose
-from sinuous.writing.plain import plain
+from sinuous.writing.plain import pose_arguments
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -36,7 +36,7 @@ class Placement(Frozen):
     @property
     def arguments(self) -> dict[str, Any]:
         """What makes an equal placement."""
-        return {"scale": self.scale, **(plain(self.pose) or {})}
+        return {"scale": self.scale, **(pose_arguments(self.pose) or {})}
 
     def apply(self, points: Floats) -> Floats:
         """Map points (m, 3); what is not finite stays so."""

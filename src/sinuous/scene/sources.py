@@ -47,25 +47,36 @@ class Source(NamedTuple):
 def entries_of(obstacles: Sequence["Obstacle"], folder: Path) -> list[dict[str, Any]]:
     """Return obstacles as a problem file in `folder` lists them.
 
+    Those from a file stay there; a mesh of which only some parts are left is written out.
+
     Raises
     ------
     InputError
-        For an obstacle that is neither exact nor, with all its parts, from a file.
+        For an obstacle that is a function.
     """
     entries = []
-    first = 0
-    while first < len(obstacles):
-        obstacle, source = obstacles[first], obstacles[first].source
-        parts = 1 if source is None else source.parts
-        together = obstacles[first : first + parts]
-        if len(together) != parts or any(part.source is not source for part in together):
-            raise InputError(f"scene[{first}]", "is a part of what its file holds", obstacle, f"all {parts} parts")
-        if source is not None:
+    rest = list(obstacles)
+    while rest:
+        obstacle, source, parts = rest[0], rest[0].source, 1
+        if source is not None and _whole(rest, source):
             name = {} if obstacle.name is None else {"name": obstacle.name}
             entries.append({obstacle.kind: source.entry(folder) | name})
-        elif obstacle.exact:
-            entries.append({obstacle.kind: described(obstacle)})
+            parts = source.parts
+        elif obstacle.is_function:
+            place = f"scene[{len(obstacles) - len(rest)}]"
+            raise InputError(place, "is a function", obstacle, "an obstacle that a file can hold")
         else:
-            raise InputError(f"scene[{first}]", "is not from a file", obstacle, "exact shapes, or obstacles from files")
-        first += parts
+            entries.append({obstacle.kind: described(obstacle)})
+        del rest[:parts]
     return entries
+
+
+def _whole(rest: Sequence["Obstacle"], source: Source) -> bool:
+    """Whether obstacles begin with all parts of one file, and have the names that a reader gives them.
+
+    It names the parts, and what comes after several of them.
+    """
+    together = rest[: source.parts]
+    named = source.parts == 1 or all(each.name is not None for each in rest)
+    whole = len(together) == source.parts and all(part.source is source for part in together)
+    return whole and named and len({part.name for part in together}) == 1

@@ -2,11 +2,12 @@
 
 import inspect
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
+from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 
 MOST_WHOLE = 2**53
@@ -20,7 +21,8 @@ def described(noun: Frozen) -> dict[str, Any]:
     """
     result = {}
     for name, parameter in inspect.signature(type(noun)).parameters.items():
-        value = plain(getattr(noun, noun._arguments.get(name, name), None))
+        value = getattr(noun, noun._arguments.get(name, name), None)
+        value = _TURNS[name](value) if name in _TURNS else plain(value)
         default = None if parameter.default is parameter.empty else plain(parameter.default)
         if value is not None and value != default:
             result[name] = value
@@ -28,13 +30,13 @@ def described(noun: Frozen) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as dict, list, str, int, float, bool or None; what says nothing (no limit, no turn) is None."""
+    """Return a value as dict, list, str, int, float, bool or None; what says nothing (no limit) is None."""
     if isinstance(value, Frozen):
         return described(value)
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
     if isinstance(value, np.ndarray):
-        return _matrix(value)
+        return plain(value.tolist())
     if isinstance(value, tuple | list):
         return _listed([plain(entry) for entry in value])
     if isinstance(value, float):
@@ -53,14 +55,18 @@ def _listed(entries: list[Any]) -> list[Any] | None:
     return None if entries and all(entry is None for entry in entries) else entries
 
 
-def _matrix(array: np.ndarray[Any, Any]) -> Any:
-    """Write an array; a rotation or pose that changes nothing is None, another pose a position and a rotation."""
-    if array.shape in ((3, 3), (4, 4)) and np.array_equal(array, np.eye(len(array))):
-        return None
-    if array.shape != (4, 4):
-        return plain(array.tolist())
-    parts = {"position": array[:3, 3] if array[:3, 3].any() else None, "rotation": array[:3, :3]}
-    return {key: written for key, part in parts.items() if (written := plain(part)) is not None}
+def pose_arguments(pose: Floats) -> dict[str, Any] | None:
+    """Write a pose (4, 4) as `position` and `rotation`, without those that change nothing; None without both."""
+    parts = {"position": plain(pose[:3, 3]) if pose[:3, 3].any() else None, "rotation": _rotation(pose[:3, :3])}
+    return {key: value for key, value in parts.items() if value is not None} or None
+
+
+def _rotation(matrix: Floats | None) -> Any:
+    return None if matrix is None or np.array_equal(matrix, np.eye(3)) else plain(matrix)
+
+
+_TURNS: dict[str, Callable[[Any], Any]] = {"rotation": _rotation, "base": pose_arguments, "tool": pose_arguments}
+"""Arguments that are a rotation or a pose."""
 
 
 def counted(parts: list[dict[str, Any]]) -> dict[str, Any] | list[dict[str, Any]]:

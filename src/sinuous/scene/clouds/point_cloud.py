@@ -49,6 +49,11 @@ class PointCloud(Obstacle):
         """See `Obstacle.kind`."""
         return "points"
 
+    @property
+    def radius(self) -> float | Floats:
+        """One radius where all balls have the same, or all of them (m,)."""
+        return self.radii if (self.radii != self.radii[0]).any() else float(self.radii[0])
+
     @classmethod
     def load(
         cls,
@@ -95,8 +100,7 @@ class PointCloud(Obstacle):
         except InputError as error:
             raise error if error.key == "file" else error.in_file(file) from None
         cloud = cls(points, radius, name=name)
-        radii = cloud.radii if (cloud.radii != cloud.radii[0]).any() else float(cloud.radii[0])
-        cloud._set(_source=Source.of(file, **placement.arguments, radius=radii))
+        cloud._set(_source=Source.of(file, **placement.arguments, radius=cloud.radius))
         return cloud
 
 

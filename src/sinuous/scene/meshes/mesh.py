@@ -159,11 +159,22 @@ class Mesh(Obstacle):
         if len(groups) < 2:
             return (self,)
         parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
-        source = None if self.source is None else self.source._replace(parts=len(parts))
+        own = super().source
+        source = None if own is None else own._replace(parts=len(parts))
         for i, part in enumerate(parts):
             defects = () if i else self.defects
             part._keep(self.name, defects=defects, extent=self.extent, scale=self.scale, _source=source)
         return parts
+
+    @property
+    def source(self) -> Source | None:
+        """See `Obstacle.source`; None for a mesh that its file, read again, would be divided from."""
+        own = super().source
+        return None if own is not None and own.parts == 1 and len(self.bodies()) > 1 else own
+
+    def _content(self) -> dict[str, Any]:
+        """What it is, without what is told of where it came from."""
+        return {name: value for name, value in super()._content().items() if name not in ("defects", "extent", "scale")}
 
     def check_size(self, length: float) -> None:
         """Refuse a mesh that no robot of this length can be meant to meet: its unit must be another one.

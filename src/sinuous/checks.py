@@ -139,8 +139,9 @@ def direction(key: str, value: Any, size: int = 3) -> Floats:
     What is a unit vector already, up to rounding, is kept: it can be written down and read again.
     """
     v = array(key, value, (size,))
-    largest = float(np.abs(v).max())
-    if 0.4 < largest < 1.1 and abs(float(v @ v) - 1.0) <= UNIT_SLACK:
+    entries = v.tolist()
+    largest = max(map(abs, entries))
+    if 0.4 < largest < 1.1 and abs(sum(x * x for x in entries) - 1.0) <= UNIT_SLACK:
         return v
     if largest == 0.0:
         raise InputError(key, "", value, "a vector that is not zero")

@@ -31,9 +31,7 @@ def job_file(tmp_path: Path) -> Path:
 
 
 def load_job(file: Path) -> sn.Job:
-    job = sn.load(file)
-    assert isinstance(job, sn.Job)
-    return job
+    return sn.load(file, sn.Job)
 
 
 def test_a_job_is_the_same_from_its_file_and_from_python(job_file: Path) -> None:
@@ -187,6 +185,14 @@ def test_bad_files_are_refused_in_a_line(tmp_path: Path, text: str) -> None:
     assert message.startswith(str(tmp_path))
     assert BAD[text] in message
     assert "\n" not in message
+
+
+def test_the_kind_of_a_file_may_be_demanded(job_file: Path) -> None:
+    arm = job_file.with_name("arm.yaml")
+    assert sn.load(arm, sn.Robot).equals(sn.load(arm))
+    assert len(sn.load(job_file.parent / "room" / "room.yaml", sn.Scene)) == 1
+    with pytest.raises(sn.InputError, match=r"arm\.yaml: file: expected a Scene, got Robot\(3 segments"):
+        sn.load(arm, sn.Scene)
 
 
 def test_a_fault_in_a_file_of_its_own_names_that_file(job_file: Path) -> None:

@@ -1,7 +1,7 @@
 """A problem file as Python has it: read, changed, solved, saved, and joined with its results."""
 
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, overload
 
 from sinuous import checks
 from sinuous.errors import InputError
@@ -79,7 +79,14 @@ class Job(ProblemFile):
         return {"tolerance": self.tolerance, "prefer": self.prefer, **given}
 
 
-def load(file: str | Path) -> Job | Robot | Scene:
+Noun = TypeVar("Noun", Job, Robot, Scene)
+
+
+@overload
+def load(file: str | Path) -> Any: ...
+@overload
+def load(file: str | Path, kind: type[Noun]) -> Noun: ...
+def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     """Read a problem file, or a robot or the obstacles of a scene in a file of their own.
 
     JSON when the file is called so, YAML otherwise; `docs/format.md` has the keys.
@@ -87,11 +94,13 @@ def load(file: str | Path) -> Job | Robot | Scene:
     Parameters
     ----------
     file : path
+    kind : type, optional
+        What it must be: Job, Robot or Scene.
 
     Returns
     -------
     Job, Robot or Scene
-        A Job when there is a key `robot`, a Robot when there are `segments`, a Scene when it is a list.
+        A Scene when it is a list, a Robot when there are `segments`, otherwise a Job.
 
     Raises
     ------
@@ -100,13 +109,19 @@ def load(file: str | Path) -> Job | Robot | Scene:
     """
     path = Path(file)
     try:
-        values = parse(read_text(path), path)
-        if isinstance(values, list):
-            return read_scene(values, None, path.parent)
-        if isinstance(values, dict) and "segments" in values and "robot" not in values:
-            return read_robot(values)
-        if not isinstance(values, dict):
-            raise InputError("file", "", values, "a problem, a robot, or a list of obstacles")
-        return problem_of(values, str(file), Job)
+        found = _noun_of(parse(read_text(path), path), str(file))
+        if kind is not None and not isinstance(found, kind):
+            raise InputError("file", "", found, f"a {kind.__name__}")
+        return found
     except InputError as error:
         raise error.in_file(file) from None
+
+
+def _noun_of(values: Any, file: str) -> Job | Robot | Scene:
+    if isinstance(values, list):
+        return read_scene(values, None, Path(file).parent)
+    if isinstance(values, dict) and "segments" in values and "robot" not in values:
+        return read_robot(values)
+    if not isinstance(values, dict):
+        raise InputError("file", "", values, "a problem, a robot, or a list of obstacles")
+    return problem_of(values, file, Job)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
@@ -57,7 +58,7 @@ def robot_with_shapes(count: int, rng: Generator) -> tuple[Robot, Floats]:
     size = int(rng.integers(*SIZES[rng.choice(len(SIZES), p=SIZE_SHARES)]))
     unit = 10.0 ** rng.uniform(*SCALES)
     sketches = _sketches(size, unit, rng)
-    place = {
+    place: dict[str, Any] = {
         "mount": rng.uniform(0.0, 0.8) * unit if rng.random() < 0.15 else 0.0,
         "base": pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
         "tool": pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,

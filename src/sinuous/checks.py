@@ -17,6 +17,9 @@ Floats = NDArray[np.float64]
 LARGEST = 1e100
 """Largest coordinate of a point: squares and cubes of it are numbers still."""
 
+UNIT_SLACK = 4e-15
+"""By how much the square of a unit vector differs from 1 at most, after rounding."""
+
 
 @contextmanager
 def inside(key: str) -> Iterator[None]:
@@ -131,9 +134,15 @@ def vector(key: str, value: Any) -> Floats:
 
 
 def direction(key: str, value: Any, size: int = 3) -> Floats:
-    """Check finite numbers, three by default, that are not all zero; return the unit vector."""
+    """Check finite numbers, three by default, that are not all zero; return the unit vector.
+
+    What is a unit vector already, up to rounding, is kept: it can be written down and read again.
+    """
     v = array(key, value, (size,))
-    largest = float(np.abs(v).max())
+    entries = v.tolist()
+    largest = max(map(abs, entries))
+    if 0.4 < largest < 1.1 and abs(sum(x * x for x in entries) - 1.0) <= UNIT_SLACK:
+        return v
     if largest == 0.0:
         raise InputError(key, "", value, "a vector that is not zero")
     scaled = v / largest

@@ -20,6 +20,7 @@ KEYS = [
     "angle_error",
     "clearance",
     "self_clearance",
+    "actuators",
     "worst",
     "reason",
     "binding",

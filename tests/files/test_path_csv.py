@@ -12,6 +12,11 @@ def test_quaternions_are_wxyz() -> None:
     np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
 
 
+def test_the_columns_name_the_order() -> None:
+    (target,) = parse_path("x,y,z,qx,qy,qz,qw\n1,2,3,2,0,0,0\n")
+    np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
+
+
 @pytest.mark.parametrize(
     ("text", "key", "problem"),
     [

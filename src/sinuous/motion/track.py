@@ -9,6 +9,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
@@ -100,6 +101,28 @@ class Track:
         if not self.solved:
             raise NotSolvedError(str(self), self)
         return self
+
+    @classmethod
+    def from_dict(cls, values: Any, problems: Iterable[Problem]) -> "Track":
+        """Make a track of its result as plain values, and of the problems of its waypoints, one after the other.
+
+        Raises
+        ------
+        InputError
+            When `values` are no result of a track, or one of another number of waypoints.
+        """
+        asked = tuple(problems)
+        listed = values.get("waypoints") if isinstance(values, dict) else None
+        if not isinstance(listed, list) or not listed:
+            raise InputError("waypoints", "", listed, "a list of results")
+        remaining = checks.integer("remaining", values.get("remaining", 0), 0, MOST_WAYPOINTS)
+        if len(listed) + remaining != len(asked):
+            raise InputError("waypoints", "", len(listed) + remaining, f"as many as in the problem: {len(asked)}")
+        solutions = []
+        for i, (one, problem) in enumerate(zip(listed, asked, strict=False)):
+            with checks.inside(f"waypoints[{i}]"):
+                solutions.append(Solution.from_dict(one, problem))
+        return cls(tuple(solutions), remaining)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the totals and the waypoints as plain values, in the order of the file format."""

@@ -77,6 +77,9 @@ class Problem(Frozen, _Open):
         own = {key: getattr(self, key) for key in ("robot", "targets", "scene", "tolerance")}
         return Problem(**{**own, **values})
 
+    def _content(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("robot", "targets", "scene", "tolerance")}
+
     @property
     def rows(self) -> Floats:
         """The targets as kernels read them (t, 15), read-only."""

@@ -11,7 +11,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only, target_row
-from sinuous.poses import rotation_matrix
+from sinuous.poses import any_rotation
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
 MOST_TARGETS = 1000
@@ -27,8 +27,10 @@ class Target(Frozen):
         Where, in the world.
     direction : array_like (3,), optional
         Where the tangent of the backbone (the tool's z axis) points; any length but zero.
-    rotation : array_like (3, 3) or (4,), optional
+    rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
         The whole orientation, instead of `direction`: a matrix or a quaternion wxyz.
+    xyzw : array_like (4,), optional
+        The same as a quaternion in the order of SciPy and ROS, instead of `rotation`.
     segment : int, optional
         The segment whose end is meant, 1 = first. The last one, which is the default, means the tool.
 
@@ -52,15 +54,21 @@ class Target(Frozen):
     _tables: ClassVar[frozenset[str]] = frozenset({"_table"})
 
     def __init__(
-        self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None
+        self,
+        position: Any = None,
+        *,
+        direction: Any = None,
+        rotation: Any = None,
+        segment: Any = None,
+        xyzw: Any = None,
     ) -> None:
-        if position is None and direction is None and rotation is None:
+        matrix = any_rotation(rotation, xyzw)
+        if position is None and direction is None and matrix is None:
             raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
-        if direction is not None and rotation is not None:
+        if direction is not None and matrix is not None:
             raise InputError("direction", "stands beside rotation", direction, "one of direction, rotation")
         place = None if position is None else checks.vector("position", position)
         axis = None if direction is None else checks.direction("direction", direction)
-        matrix = None if rotation is None else rotation_matrix("rotation", rotation)
         number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)
         table = target_row(number, place, axis, matrix)
         self._set(position=place, direction=axis, rotation=matrix, segment=number, _table=table)

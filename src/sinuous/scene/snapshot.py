@@ -91,6 +91,9 @@ class Snapshot(Frozen):
         named = tuple(self._obstacles[i].named(self.name(i)) for i in kept)
         return Snapshot(named, [self._parts[i] for i in kept])
 
+    def _content(self) -> dict[str, Any]:
+        return {"obstacles": self._obstacles}
+
     def __getstate__(self) -> tuple[tuple[Obstacle, ...], Sequence[Part] | None]:
         return self._obstacles, self._parts
 

@@ -107,7 +107,7 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
         wanted, free, first = -deepest.clearance * contacts[0].force, pull.rows * scale, [deepest]
         contacts = [each for each in contacts if _name(each.met) != _name(deepest)]
     for slack in (ACTIVE, *WIDER):
-        met = [_Column(each, -force) for each, force in _met_limits(limits, len(robot), unit, slack)]
+        met = [_Column(each, -force) for each, force in _met_limits(limits, unit, slack)]
         forces = _forces(wanted, [*contacts, *met], free)
         if forces or first:
             break
@@ -135,16 +135,15 @@ def nearest_limits(problem: Problem, q: Floats, count: int = 3) -> tuple[Binding
 
 def _size(limit: Limit, unit: float) -> float:
     """Length of the normal of a limit."""
-    x, y, z = limit.weights
-    return math.sqrt((x * x + y * y + (z * unit) ** 2) * (limit.segment - limit.first + 1))
+    return float(np.linalg.norm(normal(limit, unit)))
 
 
-def _met_limits(limits: Iterable[Limit], count: int, unit: float, slack: float) -> Iterator[tuple[Limit, Floats]]:
+def _met_limits(limits: Iterable[Limit], unit: float, slack: float) -> Iterator[tuple[Limit, Floats]]:
     """Yield the limits that are met, and their unit normals (3 n,)."""
     for each in limits:
         size = _size(each, unit)
         if each.slack <= slack * size:
-            yield each, normal(each, count, unit) / size
+            yield each, normal(each, unit) / size
 
 
 def _forces(wanted: Floats, columns: Sequence[_Column], free: Floats) -> list[tuple[float, Limit | Contact]]:

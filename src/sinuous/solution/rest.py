@@ -36,7 +36,7 @@ def at_rest(problem: Problem, q: Floats) -> Floats:
     pull, limits, damping = pull_of(problem, q), list(limits_of(robot, q)), 1e-3
     for _ in range(STEPS):
         merit = float(pull.misses @ pull.misses)
-        normals = np.array([normal(limit, count, unit) for limit in limits])
+        normals = np.array([normal(limit, unit) for limit in limits])
         slacks = np.maximum(0.0, [limit.slack for limit in limits])
         motion = _least(pull.rows * np.tile(scale, count), pull.misses, damping * max(merit, 1e-9), normals, slacks)
         tried = _within(robot, q, limits, q + motion.reshape(-1, 3) * scale)

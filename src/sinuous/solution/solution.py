@@ -1,5 +1,6 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+import textwrap
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +10,10 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.solution.again import Elsewhere
 from sinuous.solution.binding import Binding, find_binding
 from sinuous.solution.explanation import Explanation, explain
+from sinuous.solution.reading import read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.solution.remedies.trials import Case
 from sinuous.solution.status import Status, status_of
@@ -163,6 +166,13 @@ class Solution:
         return self.problem.robot.base
 
     @property
+    def actuators(self) -> dict[str, float] | None:
+        """Displacement of every tendon, length of every chamber, values of other actuators; `None` without any."""
+        robot = self.problem.robot
+        names = [actuator.name for actuator in robot.actuators]
+        return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
+
+    @property
     def reason(self) -> Reason | None:
         """What proves that there is no solution; `None` when nothing does."""
         if not hasattr(self, "_reason"):
@@ -253,6 +263,21 @@ class Solution:
             raise NotSolvedError(str(self), self)
         return self
 
+    @classmethod
+    def from_dict(cls, values: Any, problem: "Problem") -> "Solution":
+        """Make a solution of its result as plain values, and of the problem that it answers.
+
+        It says what the result says; `verify` recomputes that.
+
+        Raises
+        ------
+        InputError
+            When `values` are no result, or one for another number of segments.
+        """
+        read = read_result(values, problem)
+        nothing: Floats = np.empty((0, len(problem.robot), 3))
+        return cls(problem, read.outcome, read.seconds, Elsewhere(read.method, read.seed), nothing)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
         worst, reason = self.worst, self.reason
@@ -264,6 +289,7 @@ class Solution:
             "angle_error": self.angle_error,
             "clearance": _finite(self.clearance),
             "self_clearance": _finite(self.self_clearance),
+            "actuators": self.actuators,
             "worst": None
             if worst is None
             else {
@@ -308,6 +334,9 @@ class Solution:
             f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us"
         )
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
+        values = "  ".join(f"{name}={value:.4g}" for name, value in (self.actuators or {}).items())
+        lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
+        parts += [f"  {'' if i else 'actuators':<10} {line}" for i, line in enumerate(lines)]
         return "\n".join(parts)
 
 

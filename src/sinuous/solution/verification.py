@@ -18,7 +18,11 @@ from sinuous.measures.targets import target_errors
 from sinuous.scene.nearest import least_gap
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sinuous.problem.problem import Problem
+    from sinuous.problem.target import Target
+    from sinuous.problem.tolerance import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.snapshot import Snapshot
 
@@ -64,7 +68,7 @@ class Worst:
 
 @dataclass(frozen=True)
 class Verification:
-    """What the slow path found.
+    """What the slow path found; of many shapes (see `check`) every attribute is an array.
 
     Attributes
     ----------
@@ -98,11 +102,17 @@ class Verification:
 
 def verify(problem: "Problem", q: Floats) -> Verification:
     """Recompute errors, limits and clearances of the configuration `q` (n, 3) for `problem`."""
-    robot, tolerance = problem.robot, problem.tolerance
+    return verified(problem.robot, q, problem.scene, problem.targets, problem.tolerance)
+
+
+def verified(
+    robot: "Robot", q: Floats, scene: "Snapshot", targets: "Sequence[Target]", tolerance: "Tolerance"
+) -> Verification:
+    """Recompute errors, limits and clearances of a configuration `q` (n, 3); there may be no targets."""
     ends = segment_ends(robot, q)
-    errors = [target_errors(robot, target, ends) for target in problem.targets]
-    off, turn = max(e[0] for e in errors), max(e[1] for e in errors)
-    clearance, segment, obstacle = least_clearance(robot, problem.scene, q, ends)
+    errors = [target_errors(robot, target, ends) for target in targets]
+    off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
+    clearance, segment, obstacle = least_clearance(robot, scene, q, ends)
     itself = _meeting(robot, q, ends)
     excess = robot.excess(q)
     slack = ROUNDING * robot.mean_length

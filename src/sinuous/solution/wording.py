@@ -28,7 +28,8 @@ def _what(binding: Binding) -> str:
         whom = "itself" if binding.other_segment == binding.segment else f"segment {binding.other_segment}"
         return f"segment {binding.segment} touches {whom}"
     if binding.actuator is not None and binding.key is not None:
-        return binding.key.partition("[")[0].rpartition(".")[2]
+        name = binding.key.partition("[")[0]
+        return "value" if name == "actuators.limits" else name.rpartition(".")[2]
     return f"{ENDS.get(binding.key or '', '')}{binding.constraint}"
 
 

@@ -111,7 +111,9 @@ def limits_of(segment: Segment, key: str) -> Limits | None:
         return None if segment.tendons is None else segment.tendons.displacement
     if key == "chambers.length":
         return None if segment.chambers is None else segment.chambers.length
-    limits: Limits | None = None if key == "radius" else getattr(segment, key)  # `make_thinner` is for that
+    if key in ("radius", "actuators.limits"):  # `make_thinner` is for the first; the other is none of a segment
+        return None
+    limits: Limits = getattr(segment, key)
     return limits
 
 
@@ -128,8 +130,10 @@ def _with(segment: Segment, key: str, limits: Limits) -> Segment:
     """Return the segment with other limits."""
     if key == "tendons.displacement" and segment.tendons is not None:
         lines = segment.tendons
-        return segment.changed(tendons=Tendons(angles=lines.angles, radius=lines.radius, displacement=limits))
+        lines_then = Tendons(angles=lines.angles, radius=lines.radius, displacement=limits, names=lines.names)
+        return segment.changed(tendons=lines_then)
     if key == "chambers.length" and segment.chambers is not None:
         own = segment.chambers
-        return segment.changed(chambers=Chambers(angles=own.angles, radius=own.radius, length=limits))
+        own_then = Chambers(angles=own.angles, radius=own.radius, length=limits, names=own.names)
+        return segment.changed(chambers=own_then)
     return segment.changed(**{key: limits})

@@ -131,7 +131,10 @@ class Router:
             told[plan.cell, plan.exact] = max(known, len(found.routes))
             initial = self.fit(problem, found, began + seconds, known)
             closed = plan.cell if found.ended == PROVED_CLOSED else None
-            yield Batch(self.name, initial, seconds=monotonic() - began, then=plan.then, closed=closed)
+            routes = tuple(found.routes[known:])
+            for route in routes:
+                route.setflags(write=False)
+            yield Batch(self.name, initial, seconds=monotonic() - began, then=plan.then, closed=closed, routes=routes)
             if closed is not None:
                 return
 
@@ -164,7 +167,7 @@ class Router:
         """Return configurations (m, n, 3) along the routes, but for the first `known` ones."""
         robot = self._robot
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
-        workspace = np.empty(fit_workspace_size(*sizes))
+        workspace = np.empty(fit_workspace_size(*sizes, POINTS))
         fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
         groups = self._group, problem.scene._kernel_group, self._settings, problem._rows
         for route, q in zip(found.routes[known:], fits, strict=True):

@@ -66,6 +66,11 @@ def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Targ
     assert solution.status is Status.SOLVED
     assert solution.start == "route"
     assert solution.verify().ok
+    assert solution.route is not None
+    assert np.allclose(solution.route[0], 0.0)
+    assert np.allclose(solution.route[-1], ROBOT.tip(HIDDEN)[:3, 3])
+    assert np.linalg.norm(ROBOT.backbone(solution.q, 9)[:, None] - solution.route, axis=-1).min(axis=1).max() < 0.1
+    assert not solution.route.flags.writeable
     assert not Solver(ROBOT, narrow, time=60.0, max_starts=12, routes=False).solve(target).solved
 
 
@@ -182,6 +187,13 @@ def test_the_dearer_a_search_the_more_scattered_starts_follow_it(narrow: Scene, 
     least = [plan.then for plan in finder.plans[:4]]
     assert then == [max(few, looked // CELLS_A_START) for few, looked in zip(least, cells, strict=True)]
     assert then != least
+
+
+def test_a_base_in_a_closed_room_is_said_to_be() -> None:
+    scene = box_room(np.array([0.0, 0.0, 0.3]), 0.6, 0.1)
+    solution = Solver(ROBOT, scene, time=60.0).solve(Target((1.0, 0.5, 3.0)))
+    assert solution.status is Status.NO_ROUTE
+    assert solution.route is None
 
 
 def test_without_a_position_there_is_no_route() -> None:

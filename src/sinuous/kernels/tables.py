@@ -213,6 +213,8 @@ class Outcome(NamedTuple):
     seconds : float
     cell : float
         Edge of the cells by which it was proved that there is no route; NaN otherwise.
+    route : ndarray (k, 3) or None
+        Points of the route that the solved start was laid along; `None` where it came from elsewhere.
     """
 
     q: NDArray[np.float64]
@@ -228,6 +230,7 @@ class Outcome(NamedTuple):
     merit: float
     seconds: float
     cell: float = float("nan")
+    route: NDArray[np.float64] | None = None
 
     @classmethod
     def from_record(cls, q: NDArray[np.float64], record: list[float]) -> "Outcome":

@@ -52,6 +52,9 @@ class Solution:
         Newton iterations in all, and how many starts they came from.
     start : str
         Which kind of start won: given, arc, route, random.
+    route : ndarray (k, 3) or None
+        Where the start came from a route: its points, from the base to the target; read-only. To be drawn beside the
+        body, which may leave it.
     seconds : float
         Time of the solve alone.
     method : str
@@ -130,6 +133,11 @@ class Solution:
     def start(self) -> str:
         """Which kind of start won: given, arc, random or route."""
         return SOURCES[self._outcome.source]
+
+    @property
+    def route(self) -> Floats | None:
+        """Points (k, 3) of the route that the start was laid along; `None` unless a route led to the solution."""
+        return self._outcome.route
 
     @property
     def solved(self) -> bool:

@@ -132,8 +132,11 @@ class Router:
             told[plan.cell, plan.exact] = max(known, len(found.routes))
             initial = self.fit(problem, found, known, question.seconds_left)
             closed = plan.cell if found.ended == PROVED_CLOSED else None
+            routes = tuple(found.routes[known:][: len(initial)])
+            for route in routes:
+                route.setflags(write=False)
             then = max(plan.then, found.cells // CELLS_A_START)
-            yield Batch(self.name, initial, then=then, closed=closed)
+            yield Batch(self.name, initial, then=then, closed=closed, routes=routes)
             if closed is not None:
                 return
 
@@ -166,7 +169,7 @@ class Router:
         """Return configurations (m, n, 3) along the routes, but for the first `known` ones, while there is time."""
         robot = self._robot
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
-        workspace = np.empty(fit_workspace_size(*sizes))
+        workspace = np.empty(fit_workspace_size(*sizes, POINTS))
         fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
         groups = self._group, problem.scene._kernel_group, self._settings, problem._rows
         for i, (route, q) in enumerate(zip(found.routes[known:], fits, strict=True)):

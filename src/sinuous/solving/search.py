@@ -87,7 +87,8 @@ class Search(ABC):
                     return
                 found = follow(part, self.seconds_left)
                 if batch.source == SOURCES[ROUTE]:
-                    found = found._replace(source=ROUTE)
+                    solved = found.code == SOLVED and len(part.routes) > 0
+                    found = found._replace(source=ROUTE, route=part.routes[found.starts - 1] if solved else None)
                 self.take(found)
                 if found.starts == 0:  # the method has no more of its own
                     break

@@ -1,13 +1,18 @@
-"""Five segments, position and direction, from cold: what one answer costs, without and with obstacles."""
+"""Five segments, position and direction, from cold: what one answer costs, without and with obstacles.
+
+And how much of it the proof takes that the body does not run through itself, where it does not come near.
+"""
 
 from collections.abc import Iterator
+
+import numpy as np
 
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from benchmarks.problems import ProblemSet, among_spheres, arm, reachable, relative_tolerance
 from benchmarks.solvers.answers import right, solve_all
-from benchmarks.solvers.inner import inner_times
+from benchmarks.solvers.inner import inner_times, self_proof_times
 
 SECTION = (
     "cold start: 5 segments of 45-70 mm, bends to 2.4, position and direction "
@@ -15,6 +20,8 @@ SECTION = (
 )
 LOOP = 20
 """Times that a problem runs in the compiled loop; the mean counts."""
+SHARES = "the proof that the body does not run through itself, as a share of a solve inside the kernel (radius 4 mm)"
+SIZES, TOTAL_BEND = (5, 20), 12.0
 SCENES = 10
 SPHERES = 40
 
@@ -37,6 +44,20 @@ def measure(plan: Plan) -> Iterator[Line]:
         sets = [_at(problems, relative) for problems in crowded]
         yield _called(plan, sets, f"{SPHERES} spheres, Solver.solve, {words}", Goal(35e-6))
         yield _inside(sets, f"{SPHERES} spheres, inside the kernel, {words}", None)
+    for n in SIZES:
+        yield _share(plan, n)
+
+
+def _share(plan: Plan, n: int) -> Line:
+    """Middle and worst share over the solved targets of an arm; each time is the least of several."""
+    problems = reachable(arm(n, TOTAL_BEND / n, radius=4.0), plan.count(200, 20), plan.rng(3, n))
+    runs = [inner_times(problems, plan.count(10 * LOOP, LOOP)) for _ in range(3)]
+    good = runs[0].solved & right(problems, runs[0].q)
+    proofs = np.min([self_proof_times(problems, runs[0].q, plan.count(100 * LOOP, LOOP)) for _ in range(3)], axis=0)
+    shares = 100.0 * (proofs / np.min([run.seconds for run in runs], axis=0))[good]
+    solved = int(good.sum()), len(good)
+    note = f"of {1e9 * np.median(proofs):.0f} ns; worst {shares.max():.1f} %"
+    return Line(SHARES, f"{n} segments", float(np.median(shares)), "%", Goal(5.0), None, solved, note)
 
 
 def _at(problems: ProblemSet, relative: float | None) -> ProblemSet:

@@ -4,6 +4,7 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import read_scene
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.tables import (
     ACTUATOR_WIDTH,
@@ -54,10 +55,10 @@ def read_robot(robot: Array) -> Robot:
     actuators = ROBOT_HEADER + SEGMENT_WIDTH * n
     poses = actuators + ACTUATOR_WIDTH * p
     return Robot(
-        robot[ROBOT_HEADER:actuators].reshape((n, SEGMENT_WIDTH)),
-        robot[actuators:poses].reshape((p, ACTUATOR_WIDTH)),
-        robot[poses : poses + POSE_WIDTH].reshape((1, POSE_WIDTH)),
-        robot[poses + POSE_WIDTH : poses + 2 * POSE_WIDTH].reshape((1, POSE_WIDTH)),
+        shaped(robot[ROBOT_HEADER:actuators], (n, SEGMENT_WIDTH)),
+        shaped(robot[actuators:poses], (p, ACTUATOR_WIDTH)),
+        shaped(robot[poses : poses + POSE_WIDTH], (1, POSE_WIDTH)),
+        shaped(robot[poses + POSE_WIDTH : poses + 2 * POSE_WIDTH], (1, POSE_WIDTH)),
         robot[2] != 0.0,
     )
 
@@ -87,4 +88,4 @@ def read_problem(robot: Array, scene: Array, settings: Array, targets: Array) ->
 @kernel
 def answer_of(answers: Array, i: int, n: int) -> tuple[Array, Array]:
     """Configuration (n, 3) and record (11,) of answer `i` in a batch (m, 11 + 3 n)."""
-    return answers[i, RECORD_WIDTH:].reshape((n, 3)), answers[i, :RECORD_WIDTH]
+    return shaped(answers[i, RECORD_WIDTH:], (n, 3)), answers[i, :RECORD_WIDTH]

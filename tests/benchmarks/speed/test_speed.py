@@ -34,7 +34,9 @@ def test_sections_run_and_hold(section: str, capsys: pytest.CaptureFixture[str],
 
 def test_cold_starts_are_all_confirmed() -> None:
     lines = list(cold.measure(Plan(quick=True)))
-    assert len(lines) == 8
+    assert len(lines) == 10
+    assert [line.unit for line in lines[8:]] == ["%", "%"]
+    assert all(0.0 < line.reached < 100.0 for line in lines[8:])
     assert all(line.solved is not None and line.solved[0] == line.solved[1] for line in lines)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from sinuous.kernels.chain.kinematics import body_columns, frame
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, cross, dot, put_vec, sub
 
 Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", "gain", "innovation"])
@@ -37,14 +38,14 @@ def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
     c, n, m = count, segments + 1, capacity
     at = c * n
     return Rows(
-        buffer[:at].view(np.int64).reshape((c, n)),
-        buffer[at : at + c * m].view(np.int64).reshape((c, m)),
-        buffer[at + c * m : at + c * 7 * m].reshape((c, m, 6)),
-        buffer[at + c * 7 * m : at + c * 10 * m].reshape((c, m, 3)),
-        buffer[at + c * 10 * m : at + c * 13 * m].reshape((c, m, 3)),
-        buffer[at + c * 13 * m : at + c * 14 * m].reshape((c, m)),
-        buffer[at + c * 14 * m : at + c * 27 * m].reshape((c, m, 13)),
-        buffer[at + c * 27 * m : at + c * 28 * m].reshape((c, m)),
+        shaped(buffer[:at].view(np.int64), (c, n)),
+        shaped(buffer[at : at + c * m].view(np.int64), (c, m)),
+        shaped(buffer[at + c * m : at + c * 7 * m], (c, m, 6)),
+        shaped(buffer[at + c * 7 * m : at + c * 10 * m], (c, m, 3)),
+        shaped(buffer[at + c * 10 * m : at + c * 13 * m], (c, m, 3)),
+        shaped(buffer[at + c * 13 * m : at + c * 14 * m], (c, m)),
+        shaped(buffer[at + c * 14 * m : at + c * 27 * m], (c, m, 13)),
+        shaped(buffer[at + c * 27 * m : at + c * 28 * m], (c, m)),
     )
 
 

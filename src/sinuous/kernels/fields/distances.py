@@ -11,6 +11,7 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.primitives import primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Vec, get_vec, norm, sub
 from sinuous.kernels.tables import (
     CENTER,
@@ -34,7 +35,7 @@ Scene = namedtuple("Scene", ["table", "store"])
 def read_scene(scene: Array) -> Scene:
     """Take the group of a scene apart."""
     end = SCENE_HEADER + OBSTACLE_WIDTH * int(scene[0])
-    return Scene(scene[SCENE_HEADER:end].reshape((int(scene[0]), OBSTACLE_WIDTH)), scene[end:])
+    return Scene(shaped(scene[SCENE_HEADER:end], (int(scene[0]), OBSTACLE_WIDTH)), scene[end:])
 
 
 @kernel

@@ -16,6 +16,7 @@ from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import (
     ZERO,
     Array,
@@ -86,12 +87,12 @@ def check_size(segments: int, obstacles: int) -> int:
 def carve_check(buffer: Array, problem: Problem) -> Check:
     """Lay out the scratch of the check at the beginning of `buffer` (at least `check_size`)."""
     n, m = problem.limits.shape[0], problem.scene.table.shape[0]
-    frames = buffer[: 12 * (n + 1)].reshape((n + 1, 12))
+    frames = shaped(buffer[: 12 * (n + 1)], (n + 1, 12))
     rotation, position = frame(problem.base, 0)
     put_frame(frames, 0, rotation, position)
     rest = buffer[12 * (n + 1) :]
     clock = rest[m : m + CLOCK_SIZE].view(np.int64)
-    spans = rest[m + CLOCK_SIZE : m + CLOCK_SIZE + SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH))
+    spans = shaped(rest[m + CLOCK_SIZE : m + CLOCK_SIZE + SPAN_WIDTH * (n + 1)], (n + 1, SPAN_WIDTH))
     return Check(frames, rest[:m].view(np.int64), clock, spans)
 
 

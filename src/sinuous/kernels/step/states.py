@@ -11,6 +11,7 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
 
@@ -57,25 +58,25 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
     capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
     width = NORMS + MOST_PAIRS * pair_width(n)
     size = c * (33 * n + 12 + width)
-    frames = buffer[3 * n * c : (15 * n + 12) * c].reshape((c, n + 1, 12))
+    frames = shaped(buffer[3 * n * c : (15 * n + 12) * c], (c, n + 1, 12))
     rotation, position = frame(problem.base, 0)
     for i in range(c):
         put_frame(frames[i], 0, rotation, position)
     states = State(
-        buffer[: 3 * n * c].reshape((c, n, 3)),
+        shaped(buffer[: 3 * n * c], (c, n, 3)),
         frames,
-        buffer[(15 * n + 12) * c : (33 * n + 12) * c].reshape((c, n, 18)),
+        shaped(buffer[(15 * n + 12) * c : (33 * n + 12) * c], (c, n, 18)),
         carve_rows(buffer[size:], c, n, capacity),
-        buffer[(33 * n + 12) * c : size].reshape((c, width)),
+        shaped(buffer[(33 * n + 12) * c : size], (c, width)),
     )
     rest = buffer[size + c * rows_size(n, capacity) :]
     coupling = 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
     own = 19 * n + m + CLOCK_SIZE
     work = Work(
-        rest[: 9 * n].reshape((n, 9)),
-        rest[9 * n : 12 * n].reshape((n, 3)),
-        rest[12 * n : 15 * n].reshape((n, 3)),
-        rest[15 * n : 18 * n].reshape((n, 3)),
+        shaped(rest[: 9 * n], (n, 9)),
+        shaped(rest[9 * n : 12 * n], (n, 3)),
+        shaped(rest[12 * n : 15 * n], (n, 3)),
+        shaped(rest[15 * n : 18 * n], (n, 3)),
         rest[18 * n : 19 * n].view(np.int64),
         rest[19 * n : 19 * n + m].view(np.int64),
         rest[19 * n + m : own].view(np.int64),
@@ -97,9 +98,9 @@ def coupling_of(state: State, work: Work) -> Coupling:
     pull = work.rest[SPAN_WIDTH * (n + 1) :]
     replies, system = pull[3 * n :], pull[3 * n * (1 + m) :]
     return Coupling(
-        state.norms[NORMS:].reshape((m, pair_width(n))),
-        work.rest[: SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH)),
-        pull[: 3 * n].reshape((n, 3)),
-        replies[: 3 * n * m].reshape((m, n, 3)),
-        system[: m * (m + 1)].reshape((m, m + 1)),
+        shaped(state.norms[NORMS:], (m, pair_width(n))),
+        shaped(work.rest[: SPAN_WIDTH * (n + 1)], (n + 1, SPAN_WIDTH)),
+        shaped(pull[: 3 * n], (n, 3)),
+        shaped(replies[: 3 * n * m], (m, n, 3)),
+        shaped(system[: m * (m + 1)], (m, m + 1)),
     )

@@ -90,11 +90,11 @@ def inner_times(problems: ProblemSet, times: int) -> InnerTimes:
 def self_proof_times(problems: ProblemSet, q: Floats, times: int) -> Floats:
     """Seconds (m,) that one proof takes that the body does not run through itself at `q` (m, n, 3)."""
     solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
-    groups = solver.build(problems.targets[0]).arguments[:4]
+    robot, scene, settings, targets, *_ = solver.build(problems.targets[0]).arguments
     scratch = np.empty(check_size(len(problems.robot), len(problems.scene)))
     seconds = []
     for each in [q[0], *q]:  # the first once more: it loads or compiles
         began = perf_counter()
-        repeat_self_proof(times, *groups, each, scratch)
+        repeat_self_proof(times, robot, scene, settings, targets, each, scratch)
         seconds.append((perf_counter() - began) / times)
     return np.array(seconds[1:])

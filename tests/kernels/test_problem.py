@@ -49,7 +49,7 @@ def take_apart(
     same(problem.targets, rows)
     numbers[0], numbers[1], numbers[2] = problem.mount, problem.unit, problem.margin
     numbers[3], numbers[4] = problem.position_tolerance, problem.angle_tolerance
-    numbers[5], numbers[6], numbers[7] = problem.look_depth, problem.step_depth, float(problem.avoids_itself)
+    numbers[5], numbers[6], numbers[7] = problem.look_depth, problem.step_depth, 1.0 if problem.avoids_itself else 0.0
 
 
 def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[tuple[Floats, ...], dict[str, float]]:
@@ -229,9 +229,10 @@ def test_answers_of_a_batch_are_read_back(n: int, count: int, seed: int) -> None
 def test_a_record_is_an_outcome_in_the_order_of_its_columns() -> None:
     record = [float(i) for i in range(t.RECORD_WIDTH)]
     outcome = t.Outcome.from_record(np.zeros((1, 3)), record)
-    columns = {name: getattr(t, name.upper()) for name in outcome._fields if name not in ("q", "cell")}
+    columns = {name: getattr(t, name.upper()) for name in outcome._fields if name not in ("q", "cell", "route")}
     assert sorted(columns.values()) == list(range(t.RECORD_WIDTH))
     for name, column in columns.items():
         assert float(getattr(outcome, name)) == (1.0 if name == "bound" else record[column])
     assert math.isnan(outcome.cell)
+    assert outcome.route is None
     assert isinstance(outcome.code, int)

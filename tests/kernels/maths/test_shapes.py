@@ -12,7 +12,7 @@ from sinuous.kernels.maths.vectors import Array, copy
 
 
 @entry
-def cut_two(buffer: Array, at: int, m: int, n: int, seen: Array, wanted: Array) -> tuple[int, int]:
+def cut_two(buffer: Array, at: int, m: int, n: int, seen: Array, wanted: Array) -> Any:
     """Number the places of a table (m, n) that begins at `at`; copy what NumPy's table holds, too."""
     table = shaped(buffer[at : at + m * n], (m, n))
     for i in range(m):

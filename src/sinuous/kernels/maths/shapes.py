@@ -15,7 +15,8 @@ def _typed(context: Any, array: Any, shape: Any) -> Any:
     result = array.copy(ndim=len(shape))
 
     def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        given, made = make_array(array)(context, builder, arguments[0]), make_array(result)(context, builder)
+        given: Any = make_array(array)(context, builder, arguments[0])  # type: ignore[no-untyped-call]
+        made: Any = make_array(result)(context, builder)  # type: ignore[no-untyped-call]
         sizes = [
             context.cast(builder, builder.extract_value(arguments[1], i), each, types.intp)
             for i, each in enumerate(shape)
@@ -24,13 +25,13 @@ def _typed(context: Any, array: Any, shape: Any) -> Any:
         for size in sizes[:0:-1]:
             strides.insert(0, builder.mul(size, strides[0]))
         parts = {name: getattr(given, name) for name in ("data", "itemsize", "meminfo", "parent")}
-        populate_array(made, shape=sizes, strides=strides, **parts)
+        populate_array(made, shape=sizes, strides=strides, **parts)  # type: ignore[no-untyped-call]
         return made._getvalue()
 
     return result(array, shape), build
 
 
-shaped: Any = intrinsic(_typed)  # type: ignore[no-untyped-call]
+shaped: Any = intrinsic(_typed)
 """`shaped(array, shape)` is `array.reshape(shape)` of a contiguous array that is as large as the shape, unchecked.
 
 NumPy's calls a function that compiled code cannot look into: some 12 ns, and a solve lays out some 25 arrays.

@@ -99,7 +99,7 @@ def _numbers(key: str, value: Any, expected: str) -> NDArray[Any]:
 def _has_truth_value(value: Any) -> bool:
     """Whether a nested list hides true or false among its numbers; NumPy would count them as 1 and 0."""
     if isinstance(value, (list, tuple)):
-        return any(map(_has_truth_value, value))
+        return not set(map(type, value)) <= {int, float} and any(map(_has_truth_value, value))
     return isinstance(value, (bool, np.bool_))
 
 
@@ -137,7 +137,21 @@ def direction(key: str, value: Any, size: int = 3) -> Floats:
     if largest == 0.0:
         raise InputError(key, "", value, "a vector that is not zero")
     scaled = v / largest
-    result: Floats = scaled / np.linalg.norm(scaled)
+    result: Floats = scaled / math.sqrt(sum(x * x for x in scaled.tolist()))
+    result.flags.writeable = False
+    return result
+
+
+def directions(key: str, value: Any, size: int = 3) -> Floats:
+    """Check rows of finite numbers as `direction` checks one; return the unit vectors (m, size), equal to its own."""
+    v = array(key, value, (None, size))
+    largest = np.abs(v).max(axis=1, keepdims=True)
+    if (largest == 0.0).any():
+        first = int(np.argmin(largest))
+        raise InputError(f"{key}[{first}]", "", v[first].tolist(), "a vector that is not zero")
+    scaled = v / largest
+    squares: Floats = sum(x * x for x in scaled.T)
+    result: Floats = scaled / np.sqrt(squares)[:, None]
     result.flags.writeable = False
     return result
 

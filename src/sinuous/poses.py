@@ -22,15 +22,26 @@ def rotation_matrix(key: str, value: Any) -> Floats:
     if shape not in ((4,), (3, 3)):
         raise InputError(key, "", value, "a 3x3 rotation matrix or a quaternion [w, x, y, z]")
     if shape == (4,):
-        result = _from_quaternion(checks.direction(key, value, 4))
+        result = _from_quaternion(*checks.direction(key, value, 4).tolist())
     else:
         result = _nearest_rotation(key, checks.array(key, value, (3, 3)))
     result.flags.writeable = False
     return result
 
 
-def _from_quaternion(unit: Floats) -> Floats:
-    w, x, y, z = unit.tolist()
+def rotation_matrices(key: str, value: Any) -> Floats:
+    """Read rotations (m, 3, 3) or quaternions (m, 4) as `rotation_matrix` reads one; return exact ones (m, 3, 3)."""
+    if np.ndim(value) == 2:
+        units = checks.directions(key, value, 4)
+        result = np.moveaxis(_from_quaternion(*units.T), -1, 0).copy()
+    else:
+        result = np.stack([rotation_matrix(f"{key}[{i}]", each) for i, each in enumerate(value)])
+    result.flags.writeable = False
+    return result
+
+
+def _from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Floats:
+    """Rotation (3, 3) of a unit quaternion; of arrays (m,) of their parts, rotations (3, 3, m)."""
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

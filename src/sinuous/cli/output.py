@@ -31,10 +31,11 @@ class Output:
     def write(self, file: str, answer: Solution | Track, prepare_seconds: float) -> None:
         """Write the answer to one problem file."""
         self._done += 1
-        line = json_line(result(file, answer.to_dict(), prepare_seconds))
-        if self._out is not None:
-            self._out.write(line + "\n")
-            self._out.flush()
+        if self._options.json or self._out is not None:  # of a long path, a line is more work than solving it
+            line = json_line(result(file, answer.to_dict(), prepare_seconds))
+            if self._out is not None:
+                self._out.write(line + "\n")
+                self._out.flush()
         typer.echo(line if self._options.json else f"{file}: {str(answer).split(': ', 1)[1]}")
         picture = self._options.picture(self._done, self._files)
         if picture is not None:

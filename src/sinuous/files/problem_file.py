@@ -10,7 +10,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
 from sinuous.files.json_syntax import parse_json
-from sinuous.files.nouns import read_robot, read_scene, read_target, read_targets
+from sinuous.files.nouns import read_robot, read_scene, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
@@ -134,6 +134,9 @@ def _read_path(value: Any, robot: Robot, folder: Path) -> tuple[tuple[Target, ..
             raise error.in_file(file) from None
     if not isinstance(value, list) or not value:
         raise InputError("path", "", value, "a list of targets or the name of a CSV file")
+    together = targets_together(value)
+    if together:
+        return tuple((target,) for target in together)
     waypoints = []
     for i, entry in enumerate(value):
         with checks.inside(f"path[{i}]"):

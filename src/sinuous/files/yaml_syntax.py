@@ -26,6 +26,9 @@ _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
 
 Events = Iterator[Any]
 
+Place = tuple[Any, ...]
+"""Where a value stands: `()`, or the place of what it stands in, and its name or number there."""
+
 
 def parse_yaml(text: str) -> Any:
     """Read one YAML document; `None` when there is none.
@@ -45,7 +48,7 @@ def parse_yaml(text: str) -> Any:
         except yaml.YAMLError as error:
             reason = getattr(error, "reason", "cannot be read")
             raise InputError("file", str(reason), text, "YAML") from None
-        refuse_infinite("", values)
+        refuse_infinite(values)
     return values
 
 
@@ -53,7 +56,7 @@ def _document(events: Events) -> Any:
     next(events)
     if isinstance(next(events), yaml.StreamEndEvent):
         return None
-    value = _value("", next(events), events)
+    value = _value((), next(events), events)
     next(events)
     after = next(events)
     if not isinstance(after, yaml.StreamEndEvent):
@@ -61,7 +64,7 @@ def _document(events: Events) -> Any:
     return value
 
 
-def _value(key: str, event: Any, events: Events) -> Any:
+def _value(place: Place, event: Any, events: Events) -> Any:
     if event.anchor is not None:
         raise InputError(_line(event), "has an anchor or an alias", event.anchor, "every value written out")
     if event.tag is not None:
@@ -69,25 +72,25 @@ def _value(key: str, event: Any, events: Events) -> Any:
     if isinstance(event, yaml.ScalarEvent):
         plain = event.implicit[0]
         return _scalar(event.value) if plain else event.value
-    return _sequence(key, events) if isinstance(event, yaml.SequenceStartEvent) else _mapping(key, events)
+    return _sequence(place, events) if isinstance(event, yaml.SequenceStartEvent) else _mapping(place, events)
 
 
-def _sequence(key: str, events: Events) -> list[Any]:
+def _sequence(place: Place, events: Events) -> list[Any]:
     result: list[Any] = []
     while not isinstance(event := next(events), yaml.SequenceEndEvent):
-        result.append(_value(join(key, len(result)), event, events))
+        result.append(_value((place, len(result)), event, events))
     return result
 
 
-def _mapping(key: str, events: Events) -> dict[str, Any]:
+def _mapping(place: Place, events: Events) -> dict[str, Any]:
     result: dict[str, Any] = {}
     while not isinstance(event := next(events), yaml.MappingEndEvent):
         if not isinstance(event, yaml.ScalarEvent):
-            raise InputError(_line(event), "has a key that is no name", key, "a name")
-        name, inner = event.value, join(key, event.value)
+            raise InputError(_line(event), "has a key that is no name", _key(place), "a name")
+        name, inner = event.value, (place, event.value)
         value = _value(inner, next(events), events)
         if name in result:
-            raise InputError(inner, "stands twice", value, "every key once")
+            raise InputError(_key(inner), "stands twice", value, "every key once")
         result[name] = value
     return result
 
@@ -101,6 +104,10 @@ def _scalar(text: str) -> Any:
     if NUMBER.fullmatch(text):
         return float(text)
     return float(text.replace(".", "")) if _NOT_FINITE.fullmatch(text) else text
+
+
+def _key(place: Place) -> str:
+    return join(_key(place[0]), place[1]) if place else ""
 
 
 def _line(event: Any) -> str:

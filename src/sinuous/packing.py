@@ -137,9 +137,7 @@ def target_row(
     return row
 
 
-def target_rows(
-    count: int, positions: Floats | None, directions: Floats | None, rotations: Floats | None
-) -> Floats:
+def target_rows(count: int, positions: Floats | None, directions: Floats | None, rotations: Floats | None) -> Floats:
     """Return the rows (m, 15) of m targets of the last segment, each as `target_row` makes one."""
     rows = np.zeros((count, t.TARGET_WIDTH))
     rows[:, t.TARGET_SEGMENT] = -1

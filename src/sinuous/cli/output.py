@@ -5,6 +5,7 @@ from typing import TextIO
 
 import typer
 
+from sinuous.cli.alternatives import Alternatives
 from sinuous.cli.options import Options
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
@@ -28,7 +29,7 @@ class Output:
         if self._out is not None:
             self._out.close()
 
-    def write(self, file: str, answer: Solution | Track, prepare_seconds: float) -> None:
+    def write(self, file: str, answer: Solution | Track | Alternatives, prepare_seconds: float) -> None:
         """Write the answer to one problem file."""
         self._done += 1
         if self._options.json or self._out is not None:  # of a long path, a line is more work than solving it
@@ -41,7 +42,7 @@ class Output:
         if picture is not None:
             from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
 
-            plot_solution(answer, picture)
+            plot_solution(answer.best if isinstance(answer, Alternatives) else answer, picture)
 
 
 def _open(out: Path) -> TextIO:

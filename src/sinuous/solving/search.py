@@ -13,6 +13,9 @@ from sinuous.solving.sources import Batch
 SLICE = 0.1
 """Seconds after which a method should return to Python, so that an interrupt is seen."""
 
+UNDECIDED = (FAILED, UNPROVED)
+"""How a call ends after which a search goes on."""
+
 Follow = Callable[[Batch, float], Outcome]
 """Follows the starts of a batch, for at most so many seconds, until one is solved."""
 
@@ -106,8 +109,7 @@ class FirstSolved(Search):
     @property
     def open(self) -> bool:
         """Whether nothing is decided yet, and starts and time are left."""
-        undecided = self._best.code in (FAILED, UNPROVED)
-        return undecided and self.starts_left > 0 and self.seconds_left > 0.0
+        return self._best.code in UNDECIDED and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
         """As many as before, if that takes no longer than `SLICE`."""

@@ -2,7 +2,7 @@
 
 import time as clock
 from collections.abc import Iterable
-from typing import Any, Never
+from typing import Any, ClassVar, Never
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from sinuous.solving.base import base_blocked
 from sinuous.solving.options import SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
-from sinuous.solving.search import Distinct, FirstSolved
+from sinuous.solving.search import UNDECIDED, Distinct, FirstSolved
 from sinuous.solving.sources import Batch, Question
 
 CANDIDATES = 4
@@ -55,6 +55,9 @@ class Solver:
         When an argument is not what it should be.
     """
 
+    _ahead: ClassVar[bool] = True
+    """Whether the search for routes is compiled, or loaded, before the first solve."""
+
     def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
@@ -67,8 +70,10 @@ class Solver:
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
-        router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
-        self._portfolio = Portfolio(chosen.max_starts, router)
+        self._router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
+        if self._router is not None and self._ahead:
+            self._router.load()
+        self._portfolio = Portfolio(chosen.max_starts, self._router)
         self._seed = chosen.seed
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._no_initial: Floats = np.empty((0, len(robot), 3))
@@ -110,6 +115,8 @@ class Solver:
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
+            if self._router is not None and outcome.code in UNDECIDED:
+                began += self._router.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
         return Solution(problem, outcome, clock.perf_counter() - began, self.method, self._seed)
 
@@ -290,6 +297,12 @@ class Solver:
         return given.reshape(1, len(self.robot), 3).copy()
 
 
+class OneSolve(Solver):
+    """A solver for one question: the search for routes is compiled, or loaded, only where the first starts fail."""
+
+    _ahead = False
+
+
 def _rebuilt(robot: Robot, scene: Scene, options: SolveOptions) -> Solver:
     """Prepare a solver again, in the process that it was sent to."""
     return Solver(robot, scene, **vars(options))
@@ -308,7 +321,7 @@ def solve(
     robot: Robot, target: Targets, scene: Any = None, *, initial: "Solution | Any" = None, **options: Any
 ) -> Solution:
     """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
-    return Solver(robot, scene, **options).solve(target, initial)
+    return OneSolve(robot, scene, **options).solve(target, initial)
 
 
 def solve_all(

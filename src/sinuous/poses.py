@@ -31,11 +31,16 @@ def rotation_matrix(key: str, value: Any) -> Floats:
 
 def rotation_matrices(key: str, value: Any) -> Floats:
     """Read rotations (m, 3, 3) or quaternions (m, 4) as `rotation_matrix` reads one; return exact ones (m, 3, 3)."""
-    if np.ndim(value) == 2:
-        units = checks.directions(key, value, 4)
-        result = np.moveaxis(_from_quaternion(*units.T), -1, 0).copy()
+    try:
+        axes = np.ndim(value)
+    except ValueError:
+        axes = 0
+    if axes == 2:
+        result = np.moveaxis(_from_quaternion(*checks.directions(key, value, 4).T), -1, 0).copy()
+    elif axes == 3:
+        result = np.array([rotation_matrix(f"{key}[{i}]", each) for i, each in enumerate(value)]).reshape(-1, 3, 3)
     else:
-        result = np.stack([rotation_matrix(f"{key}[{i}]", each) for i, each in enumerate(value)])
+        raise InputError(key, "", value, "3x3 rotation matrices or quaternions [w, x, y, z]")
     result.flags.writeable = False
     return result
 

@@ -82,16 +82,17 @@ class Target(Frozen):
         InputError
             As for `Target`, or when there is not one of each for every target.
         """
-        given = {"position": position, "direction": direction, "rotation": rotation}
-        counts = {key: len(value) for key, value in given.items() if value is not None}
-        if not counts or len(counts.keys() & {"direction", "rotation"}) > 1:
-            cls(**given)  # says what is wrong
-        if len(set(counts.values())) > 1:
-            raise InputError(next(reversed(counts)), "", counts, "as many as there are positions")
+        if (position is direction is rotation is None) or (direction is not None and rotation is not None):
+            cls(position, direction=direction, rotation=rotation)  # says what is wrong
         places = None if position is None else checks.array("position", position, (None, 3))
         axes = None if direction is None else checks.directions("direction", direction)
         matrices = None if rotation is None else rotation_matrices("rotation", rotation)
-        rows = target_rows(next(iter(counts.values())), places, axes, matrices)
+        orientations = axes if matrices is None else matrices
+        if places is not None and orientations is not None and len(places) != len(orientations):
+            key = "direction" if matrices is None else "rotation"
+            raise InputError(key, "", len(orientations), f"as many as there are positions: {len(places)}")
+        count = next(len(part) for part in (places, orientations) if part is not None)
+        rows = target_rows(count, places, axes, matrices)
         parts = [repeat(None) if part is None else part for part in (places, axes, matrices)]
         targets = []
         for row, place, axis, matrix in zip(rows[:, None], *parts, strict=False):

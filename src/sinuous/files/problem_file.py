@@ -15,6 +15,7 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.files.yaml_syntax import parse_yaml
+from sinuous.garbage import uncollected
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -82,7 +83,8 @@ def read_problem(file: str | Path) -> ProblemFile:
     path = Path(file)
     try:
         text = read_text(path)
-        return _problem(str(file), parse_json(text) if path.suffix.lower() == ".json" else parse_yaml(text))
+        with uncollected():  # a long path is some hundred thousand values
+            return _problem(str(file), parse_json(text) if path.suffix.lower() == ".json" else parse_yaml(text))
     except InputError as error:
         raise error.in_file(file) from None
 

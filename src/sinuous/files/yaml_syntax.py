@@ -41,7 +41,7 @@ def parse_yaml(text: str) -> Any:
     """
     with refuse_deep(text):
         try:
-            values = _document(yaml.parse(text, Loader=_LOADER))
+            values = _document(iter(_LOADER(text).get_event, None))
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             refuse_line(text, line, error.problem or "cannot be read", "YAML")
@@ -70,21 +70,24 @@ def _value(place: Place, event: Any, events: Events) -> Any:
     if event.tag is not None:
         raise InputError(_line(event), "has a tag", event.tag, "plain values")
     if isinstance(event, yaml.ScalarEvent):
-        plain = event.implicit[0]
-        return _scalar(event.value) if plain else event.value
+        return _scalar(event.value) if event.implicit[0] else event.value
     return _sequence(place, events) if isinstance(event, yaml.SequenceStartEvent) else _mapping(place, events)
 
 
 def _sequence(place: Place, events: Events) -> list[Any]:
     result: list[Any] = []
-    while not isinstance(event := next(events), yaml.SequenceEndEvent):
+    for event in events:
+        if isinstance(event, yaml.SequenceEndEvent):
+            break
         result.append(_value((place, len(result)), event, events))
     return result
 
 
 def _mapping(place: Place, events: Events) -> dict[str, Any]:
     result: dict[str, Any] = {}
-    while not isinstance(event := next(events), yaml.MappingEndEvent):
+    for event in events:
+        if isinstance(event, yaml.MappingEndEvent):
+            break
         if not isinstance(event, yaml.ScalarEvent):
             raise InputError(_line(event), "has a key that is no name", _key(place), "a name")
         name, inner = event.value, (place, event.value)

@@ -6,7 +6,6 @@ kernels are cached, not entries alone: an entry that is compiled later finds the
 """
 
 import contextlib
-import gc
 import hashlib
 import os
 import shutil
@@ -21,6 +20,7 @@ from numba import types
 from numba.core import config as numba_config
 
 from sinuous.caches import places, writable
+from sinuous.garbage import uncollected
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
@@ -105,13 +105,8 @@ def _quickened(compiled: Any) -> Any:
     def compile_quickly(signature: Any) -> Any:
         if isinstance(signature, tuple):
             signature = tuple(types.unliteral(each) for each in signature)  # type: ignore[no-untyped-call]
-        collecting = gc.isenabled()
-        gc.disable()
-        try:
+        with uncollected():
             return compile_it(signature)
-        finally:
-            if collecting:
-                gc.enable()
 
     compiled.compile = compile_quickly
     return compiled

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 ABOUT = {
     "speed": "every speed and success figure of the README (5 minutes)",
     "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
+    "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
+    "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
     "table1": "the paper's four poses, every method, beside what the paper publishes",
     "tracking": "a path of 180 points behind random spheres, every method",
     "segments": "how the time of an iteration, and of a solve, grows with the number of segments",
@@ -32,13 +34,13 @@ ABOUT = {
 }
 """What each one measures."""
 
-OF_LINES = ("speed", "clutter")
+OF_LINES = ("speed", "clutter", "wild")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
 OF_METHODS = ("table1", "tracking", "segments", "methods")
 """Those in which methods can be chosen."""
 
-BENCHMARKS = (*OF_LINES, *OF_METHODS)
+BENCHMARKS = (*OF_LINES, "worlds", *OF_METHODS)
 
 INTERRUPTED = 130
 
@@ -52,7 +54,9 @@ Out = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object, and nothing else.")]
 Seed = Annotated[int, typer.Option(help="Of all random problems.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
-Rounds = Annotated[int, typer.Option(help="Of speed and clutter, how often everything is measured.")]
+Rounds = Annotated[
+    int, typer.Option(help="Of speed and clutter, how often all is measured; of wild, 100,000 fresh problems each.")
+]
 Anew = Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")]
 Against = Annotated[
     Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
@@ -63,6 +67,11 @@ Family = Annotated[
 ]
 Method = Annotated[
     list[str] | None, typer.Option(metavar="NAME", help="Of the others, only this method; repeat for more.")
+]
+
+Only = Annotated[
+    list[str] | None,
+    typer.Option(metavar="PROBLEM", help="Of wild, look at this problem alone, as reports name it; repeat for more."),
 ]
 
 
@@ -82,14 +91,20 @@ def run(
     save_baseline: Keep = None,
     family: Family = None,
     method: Method = None,
+    only: Only = None,
 ) -> None:
     """Measure."""
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
         # library wait for each other ten times as long as verifying takes.
         os.environ.setdefault(variable, "1")
-    chosen = Chosen(name, seed, quick, rounds, tuple(family or ()), tuple(method or ()))
+    chosen = Chosen(name, seed, quick, rounds, tuple(family or ()), tuple(method or ()), tuple(only or ()))
     chosen.check()
+    if chosen.only:
+        from benchmarks.wild.replay import replay  # noqa: PLC0415
+
+        typer.echo("\n".join(replay(chosen.seed, chosen.only)))
+        raise typer.Exit(0)
     from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
     raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not family)))
@@ -123,6 +138,8 @@ class Chosen:
     rounds : int
     families, methods : tuple of str
         Those to measure; none means all.
+    only : tuple of str
+        Names of problems to look at, instead of measuring.
     """
 
     name: str
@@ -131,6 +148,7 @@ class Chosen:
     rounds: int = 1
     families: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
+    only: tuple[str, ...] = ()
 
     def check(self) -> None:
         """Refuse what cannot be meant.
@@ -149,6 +167,7 @@ class Chosen:
         for option, given, able in (
             ("--family", list(self.families), ("clutter",)),
             ("--method", list(self.methods), OF_METHODS),
+            ("--only", list(self.only), ("wild",)),
             ("--rounds", self.rounds if self.rounds > 1 else None, OF_LINES),
         ):
             if given and self.name not in able:
@@ -173,6 +192,14 @@ class Chosen:
             from benchmarks.clutter.experiment import Clutter  # noqa: PLC0415
 
             return Clutter(plan, self.families)
+        if self.name == "wild":
+            from benchmarks.wild.experiment import Wild  # noqa: PLC0415
+
+            return Wild(plan)
+        if self.name == "worlds":
+            from benchmarks.clutter.worlds import Worlds  # noqa: PLC0415
+
+            return Worlds(plan)
         made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
             plan, self.methods
         )

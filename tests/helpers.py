@@ -164,6 +164,7 @@ def kernel_problem(
         "actuation": robot.actuation.copy(),
         "base": packing.pose_row(robot.base),
         "tool": packing.pose_row(robot.tool),
+        "avoids_itself": robot.avoids_itself,
         "scene": kernel_scene(problem.scene),
         "targets": problem.rows.copy(),
         "mount": float(settings[tables.MOUNT]),
@@ -186,7 +187,7 @@ def make_rows(segments: int, capacity: int) -> Rows:
         np.zeros((capacity, 3)),
         np.zeros((capacity, 3)),
         np.zeros(capacity),
-        np.zeros((capacity, 12)),
+        np.zeros((capacity, 13)),
         np.zeros(capacity),
     )
 

@@ -1,11 +1,15 @@
 """The pages in docs/ name what is there, and say of the methods what they say of themselves."""
 
 import re
+import shutil
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from benchmarks.paper.entrants import FAITHFUL
+from sinuous.cli.app import main
 from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.registry import METHODS
 
@@ -17,6 +21,25 @@ PAGES = sorted(DOCS.glob("*.md"))
 def test_links_and_pictures_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
         assert link.startswith("https://") or (DOCS / link).exists(), link
+
+
+def blocks(page: str, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", (DOCS / page).read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "examples").mkdir()
+    shutil.copy(DOCS.parent / "examples" / "pose.yaml", tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(compile("import sinuous as sn\n" + "\n".join(blocks("format.md", "python")), "format.md", "exec"), names)
+    assert names["again"].to_dict() == names["solution"].to_dict()
+    assert names["checked"].ok.shape == (2,)
+    np.testing.assert_allclose(names["q_measured"], names["q"], atol=1e-12)
+    problem, driven = blocks("format.md", "yaml")
+    for text in (problem, driven + "target: {position: [10, 0, 100]}"):
+        Path("problem.yaml").write_text(text, encoding="utf-8")
+        assert main(["solve", "problem.yaml"]) == 0
 
 
 def rows_of(page: str) -> dict[str, list[str]]:

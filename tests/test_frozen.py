@@ -59,6 +59,7 @@ NOUNS: dict[str, Callable[[], Any]] = {
     "segment": lambda: ROBOT.segments[0],
     "tendons": lambda: ROBOT.segments[0].tendons,
     "chambers": lambda: ROBOT.segments[1].chambers,
+    "actuators": lambda: sn.Actuators(np.eye(3), ["a", "b", "c"], [None, (0, 1), None]),
     "target": lambda: TARGET,
     "rotation": lambda: sn.Target(rotation=np.eye(3), segment=2),
     "tolerance": lambda: sn.Tolerance(0.1, 0.2),
@@ -66,6 +67,7 @@ NOUNS: dict[str, Callable[[], Any]] = {
     "placement": lambda: Placement(2.0, (1, 2, 3)),
     "snapshot": SCENE.snapshot,
     "problem": lambda: sn.Problem(ROBOT, TARGET, SCENE),
+    "job": lambda: sn.Job(ROBOT, TARGET, [LAMP]),
     "problems": lambda: sn.Problem(ROBOT, [TARGET, sn.Target((0, 0, 1), segment=1)]),
     "solution": solution,
 }
@@ -75,7 +77,7 @@ def attributes(noun: Any) -> dict[str, Any]:
     """Everything that a noun holds, but locks, and what it computes only when it is asked."""
     slots = [name for kind in type(noun).__mro__ for name in getattr(kind, "__slots__", ())]
     names = [*getattr(noun, "__dict__", {}), *slots]
-    return {name: getattr(noun, name) for name in names if name not in ("_lock", "_reason", "_worst")}
+    return {name: getattr(noun, name) for name in names if name not in ("_lock", "_reason", "_worst", "_binding")}
 
 
 def public(noun: Any) -> list[str]:
@@ -92,6 +94,8 @@ def assert_equal(a: Any, b: Any) -> None:
         assert mine.keys() == other.keys()
         for name in mine:
             assert_equal(mine[name], other[name])
+    elif isinstance(a, sn.Scene):
+        assert_equal(a.snapshot(), b.snapshot())
     elif isinstance(a, np.ndarray):
         np.testing.assert_array_equal(a, b)
         assert a.dtype == b.dtype
@@ -150,6 +154,36 @@ def test_memory_of_somebody_else_is_read_only_and_tables_are_copied_from_it() ->
     assert_equal(again, TARGET)
     assert again._table.flags.writeable
     assert not again.table.flags.writeable
+
+
+EQUAL = [name for name in NOUNS if name != "solution"]
+
+
+@pytest.mark.parametrize("name", EQUAL)
+def test_nouns_are_compared_by_what_they_say(name: str) -> None:
+    noun = NOUNS[name]()
+    assert noun.equals(noun)
+    assert noun.equals(pickle.loads(pickle.dumps(noun)))
+    for other in EQUAL:
+        assert (noun.equals(NOUNS[other]())) == (other == name), other
+    assert not noun.equals(None)
+
+
+def test_the_last_digit_counts() -> None:
+    ball: dict[str, Any] = {"center": (1.0, 2.0, 3.0), "radius": 0.5}
+    assert sn.Sphere(**ball).equals(sn.Sphere(**ball))
+    center = 1.0, 2.0, np.nextafter(3.0, 4.0)
+    for change in ({"center": center}, {"radius": np.nextafter(0.5, 1.0)}, {"inside": True}, {"name": "a"}):
+        assert not sn.Sphere(**ball).equals(sn.Sphere(**{**ball, **change}))
+    segment = sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))
+    assert not segment.equals(sn.Segment(1.0, tendons=sn.Tendons(3, 0.1, angle=1e-9)))
+    assert not segment.equals(sn.Segment(1.0, tendons=sn.Tendons(3, 0.1), name="a"))
+    cloud = sn.Scene([sn.PointCloud([[0, 0, 1]], 0.1)])
+    other = sn.Scene(cloud.obstacles)
+    assert cloud.equals(other)
+    other.update([[0, 0, 2]])
+    assert not cloud.equals(other)
+    assert not cloud.equals(sn.Scene())
 
 
 @pytest.mark.parametrize("name", OBSTACLES)

@@ -30,8 +30,10 @@ FLOORS = {
     "checks": 0,
     "errors": 0,
     "caches": 0,
+    "words": 0,
     "frozen": 0,
     "garbage": 0,
+    "writing": 0,
 }
 
 KERNEL_FLOORS = {

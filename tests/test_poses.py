@@ -1,6 +1,7 @@
 """Poses: rotations are exact, stated one way, by SciPy's conventions."""
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,10 @@ from scipy.spatial.transform import Rotation
 from sinuous.checks import direction as unit
 from sinuous.packing import pose_row
 from sinuous.poses import as_pose, least_rotation, pose, rotation_matrix
-from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused
+from sinuous.problem.target import Target
+from sinuous.scene.obstacles import Box
+from sinuous.scene.placement import Placement
+from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused, refused_each
 
 coordinates = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1e-8, -1e-16, 1e-100, -1e-200, 5e-324, 1.0, -1.0]))
 directions = st.tuples(coordinates, coordinates, coordinates).filter(any).map(lambda v: unit("direction", v))
@@ -52,6 +56,36 @@ def test_quaternions_are_wxyz_of_any_length(seed: int, scale: float) -> None:
     x, y, z, w = expected.as_quat()
     got = rotation_matrix("rotation", (scale * w, scale * x, scale * y, scale * z))
     np.testing.assert_allclose(got, expected.as_matrix(), atol=1e-15)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_rotation_may_be_stated_in_other_ways(seed: int) -> None:
+    expected = Rotation.from_matrix(random_rotation(np.random.default_rng(seed)))
+    ways: list[dict[str, Any]] = [{"rotation": expected}, {"xyzw": 3.0 * expected.as_quat()}]
+    for way in ways:
+        np.testing.assert_allclose(pose(**way)[:3, :3], expected.as_matrix(), atol=1e-15)
+        np.testing.assert_allclose(np.array(Target(**way).rotation), expected.as_matrix(), atol=1e-15)
+        np.testing.assert_allclose(Box((0, 0, 0), (1, 1, 1), **way).rotation, expected.as_matrix(), atol=1e-15)
+        moved = Placement(2.0, **way).apply(np.array([[1.0, 2.0, 3.0]]))
+        np.testing.assert_allclose(moved, [expected.apply([2.0, 4.0, 6.0])], atol=1e-14)
+
+
+@pytest.mark.parametrize("make", [pose, Target, partial(Box, (0, 0, 0), (1, 1, 1)), partial(Placement, 1.0)])
+def test_an_orientation_is_stated_once(make: Any) -> None:
+    refused("xyzw", lambda: make(rotation=np.eye(3), xyzw=(0, 0, 0, 1)), "rotation, xyzw")
+    refused_each("xyzw", ((0, 0, 1), (0, 0, 0, 0), np.eye(3), "up"), lambda value: make(xyzw=value))
+    refused("rotation", lambda: make(rotation=Rotation.identity(3)), "3x3")
+
+
+@given(st.integers(0, 10**6))
+def test_what_is_exact_is_kept(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for matrix in (least_rotation(unit("direction", rng.normal(size=3))), pose(rotation=rng.normal(size=4))[:3, :3]):
+        np.testing.assert_array_equal(rotation_matrix("rotation", matrix), matrix)
+    once = rotation_matrix("rotation", np.round(random_rotation(rng), 7))
+    np.testing.assert_array_equal(rotation_matrix("rotation", once), once)
+    direction = unit("direction", rng.normal(size=3) * rng.choice([1e-9, 1.0, 1e9]))
+    np.testing.assert_array_equal(unit("direction", direction), direction)
 
 
 def test_rounded_matrices_are_made_exact() -> None:

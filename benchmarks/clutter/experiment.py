@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from benchmarks.clutter import far, figures
+from benchmarks.clutter import far, figures, halls
 from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.plan import Plan
 from benchmarks.places import FAMILIES
@@ -17,7 +17,7 @@ class Clutter(OfLines):
     ----------
     plan : Plan
     families : sequence of str
-        Names of those to measure; none means all, and what a mesh out of reach costs.
+        Names of those to measure; none means all, what a mesh out of reach costs, and the route search alone.
 
     Raises
     ------
@@ -38,3 +38,4 @@ class Clutter(OfLines):
             yield family, partial(figures.measure, self.plan, family)
         if not self._families:
             yield "far", partial(far.measure, self.plan)
+            yield "halls", partial(halls.measure, self.plan)

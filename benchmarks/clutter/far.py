@@ -9,8 +9,7 @@ import numpy as np
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from benchmarks.places.parts.surfaces import Surface, loft
-from benchmarks.places.pipes import solid
+from benchmarks.places.parts.surfaces import Surface, loft, solid
 from benchmarks.problems import ProblemSet, arm, reachable
 from sinuous.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh

@@ -39,8 +39,8 @@ def solved(family: str, seed: int) -> Solution:
     """Solve one place as a user would; the second time, so that the time is that of a solve and not of loading."""
     place = make(family, seed)
     solver = Solver(place.robot, place.scene, tolerance=place.tolerance)
-    solver.solve(place.target)
-    return solver.solve(place.target)
+    solver.solve(place.targets)
+    return solver.solve(place.targets)
 
 
 def draw(file: Path, shown: dict[str, int] = SHOWN) -> None:

@@ -6,8 +6,8 @@ from time import perf_counter
 from typing import NamedTuple
 
 from benchmarks.judges.collisions import Body
-from benchmarks.judges.judge import judge
 from benchmarks.places import FAMILIES, Place, make
+from benchmarks.places.place import right
 from benchmarks.solvers.among_spheres import AmongSpheres
 from sinuous.checks import Floats
 from sinuous.problem.tolerance import Tolerance
@@ -134,7 +134,7 @@ def _attempt(place: Place, solver: Solver) -> tuple[Attempt, Solution]:
     spent = []
     for _ in range(2):
         began = perf_counter()
-        solution = solver.solve(place.target)
+        solution = solver.solve(place.targets)
         spent.append(perf_counter() - began)
     right = _right(place, solution.q)
     return Attempt(spent[0], spent[1], str(solution.status), solution.start, solution.solved, right), solution
@@ -144,13 +144,12 @@ def _proof(solver: Solver, place: Place, solution: Solution) -> float | None:
     """See `Trial.proof`; the least of three, because one look takes only some microseconds."""
     if not solution.solved:
         return None
-    again = [solver.solve(place.target, initial=solution) for _ in range(3)]
+    again = [solver.solve(place.targets, initial=solution) for _ in range(3)]
     return min(each._outcome.seconds for each in again) / solution._outcome.seconds
 
 
 def _right(place: Place, q: Floats) -> bool:
-    body = _judging(place.robot, place.scene)
-    return bool(judge(place.robot, [place.target], q[None], place.tolerance, body).right.all())
+    return right(place, q, _judging(place.robot, place.scene))
 
 
 @lru_cache(maxsize=4)

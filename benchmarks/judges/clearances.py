@@ -2,36 +2,36 @@
 
 Meshes are asked of libigl (a tree of boxes for the distance, winding numbers for the side: whoever is inside a solid
 overlaps it, though the body may touch no triangle), clouds and occupied cells of SciPy's k-d tree, exact shapes of
-plain NumPy.
+plain NumPy, kind by kind.
 """
 
 import math
-from collections.abc import Callable
 from functools import singledispatch
+from typing import NamedTuple
 
 import igl
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from benchmarks.judges.kinematics import arc_poses, segment_ends
+from benchmarks.judges.kinematics import arc_ends, segment_ends
+from benchmarks.judges.primitives import Distance, distances_to
 from sinuous.checks import Floats
-from sinuous.measures.obstacles import measure
 from sinuous.robot.robot import Robot
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 
 Indices = NDArray[np.intp]
 
+MOST_PLACES = 20_000
+"""Places of configurations that are looked at in one go."""
+
 COARSE, FINE = 50, 32
 """Intervals of a segment, and how many places are looked at in each where the body may be closest."""
-
-Distance = Callable[[Floats], Floats]
-"""Signed distances (m,) of points (m, 3)."""
 
 
 class Clearances:
@@ -45,7 +45,9 @@ class Clearances:
 
     def __init__(self, robot: Robot, scene: Scene) -> None:
         self._robot = robot
-        self._measures = [distance_of(obstacle) for obstacle in scene.obstacles]
+        exact = [obstacle for obstacle in scene.obstacles if isinstance(obstacle, Primitive)]
+        others = [obstacle for obstacle in scene.obstacles if not isinstance(obstacle, Primitive)]
+        self._measures = [*distances_to(exact), *map(distance_of, others)]
 
     def least(self, q: Floats, enough: float = math.inf) -> Floats:
         """Return the least clearance (m,) of configurations (m, n, 3) at `COARSE * FINE` places of every segment.
@@ -53,34 +55,49 @@ class Clearances:
         Distances change by no more than the place does, so intervals that cannot hold the least one are skipped, and
         those that cannot hold less than `enough`: what is more than that is an upper bound only.
         """
-        return np.array([self._least(one, enough) for one in q])
+        together = max(1, MOST_PLACES // (len(self._robot) * (COARSE + 1)))
+        parts = [self._least(q[i : i + together], enough) for i in range(0, len(q), together)]
+        return np.concatenate([np.empty(0), *parts])
 
-    def _least(self, q: Floats, enough: float) -> float:
-        starts = segment_ends(self._robot, q[None])[0]
-        before = np.cumsum(q[:, 2]) - q[:, 2]
+    def _least(self, q: Floats, enough: float) -> Floats:
+        m, n = q.shape[:2]
         fractions = np.linspace(0.0, 1.0, COARSE + 1)
-        which = np.repeat(np.arange(len(q)), COARSE + 1)
-        gaps = self._gaps(q, starts, before, which, np.tile(fractions, len(q))).reshape(len(q), -1)
-        least = float(gaps.min())
-        sure = np.fmin(gaps[:, :-1], gaps[:, 1:]) - 0.5 * q[:, 2:] / COARSE  # infinite: in the mount
-        segment, interval = np.nonzero(sure < min(least, enough))
-        if len(segment) == 0:
-            return least
-        inner = (interval[:, None] + np.arange(1, FINE) / FINE) / COARSE
-        fine = self._gaps(q, starts, before, np.repeat(segment, FINE - 1), inner.ravel())
-        return min(least, float(fine.min()))
+        shape, segment = (np.repeat(which.ravel(), COARSE + 1) for which in np.indices((m, n)))
+        frames = _Frames.of(self._robot, q)
+        gaps = self._gaps(frames, shape, segment, np.tile(fractions, m * n)).reshape(m, n, -1)
+        least = np.asarray(gaps.min(axis=(1, 2)))
+        sure = np.fmin(gaps[..., :-1], gaps[..., 1:]) - 0.5 * q[..., 2:] / COARSE  # infinite: in the mount
+        shape, segment, interval = np.nonzero(sure < np.minimum(least, enough)[:, None, None])
+        if len(shape):
+            inner = (interval[:, None] + np.arange(1, FINE) / FINE) / COARSE
+            shape, segment = np.repeat(shape, FINE - 1), np.repeat(segment, FINE - 1)
+            np.minimum.at(least, shape, self._gaps(frames, shape, segment, inner.ravel()))
+        return least
 
-    def _gaps(self, q: Floats, starts: Floats, before: Floats, which: Indices, fractions: Floats) -> Floats:
-        """Clearance (m,) of places given by segment and fraction; infinite in the mount, which nothing concerns."""
-        parts = q[which] * fractions[:, None]
-        local = arc_poses(parts[:, 0], parts[:, 1], parts[:, 2])[:, :3, 3]
-        points = np.einsum("mij,mj->mi", starts[which, :3, :3], local) + starts[which, :3, 3]
-        exposed = before[which] + parts[:, 2] >= self._robot.mount
+    def _gaps(self, frames: "_Frames", shape: Indices, segment: Indices, fractions: Floats) -> Floats:
+        """Clearance (k,) of places, by configuration and segment; infinite in the mount, which nothing concerns."""
+        parts = frames.q[shape, segment] * fractions[:, None]
+        local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
+        starts = frames.starts[shape, segment]
+        points = np.einsum("kij,kj->ki", starts[:, :3, :3], local) + starts[:, :3, 3]
+        exposed = frames.before[shape, segment] + parts[:, 2] >= self._robot.mount
         gaps = np.full(len(points), math.inf)
-        radii = np.array(self._robot.radii)[which[exposed]]
+        radii = np.array(self._robot.radii)[segment[exposed]]
         for measured in self._measures:
             gaps[exposed] = np.minimum(gaps[exposed], measured(points[exposed]) - radii)
         return gaps
+
+
+class _Frames(NamedTuple):
+    """Configurations (m, n, 3), poses (m, n + 1, 4, 4) of where segments begin, and how far along (m, n) that is."""
+
+    q: Floats
+    starts: Floats
+    before: Floats
+
+    @classmethod
+    def of(cls, robot: Robot, q: Floats) -> "_Frames":
+        return cls(q, segment_ends(robot, q), np.cumsum(q[..., 2], axis=1) - q[..., 2])
 
 
 def least_clearance(robot: Robot, scene: Scene, q: Floats, enough: float = math.inf) -> Floats:
@@ -91,7 +108,12 @@ def least_clearance(robot: Robot, scene: Scene, q: Floats, enough: float = math.
 @singledispatch
 def distance_of(obstacle: Obstacle) -> Distance:
     """Prepare the distance to one obstacle."""
-    return lambda points: measure(obstacle, points)
+    raise NotImplementedError(f"the judge does not know {type(obstacle).__name__}")
+
+
+@distance_of.register
+def _primitive(obstacle: Primitive) -> Distance:
+    return distances_to([obstacle])[0]
 
 
 @distance_of.register

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from benchmarks.judges import actuators
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import bend_caps, segment_ends
 from sinuous.checks import Floats
@@ -86,12 +87,10 @@ def _angle(rotation: Floats, target: Target) -> float:
 
 
 def within_limits(robot: Robot, q: Floats) -> Flags:
-    """Say for every configuration (m, n, 3) whether lengths, bends and curvatures are within their limits."""
-    if len(robot.actuation):
-        raise NotImplementedError("the judge does not know limits of actuators")
+    """Say for every configuration (m, n, 3) whether lengths, bends, curvatures and actuators keep their limits."""
     lengths, bends = q[..., 2], np.hypot(q[..., 0], q[..., 1])
     low, high = np.array([segment.length for segment in robot.segments]).T
     slack = LIMIT_SLACK * robot.mean_length
     good = (lengths >= low - slack) & (lengths <= high + slack) & (bends <= bend_caps(robot, lengths) + LIMIT_SLACK)
-    result: Flags = good.all(axis=1) & np.isfinite(q).all(axis=(1, 2))
+    result: Flags = good.all(axis=1) & np.isfinite(q).all(axis=(1, 2)) & actuators.within(robot, q, slack)
     return result

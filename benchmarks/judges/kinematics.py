@@ -12,17 +12,20 @@ def arc_poses(bend_x: Floats, bend_y: Floats, length: Floats) -> Floats:
 
     The chord is `length * sinc(bend / 2)` long and turned by half the bend, which needs no series near straight.
     """
-    half = 0.5 * np.hypot(bend_x, bend_y)
-    chord = length * np.sinc(half / np.pi)
-    lean = 0.5 * np.sinc(half / np.pi)
     poses = np.zeros((*np.shape(bend_x), 4, 4))
     turns = np.stack([-bend_y, bend_x, np.zeros_like(bend_x)], axis=-1)
     poses[..., :3, :3] = Rotation.from_rotvec(turns.reshape(-1, 3)).as_matrix().reshape(*turns.shape[:-1], 3, 3)
-    poses[..., 0, 3] = chord * lean * bend_x
-    poses[..., 1, 3] = chord * lean * bend_y
-    poses[..., 2, 3] = chord * np.cos(half)
+    poses[..., :3, 3] = arc_ends(bend_x, bend_y, length)
     poses[..., 3, 3] = 1.0
     return poses
+
+
+def arc_ends(bend_x: Floats, bend_y: Floats, length: Floats) -> Floats:
+    """Positions (..., 3) of these poses alone."""
+    half = 0.5 * np.hypot(bend_x, bend_y)
+    lean = np.sinc(half / np.pi)
+    aside = 0.5 * length * lean * lean
+    return np.stack([aside * bend_x, aside * bend_y, length * lean * np.cos(half)], axis=-1)
 
 
 def segment_ends(robot: Robot, q: Floats) -> Floats:
@@ -59,7 +62,7 @@ def body_points(robot: Robot, q: Floats, samples: int) -> tuple[Floats, Floats]:
     """
     fractions = np.linspace(0.0, 1.0, samples + 1)
     parts = q[..., None, :] * fractions[:, None]
-    local = arc_poses(parts[..., 0], parts[..., 1], parts[..., 2])[..., :3, 3]
+    local = arc_ends(parts[..., 0], parts[..., 1], parts[..., 2])
     starts = segment_ends(robot, q)[:, :-1]
     points = local @ np.swapaxes(starts[..., :3, :3], -1, -2) + starts[..., None, :3, 3]
     before = np.cumsum(q[..., 2], axis=1) - q[..., 2]

@@ -1,5 +1,6 @@
 """Arms as lines in space: what several methods made of one target, or of one waypoint among obstacles."""
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,6 +15,9 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
+from sinuous.solving.again import Again
+from sinuous.solving.options import SolveOptions
+from sinuous.solving.solver import OneSolve
 
 ALONG = 24
 """Points of a line, a segment."""
@@ -67,6 +71,8 @@ def _as_solution(problems: ProblemSet, number: int, record: dict[str, Any]) -> S
     problem = Problem(problems.robot, problems.targets[number], problems.scene, problems.tolerance)
     errors = record["position"], record["angle"], record["clearance"]
     outcome = Outcome(
-        np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, False, 0.0, 0.0
+        np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, math.inf, False, 0.0, 0.0
     )
-    return Solution(problem, outcome, record["seconds"], "", 0)
+    return Solution(
+        problem, outcome, record["seconds"], Again(OneSolve.prepared, SolveOptions()), np.empty((0, *outcome.q.shape))
+    )

@@ -3,91 +3,23 @@
     from benchmarks.places import FAMILIES, make
 
     place = make("pipe 1.6", seed=7)
-    Solver(place.robot, place.scene, tolerance=place.tolerance).solve(place.target)
+    Solver(place.robot, place.scene, tolerance=place.tolerance).solve(place.targets)
 
 `make(family, seed)` returns a `Place`; `FAMILIES` lists the names with what they are. The same seed gives the same
 place. Every twenty seeds in a row have all robots: 3, 5, 8, 12 and 20 segments, extensible or not, with an insertion
-stage or without. Every place was judged when it was made: `place.hidden_q` is free, within limits, and at the target.
-In "p3", "p4 direction" and "p4 pose" the scenes are the same four in turn, and shared: places with the same `robot` and
-`scene` objects can share a `Solver`.
+stage or without. Every place was judged when it was made: `place.hidden_q` is free, of obstacles and of itself, within
+limits, and at the target. In "p3", "p4 direction" and "p4 pose" the scenes are the same four in turn, and shared:
+places with the same `robot` and `scene` objects can share a `Solver`.
+
+Rooms: `parts` (robots, hidden shapes, surfaces), `around` (what is drawn around the hidden shape), `traps` (what is
+narrow where a search begins or ends; bodies are slender or thick there, tapered, some with a tool or an elbow that is
+asked for too).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
-
-from benchmarks.places import polyhedra
-from benchmarks.places.drum import drum
-from benchmarks.places.duct import duct
-from benchmarks.places.pipes import pipe
-from benchmarks.places.place import Draw, Place, settle
-from benchmarks.places.plates import plates
-from benchmarks.places.scans import scan
-from benchmarks.places.shelf import shelf
-from benchmarks.places.spheres import spheres
+from benchmarks.places.families import FAMILIES, Family
+from benchmarks.places.place import Place
 
 __all__ = ["FAMILIES", "Family", "Place", "make"]
-
-
-@dataclass(frozen=True)
-class Family:
-    """Places of one kind.
-
-    Attributes
-    ----------
-    make : callable
-        From a seed to a place.
-    words : str
-        What it is.
-    published : bool
-        Whether it repeats what others were measured on.
-    """
-
-    make: Callable[[int], Place]
-    words: str
-    published: bool = False
-
-
-_DRAWN: dict[str, tuple[Draw, str]] = {
-    "spheres 12": (partial(spheres, 12), "12 balls beside the hidden shape"),
-    "spheres 40": (partial(spheres, 40), "40 balls beside the hidden shape"),
-    "spheres 100": (partial(spheres, 100), "100 balls beside the hidden shape"),
-    "pipe 2.2": (partial(pipe, 2.2), "closed curved pipe of 2.2 times the body's radius, a mesh"),
-    "pipe 1.6": (partial(pipe, 1.6), "closed curved pipe of 1.6 times the body's radius, a mesh"),
-    "pipe 1.3": (partial(pipe, 1.3), "closed curved pipe of 1.3 times the body's radius, a mesh"),
-    "plates": (plates, "2 to 6 plates with holes of 1.5 times the body's radius, meshes"),
-    "drum": (drum, "rows of blades on a drum, meshes; the target deep between two blades"),
-    "shelf": (shelf, "a shelf of boxes; the target deep in a compartment"),
-    "duct": (duct, "closed duct of 1.7 times the body's radius with 2 to 4 dead ends, a mesh"),
-}
-SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
-
-_PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
-    "p3": (polyhedra.fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
-    "p4 direction": (
-        partial(polyhedra.extensible, whole=False),
-        "four scenes of balls, 3 to 6 extensible segments, position and direction",
-    ),
-    "p4 pose": (
-        partial(polyhedra.extensible, whole=True),
-        "four scenes of balls, 3 to 6 extensible segments, position and rotation",
-    ),
-}
-
-
-def _families() -> dict[str, Family]:
-    scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
-    families = {
-        name: Family(partial(settle, name, draw=draw), words)  # the name is part of what the draws begin with
-        for name, (draw, words) in (_DRAWN | scanned).items()
-    }
-    for name, (made, words) in _PUBLISHED.items():
-        families[name] = Family(made, words, published=True)
-    return families
-
-
-FAMILIES = _families()
-"""By their names, in the order of the benchmark."""
 
 
 def make(family: str, seed: int) -> Place:

@@ -10,8 +10,9 @@ from numpy.random import Generator
 
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.collisions import Body
+from benchmarks.judges.folds import least_self_clearance
 from benchmarks.judges.judge import judge
-from benchmarks.judges.kinematics import tip_poses
+from benchmarks.judges.kinematics import segment_ends, tip_poses
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.target import Target
@@ -22,6 +23,9 @@ from sinuous.scene.scene import Scene
 
 PATIENCE = 300
 """Draws of one place before its family counts as having none."""
+
+JOINTED, ELBOWS = 5, 0.2
+"""Fewest segments of robots that are asked for an elbow, and the share of these that are."""
 
 ROOM = 0.05
 """Clearance that every hidden shape has, of the body's radius: none is in just by rounding."""
@@ -37,8 +41,9 @@ class Place:
     seed : int
     robot : Robot
     scene : Scene
-    target : Target
-        Position of the hidden tip; for half of the seeds its direction too.
+    targets : tuple of Target
+        The last is the position of the hidden tip; for half of the seeds its direction too. Before it there may be the
+        position of an elbow: of the end of a segment further back.
     tolerance : Tolerance
         With its position filled in.
     hidden_q : ndarray (n, 3)
@@ -49,9 +54,14 @@ class Place:
     seed: int
     robot: Robot
     scene: Scene
-    target: Target
+    targets: tuple[Target, ...]
     tolerance: Tolerance
     hidden_q: Floats
+
+    @property
+    def target(self) -> Target:
+        """The target of the tip."""
+        return self.targets[-1]
 
 
 class Sketch(NamedTuple):
@@ -60,10 +70,27 @@ class Sketch(NamedTuple):
     robot: Robot
     obstacles: Iterable[Obstacle]
     q: Floats
+    elbow: int | None = None
+    """Segment whose end is asked for too."""
+
+
+def sketch_of(robot: Robot, obstacles: Iterable[Obstacle], q: Floats, rng: Generator) -> Sketch:
+    """Return a sketch; of robots with enough segments, some are asked for an elbow too."""
+    asked = len(robot) >= JOINTED and rng.random() < ELBOWS
+    return Sketch(robot, obstacles, q, int(rng.integers(len(robot) // 2, len(robot) - 1)) if asked else None)
 
 
 Draw = Callable[[int, Generator], Sketch | None]
 """From a seed and its random numbers to a sketch; `None` where the drawing came out impossible."""
+
+
+Trap = Callable[[Robot, Generator], Sketch | None]
+"""The same for a robot that is given."""
+
+
+def trapped(trap: Trap, robots: Callable[[int, Generator], Robot], seed: int, rng: Generator) -> Sketch | None:
+    """Draw a trap for the robot of a seed."""
+    return trap(robots(seed, rng), rng)
 
 
 def settle(family: str, seed: int, draw: Draw) -> Place:
@@ -89,8 +116,10 @@ def place_of(family: str, seed: int, sketch: Sketch) -> Place:
     robot, q = sketch.robot, sketch.q
     tip = tip_poses(robot, q[None])[0]
     direction = tip[:3, 2] if (seed + seed // 20) % 2 else None
-    target = Target(tip[:3, 3], direction=direction)
-    return Place(family, seed, robot, Scene(sketch.obstacles), target, Tolerance().for_robot(robot), q)
+    targets = [Target(tip[:3, 3], direction=direction)]
+    if sketch.elbow is not None:
+        targets.insert(0, Target(segment_ends(robot, q[None])[0, sketch.elbow, :3, 3], segment=sketch.elbow))
+    return Place(family, seed, robot, Scene(sketch.obstacles), tuple(targets), Tolerance().for_robot(robot), q)
 
 
 def proper(scene: Scene) -> bool:
@@ -103,9 +132,15 @@ def proper(scene: Scene) -> bool:
 
 
 def feasible(place: Place) -> bool:
-    """Whether the judge finds the hidden shape at the target, within limits, and free with room to spare."""
+    """Whether the judge finds the hidden shape at the targets, within limits, and free with room to spare."""
     robot, q = place.robot, place.hidden_q[None]
     room = ROOM * min(robot.radii)
-    if least_clearance(robot, place.scene, q, room)[0] < room:
+    if least_clearance(robot, place.scene, q, room)[0] < room or least_self_clearance(robot, q)[0] < room:
         return False
-    return bool(judge(robot, [place.target], q, place.tolerance, Body(robot, place.scene)).right.all())
+    return right(place, q[0], Body(robot, place.scene))
+
+
+def right(place: Place, q: Floats, body: Body) -> bool:
+    """Whether the judge finds a configuration (n, 3) right for all targets of a place."""
+    count = len(place.targets)
+    return bool(judge(place.robot, place.targets, np.repeat(q[None], count, axis=0), place.tolerance, body).right.all())

@@ -81,7 +81,7 @@ def _draw(family: str, seed: int, robot: Robot, scene: Scene, whole: bool) -> Pl
             break
     tip = tip_poses(robot, q[None])[0]
     asked = {"rotation": tip[:3, :3]} if whole else {"direction": tip[:3, 2]}
-    return Place(family, seed, robot, scene, Target(tip[:3, 3], **asked), TOLERANCE, q)
+    return Place(family, seed, robot, scene, (Target(tip[:3, 3], **asked),), TOLERANCE, q)
 
 
 def _shape(robot: Robot, rng: Generator) -> Floats:

@@ -41,7 +41,7 @@ def scan(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
     points = np.concatenate([_on(triangles(obstacle), LATTICE * radius) for obstacle in sketch.obstacles])
     points = _thinned(points, CELL * radius)
     noise = rng.uniform(-1.0, 1.0, points.shape) * NOISE * radius / math.sqrt(3.0)
-    return Sketch(sketch.robot, [PointCloud(points + noise, THICKNESS * radius, name="scan")], sketch.q)
+    return sketch._replace(obstacles=[PointCloud(points + noise, THICKNESS * radius, name="scan")])
 
 
 def triangles(obstacle: Obstacle) -> Floats:

@@ -21,7 +21,14 @@ def in_processes(
     Every process keeps to a core of its own, where the system lets it. An interrupt is left to the process that
     gathers.
     """
-    yield from map(work, items) if alone else _pool().map(work, items, chunksize=chunk)
+    if alone:
+        yield from map(work, items)
+        return
+    try:
+        yield from _pool().map(work, items, chunksize=chunk)
+    except (KeyboardInterrupt, GeneratorExit):
+        _stop()
+        raise
 
 
 @cache
@@ -33,6 +40,20 @@ def _pool() -> ProcessPoolExecutor:
     for core in cores:
         waiting.put(core)
     return ProcessPoolExecutor(len(cores), spawn, _begin, (waiting,))
+
+
+def _stop() -> None:
+    """Let the processes finish what they are at, and end.
+
+    A second interrupt is not heard meanwhile: it would leave processes behind that wait for work for ever.
+    """
+    pool = _pool()
+    _pool.cache_clear()
+    heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        pool.shutdown(cancel_futures=True)
+    finally:
+        signal.signal(signal.SIGINT, heard)
 
 
 def _cores() -> list[int]:

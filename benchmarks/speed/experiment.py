@@ -7,7 +7,19 @@ from importlib import import_module
 from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.plan import Plan
 
-SECTIONS = ("cold", "reachable", "growth", "paper", "poses", "rivals", "honesty", "fields", "startup", "endurance")
+SECTIONS = (
+    "cold",
+    "reachable",
+    "growth",
+    "paper",
+    "poses",
+    "rivals",
+    "honesty",
+    "budgets",
+    "fields",
+    "startup",
+    "endurance",
+)
 """What is measured, in order: files of this folder, each with `measure(plan)`."""
 
 

@@ -19,16 +19,21 @@ if TYPE_CHECKING:
     from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath
     from sinuous.methods.slinki.options import Slinki as Slinki
+    from sinuous.motion.job import Job as Job
+    from sinuous.motion.job import load as load
     from sinuous.motion.track import Track as Track
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
     from sinuous.poses import pose as pose
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
+    from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
     from sinuous.problem.target import Target as Target
     from sinuous.problem.tolerance import Tolerance as Tolerance
+    from sinuous.robot.actuation import Actuator as Actuator
     from sinuous.robot.actuators import Chambers as Chambers
     from sinuous.robot.actuators import Tendons as Tendons
+    from sinuous.robot.coupled import Actuators as Actuators
     from sinuous.robot.parameters import arc_parameters as arc_parameters
     from sinuous.robot.parameters import from_arc_parameters as from_arc_parameters
     from sinuous.robot.robot import Robot as Robot
@@ -43,14 +48,19 @@ if TYPE_CHECKING:
     from sinuous.scene.obstacles import HalfSpace as HalfSpace
     from sinuous.scene.obstacles import Sphere as Sphere
     from sinuous.scene.scene import Scene as Scene
+    from sinuous.solution.checking import check as check
+    from sinuous.solution.explanation import Explanation as Explanation
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.status import Status as Status
+    from sinuous.solution.verification import Verification as Verification
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
 
 _HOMES = {
+    "robot.actuation": ("Actuator",),
     "robot.actuators": ("Chambers", "Tendons"),
+    "robot.coupled": ("Actuators",),
     "errors": ("InputError", "NotSolvedError"),
     "methods.dls.options": ("Dls",),
     "methods.fabrik_avoid.options": ("FabrikAvoid",),
@@ -64,6 +74,7 @@ _HOMES = {
     "poses": ("pose",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
+    "problem.suspicions": ("SuspiciousInput",),
     "problem.tolerance": ("Tolerance",),
     "robot.parameters": ("arc_parameters", "from_arc_parameters"),
     "robot.robot": ("Robot",),
@@ -74,10 +85,14 @@ _HOMES = {
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
     "scene.clouds.point_cloud": ("PointCloud",),
     "scene.scene": ("Scene",),
+    "solution.explanation": ("Explanation",),
+    "solution.checking": ("check",),
     "solution.solution": ("Solution",),
     "solution.status": ("Status",),
+    "solution.verification": ("Verification",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
+    "motion.job": ("Job", "load"),
     "motion.track": ("Track", "track"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

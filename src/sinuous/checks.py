@@ -2,7 +2,7 @@
 
 import math
 import numbers
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
 from typing import Any
@@ -16,6 +16,9 @@ Floats = NDArray[np.float64]
 
 LARGEST = 1e100
 """Largest coordinate of a point: squares and cubes of it are numbers still."""
+
+UNIT_SLACK = 4e-15
+"""By how much the square of a unit vector differs from 1 at most, after rounding."""
 
 
 @contextmanager
@@ -131,13 +134,19 @@ def vector(key: str, value: Any) -> Floats:
 
 
 def direction(key: str, value: Any, size: int = 3) -> Floats:
-    """Check finite numbers, three by default, that are not all zero; return the unit vector."""
+    """Check finite numbers, three by default, that are not all zero; return the unit vector.
+
+    What is a unit vector already, up to rounding, is kept: it can be written down and read again.
+    """
     v = array(key, value, (size,))
-    largest = float(np.abs(v).max())
+    entries = v.tolist()
+    largest = max(map(abs, entries))
+    if 0.4 < largest < 1.1 and abs(_squares(entries) - 1.0) <= UNIT_SLACK:
+        return v
     if largest == 0.0:
         raise InputError(key, "", value, "a vector that is not zero")
     scaled = v / largest
-    result: Floats = scaled / math.sqrt(sum(x * x for x in scaled.tolist()))
+    result: Floats = scaled / math.sqrt(_squares(scaled.tolist()))
     result.flags.writeable = False
     return result
 
@@ -150,10 +159,20 @@ def directions(key: str, value: Any, size: int = 3) -> Floats:
         first = int(np.argmin(largest))
         raise InputError(f"{key}[{first}]", "", v[first].tolist(), "a vector that is not zero")
     scaled = v / largest
-    squares: Floats = sum(x * x for x in scaled.T)
-    result: Floats = scaled / np.sqrt(squares)[:, None]
+    result: Floats = scaled / np.sqrt(_squares(scaled.T))[:, None]
+    close = (largest[:, 0] > 0.4) & (largest[:, 0] < 1.1)
+    close[close] = np.abs(_squares(v[close].T) - 1.0) <= UNIT_SLACK
+    result[close] = v[close]
     result.flags.writeable = False
     return result
+
+
+def _squares(parts: Iterable[Any]) -> Any:
+    """Sum of squares of numbers, or of arrays, from the first to the last; `sum` would round numbers otherwise."""
+    total = 0.0
+    for part in parts:
+        total = total + part * part
+    return total
 
 
 def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, float]:
@@ -199,4 +218,11 @@ def text(key: str, value: Any) -> str:
     """Check a piece of text that is not empty."""
     if not isinstance(value, str) or not value:
         raise InputError(key, "", value, "a text")
+    return value
+
+
+def choice(key: str, value: Any, words: Sequence[str]) -> str:
+    """Check that a value is one of some words."""
+    if not isinstance(value, str) or value not in words:
+        raise InputError(key, "", value, " or ".join(words))
     return value

@@ -19,6 +19,9 @@ class Frozen:
     _tables: ClassVar[frozenset[str]] = frozenset()
     """Names of the attributes that kernels read."""
 
+    _arguments: ClassVar[Mapping[str, str]] = {}
+    """Arguments of the constructor that are kept as an attribute of another name."""
+
     def __setattr__(self, name: str, value: Any) -> None:
         raise FrozenInstanceError(f"cannot set {name!r}: {type(self).__name__} is frozen")
 
@@ -29,6 +32,14 @@ class Frozen:
         """Set attributes while the object is made."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
+
+    def equals(self, other: object) -> bool:
+        """Whether `other` is of the same type and says the same, to the last digit. `==` asks for the same object."""
+        return type(self) is type(other) and same(self._content(), other._content())
+
+    def _content(self) -> Mapping[str, Any]:
+        """What is compared: by default all attributes that users see."""
+        return {name: value for name, value in vars(self).items() if not name.startswith("_")}
 
     def __copy__(self) -> Self:
         return self
@@ -51,3 +62,16 @@ class Frozen:
         elif not value.flags.writeable:  # unpickled into memory of somebody else
             return value.copy()
         return value
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values say the same: nouns, arrays, mappings, lists and whatever compares by itself."""
+    if isinstance(a, Frozen):
+        return a.equals(b)
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.array_equal(a, b)
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+    if isinstance(a, tuple | list) and isinstance(b, tuple | list):
+        return len(a) == len(b) and all(map(same, a, b))
+    return bool(a == b)

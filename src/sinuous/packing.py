@@ -52,24 +52,19 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
     return [float(first), float(last), *weights, *limits]
 
 
-def segment_table(segments: Sequence["Segment"], radii: Sequence[float]) -> Floats:
-    """Return the rows (n, 7) of segments, with these radii of their bodies; read-only."""
+def segment_table(segments: Sequence["Segment"], curvatures: Sequence[float]) -> Floats:
+    """Return the rows (n, 7) of segments, with these limits of their curvature; read-only."""
     rows = [
-        segment_row(segment.length, segment.max_bend, segment.max_curvature, radius)
-        for segment, radius in zip(segments, radii, strict=True)
+        segment_row(segment.length, segment.max_bend, curvature, segment.radius)
+        for segment, curvature in zip(segments, curvatures, strict=True)
     ]
     return _closed(np.array(rows))
 
 
-def actuator_table(segments: Sequence["Segment"]) -> Floats:
-    """Return the rows (p, 7) of all limits of actuators; read-only."""
-    rows = []
-    for k, segment in enumerate(segments):
-        if segment.tendons is not None and np.isfinite(segment.tendons.displacement).any():
-            rows += [actuator_row(0, k, (ax, ay, 0.0), segment.tendons.displacement) for ax, ay in segment.tendons.arms]
-        if segment.chambers is not None and np.isfinite(segment.chambers.length).any():
-            rows += [actuator_row(k, k, (-ax, -ay, 1.0), segment.chambers.length) for ax, ay in segment.chambers.arms]
-    return _closed(np.array(rows, np.float64).reshape(-1, t.ACTUATOR_WIDTH))
+def actuator_table(rows: Sequence[Sequence[float]]) -> Floats:
+    """Return the rows (p, 7) of all limits of actuators, in the order of their last segment; read-only."""
+    ordered = sorted(rows, key=lambda row: row[t.LAST_SEGMENT])
+    return _closed(np.array(ordered, np.float64).reshape(-1, t.ACTUATOR_WIDTH))
 
 
 def _closed(table: Floats) -> Floats:
@@ -84,7 +79,7 @@ def pose_row(matrix: Floats) -> Floats:
 
 def robot_group(robot: "Robot") -> Floats:
     """Return the group of a robot."""
-    header = [float(len(robot.limits)), float(len(robot.actuation))]
+    header = [float(len(robot.limits)), float(len(robot.actuation)), float(robot.avoids_itself)]
     parts = (header, robot.limits, robot.actuation, pose_row(robot.base), pose_row(robot.tool))
     return np.concatenate([np.ravel(part) for part in parts])
 
@@ -174,10 +169,10 @@ def settings_group(
 
 
 def plan_search(
-    query: Floats, *, cell: float, clearance: float, room: float, slots: int, exact: bool, prove: bool
+    query: Floats, *, cell: float, clearance: float, room: float, most_cells: int, exact: bool, prove: bool
 ) -> Floats:
     """Return the query (27,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
     planned = query.copy()
     planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_ROOM] = cell, clearance, room
-    planned[t.QUERY_SLOTS], planned[t.QUERY_EXACT], planned[t.QUERY_PROVE] = slots, exact, prove
+    planned[t.QUERY_MOST_CELLS], planned[t.QUERY_EXACT], planned[t.QUERY_PROVE] = most_cells, exact, prove
     return planned

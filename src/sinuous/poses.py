@@ -13,8 +13,14 @@ ROTATION_SLACK = 1e-6
 """How far, in any entry, a matrix may be from a rotation (numbers in files are rounded); it is then made exact."""
 
 
+EXACT = 1e-14
+"""A matrix as near to a rotation as this is one up to rounding, and is kept, so that it can be written and read."""
+
+
 def rotation_matrix(key: str, value: Any) -> Floats:
-    """Read a rotation, 3x3 or a quaternion wxyz of any length but zero; return an exact 3x3 rotation."""
+    """Read a rotation: 3x3, a quaternion wxyz of any length but zero, or a `Rotation` of SciPy; return exact 3x3."""
+    if callable(getattr(value, "as_matrix", None)):  # without importing SciPy to ask
+        value = value.as_matrix()
     try:
         shape = np.shape(value)
     except ValueError:
@@ -29,8 +35,32 @@ def rotation_matrix(key: str, value: Any) -> Floats:
     return result
 
 
+def any_rotation(rotation: Any, xyzw: Any) -> Floats | None:
+    """Read a rotation from the arguments of these names, of which at most one is given; `None` without any."""
+    if xyzw is None:
+        return None if rotation is None else rotation_matrix("rotation", rotation)
+    _refuse_both(rotation, xyzw)
+    x, y, z, w = checks.direction("xyzw", xyzw, 4).tolist()
+    return rotation_matrix("xyzw", (w, x, y, z))
+
+
+def any_rotations(rotation: Any, xyzw: Any) -> Floats | None:
+    """Read many rotations (m, 3, 3) as `any_rotation` reads one."""
+    if xyzw is None:
+        return None if rotation is None else rotation_matrices("rotation", rotation)
+    _refuse_both(rotation, xyzw)
+    return rotation_matrices("xyzw", np.roll(checks.directions("xyzw", xyzw, 4), 1, axis=1))
+
+
+def _refuse_both(rotation: Any, xyzw: Any) -> None:
+    if rotation is not None:
+        raise InputError("xyzw", "stands beside rotation", xyzw, "one of rotation, xyzw")
+
+
 def rotation_matrices(key: str, value: Any) -> Floats:
-    """Read rotations (m, 3, 3) or quaternions (m, 4) as `rotation_matrix` reads one; return exact ones (m, 3, 3)."""
+    """Read rotations (m, 3, 3), quaternions (m, 4) or a `Rotation` of SciPy as `rotation_matrix` reads one."""
+    if callable(getattr(value, "as_matrix", None)):
+        value = value.as_matrix()
     try:
         axes = np.ndim(value)
     except ValueError:
@@ -60,6 +90,8 @@ def _nearest_rotation(key: str, matrix: Floats) -> Floats:
     close = np.abs(matrix).max() < 2.0 and np.abs(matrix @ matrix.T - np.eye(3)).max() <= ROTATION_SLACK
     if not close or np.linalg.det(matrix) < 0.0:
         raise InputError(key, "", matrix.tolist(), "a rotation: orthonormal rows and determinant 1")
+    if np.abs(matrix @ matrix.T - np.eye(3)).max() <= EXACT:
+        return matrix.copy()
     u, _, vt = np.linalg.svd(matrix)
     result: Floats = u @ vt
     return result
@@ -76,7 +108,9 @@ def least_rotation(direction: Floats) -> Floats:
     return np.array([[1.0 - c * x * x, -c * x * y, x], [-c * x * y, 1.0 - c * y * y, y], [-x, -y, z]])
 
 
-def pose(position: Any = None, *, direction: Any = None, rotation: Any = None, matrix: Any = None) -> Floats:
+def pose(
+    position: Any = None, *, direction: Any = None, rotation: Any = None, xyzw: Any = None, matrix: Any = None
+) -> Floats:
     """Make a pose, a 4x4 matrix.
 
     Parameters
@@ -85,8 +119,10 @@ def pose(position: Any = None, *, direction: Any = None, rotation: Any = None, m
         Where, in the world; default the origin.
     direction : array_like (3,), optional
         Where its z axis points; x and y follow by the least rotation from +z (for -z: half a turn about x).
-    rotation : array_like (3, 3) or (4,), optional
+    rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
         Rotation matrix, or quaternion wxyz.
+    xyzw : array_like (4,), optional
+        Quaternion in the order of SciPy and ROS, instead of `rotation`.
     matrix : array_like (4, 4), optional
         The whole pose; nothing else may be given then.
 
@@ -97,11 +133,13 @@ def pose(position: Any = None, *, direction: Any = None, rotation: Any = None, m
     """
     given = [
         name
-        for name, value in (("direction", direction), ("rotation", rotation), ("matrix", matrix))
+        for name, value in (("direction", direction), ("rotation", rotation), ("xyzw", xyzw), ("matrix", matrix))
         if value is not None
     ]
     if len(given) > 1:
-        raise InputError(given[1], "stands beside another orientation", given, "one of direction, rotation, matrix")
+        raise InputError(
+            given[1], "stands beside another orientation", given, "one of direction, rotation, xyzw, matrix"
+        )
     result = np.eye(4)
     if matrix is not None:
         if position is not None:
@@ -113,8 +151,9 @@ def pose(position: Any = None, *, direction: Any = None, rotation: Any = None, m
         position = whole[:3, 3]
     elif direction is not None:
         result[:3, :3] = least_rotation(checks.direction("direction", direction))
-    elif rotation is not None:
-        result[:3, :3] = rotation_matrix("rotation", rotation)
+    else:
+        turned = any_rotation(rotation, xyzw)
+        result[:3, :3] = np.eye(3) if turned is None else turned
     if position is not None:
         result[:3, 3] = checks.vector("position", position)
     result.flags.writeable = False

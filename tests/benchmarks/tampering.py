@@ -9,4 +9,5 @@ def moved(solution: Solution, where: tuple[Any, int], by: float) -> Solution:
     """Return a copy of a solution that claims the same, with other entries of its configuration."""
     q = solution.q.copy()
     q[where] += by
-    return Solution(solution.problem, solution._outcome._replace(q=q), solution.seconds, solution.method, solution.seed)
+    claimed = solution._outcome._replace(q=q)
+    return Solution(solution.problem, claimed, solution.seconds, solution._again, solution._given)

@@ -73,24 +73,27 @@ def test_help_says_what_each_name_measures(capsys: pytest.CaptureFixture[str]) -
 def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
     made = Chosen(name, seed=5).experiment()
     assert (made.name, made.plan.seed) == (name, 5)
-    assert made.divisible is (name in OF_LINES)
+    assert made.divisible is (name in (*OF_LINES, "worlds"))
 
 
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["nothing"], "NAME: expected one of speed, clutter, table1, tracking, segments, methods, got 'nothing'\n"),
+        (
+            ["nothing"],
+            "NAME: expected one of speed, clutter, wild, worlds, table1, tracking, segments, methods, got 'nothing'\n",
+        ),
         (["speed", "--method", "dls"], "--method: expected nothing with speed, got ['dls'] (is for table1, tracking, "),
         (["clutter", "--method", "dls"], "--method: expected nothing with clutter, got ['dls'] (is for table1, "),
         (["table1", "--family", "p3"], "--family: expected nothing with table1, got ['p3'] (is for clutter)"),
-        (["table1", "--rounds", "2"], "--rounds: expected nothing with table1, got 2 (is for speed, clutter)"),
+        (["table1", "--rounds", "2"], "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild)"),
         (
             ["table1", "--against", "a.json"],
-            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter)",
+            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter, wild)",
         ),
         (
             ["table1", "--save-baseline", "a.json"],
-            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter)",
+            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter, wild)",
         ),
         (["speed", "--rounds", "0"], "--rounds"),
         (
@@ -123,6 +126,15 @@ def test_a_folder_that_is_a_file_is_refused(capsys: pytest.CaptureFixture[str], 
     (tmp_path / "speed.json").touch()
     assert main(["speed", "--out", str(tmp_path / "speed.json")]) == 2
     assert capsys.readouterr().err.startswith("--out: expected a folder, got '")
+
+
+def test_problems_to_look_at_are_for_wild_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["speed", "--only", "3.1"]) == 2
+    assert capsys.readouterr().err.startswith("--only: expected nothing with speed, got ['3.1'] (is for wild)")
+    assert main(["wild", "--only", "3.1", "--seed", "0"]) == 0
+    assert "3.1: " in capsys.readouterr().out
+    assert main(["wild", "--only", "three"]) == 2
+    assert "--only: expected WORLD.PROBLEM" in capsys.readouterr().err
 
 
 def test_an_interrupt_before_anything_was_measured_is_said(

@@ -22,8 +22,11 @@ KEYS = [
     "position_error",
     "angle_error",
     "clearance",
+    "self_clearance",
+    "actuators",
     "worst",
     "reason",
+    "binding",
     "iterations",
     "starts",
     "start",
@@ -59,7 +62,7 @@ def test_json_is_one_object_a_line_in_the_order_of_the_files(
     assert near["angle_error"] is None
     assert near["seed"] == 7
     assert far["clearance"] is None
-    assert set(far["worst"]) == {"constraint", "segment", "obstacle", "amount"}
+    assert set(far["worst"]) == {"constraint", "segment", "obstacle", "amount", "other_segment"}
     assert free["clearance"] is None
     assert len(free["q"]) == 3
 
@@ -187,6 +190,11 @@ def test_how_many_must_be_some(capsys: pytest.CaptureFixture[str], problem: Writ
     assert capsys.readouterr().err.startswith("--all: expected a whole number from 1 to 10000, got")
 
 
+def test_distinct_solutions_are_not_explained(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    assert main(["solve", problem("easy.yaml"), "--all", "3", "--why"]) == 2
+    assert capsys.readouterr().err == "--all: expected one of --all, --why, got 3 (stands beside --why)\n"
+
+
 def test_of_distinct_solutions_the_best_is_drawn(problem: Write, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     assert main(["solve", problem("easy.yaml"), "--all", "2", "--plot", str(tmp_path / "best.png")]) == 0
@@ -217,3 +225,48 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
     events.clear()
     assert work.solve_files([problem("scene.yaml")], Options(json=True)) == 0
     assert events == ["write"]  # one alone compiles what it turns out to need
+
+
+def test_why_says_what_would_help(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    file = problem("far.yaml")
+    assert main(["solve", file, "--why"]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[:5] == [
+        f"{file}: out_of_reach: proved: no configuration within the limits gets there",
+        "  because    the target is 5.4 farther from the base than the robot is long "
+        "(9 away, the robot at most 3.6 long)",
+        "  best found 5.4 from the position",
+        "  held by    greatest length of all segments: at its limit of 1.2",
+        lines[4],
+    ]
+    assert lines[4].startswith("  would help length of all segments: [0.8, 1.2] -> [0.8, 3")
+    assert lines[5].startswith("             target position: [0, 0, 9] -> [")
+    assert len(lines) == 6
+
+
+def test_remedies_are_in_the_result_only_when_asked_for(
+    capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path
+) -> None:
+    files = [problem("far.yaml"), problem("easy.yaml")]
+    assert main(["solve", *files, "--why", "--json", "--out", str(tmp_path / "out.jsonl")]) == 1
+    out = capsys.readouterr().out
+    assert (tmp_path / "out.jsonl").read_text() == out
+    far, easy = map(strict, out.splitlines())
+    at = KEYS.index("binding") + 1
+    assert list(far) == list(easy) == [*KEYS[:at], "remedies", *KEYS[at:]]
+    assert [remedy["change"] for remedy in far["remedies"]] == ["length of all segments", "target position"]
+    assert (easy["remedies"], easy["binding"]) == ([], [])
+    assert set(far["binding"][0]) >= {"constraint", "segment", "obstacle", "value", "limit"}
+
+
+def test_an_interrupt_of_the_explanation_leaves_the_answer(
+    capsys: pytest.CaptureFixture[str], problem: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from sinuous.solution.solution import Solution
+
+    def interrupted(self: Any, time: float = 2.0) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Solution, "explain", interrupted)
+    assert main(["solve", problem("far.yaml"), "--why", "--json"]) == 130
+    assert strict(capsys.readouterr().out)["status"] == "out_of_reach"

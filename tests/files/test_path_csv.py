@@ -25,6 +25,11 @@ def test_rows_read_together_are_those_read_one_by_one(header: tuple[str, ...]) -
         np.testing.assert_array_equal(target.table, single.table)
 
 
+def test_the_columns_name_the_order() -> None:
+    (target,) = parse_path("x,y,z,qx,qy,qz,qw\n1,2,3,2,0,0,0\n")
+    np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
+
+
 @pytest.mark.parametrize(
     ("text", "key", "problem"),
     [

@@ -234,12 +234,26 @@ BAD = {
     "robot: {segments: {length: 1}, base: {direction: [0, 0, 0]}}": "robot.base.direction: "
     "expected a vector that is not zero, got [0, 0, 0]",
     "robot: {segments: {length: 1}, base: {direction: [0, 0, 1], rotation: [1, 0, 0, 0]}}": "robot.base.rotation: "
-    "expected one of direction, rotation, matrix ... (stands beside another orientation)",
+    "expected one of direction, rotation, xyzw, matrix ... (stands beside another orientation)",
     "robot: {segments: {length: 1}, tool: {rotation: [[1, 0, 0], [0, 2, 0], [0, 0, 1]]}}": "robot.tool.rotation: "
     "expected a rotation: orthonormal rows and determinant 1 ... [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]",
     "robot: {segments: {length: 1}, base: {matrix: [[1]]}}": "robot.base.matrix: "
     "expected 4 rows of 4 finite numbers, got [[1]] (shape (1, 1))",
-    "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, got 3",
+    "robot: {segments: {count: 2, length: 1, name: a}}": "robot.segments[1].name: "
+    "expected a name of its own, got 'a' (is that of segments[0].name already)",
+    "robot: {segments: {length: 1}, actuators: {matrix: [[1, 2]]}}": "robot.actuators.matrix: "
+    "expected shape (1, 3), for 1 segments, got (1, 2)",
+    "robot: {segments: {length: 1}, actuators: {matrix: [[0, 0, 0]]}}": "robot.actuators.matrix[0]: "
+    "expected a row that is not zero ... ",
+    "robot: {segments: {length: [1, 2]}, actuators: {matrix: [[1, 0, 2]], limits: [0, 3]}}": "robot.actuators"
+    ".limits[0]: expected limits that contain [2, 4], got (0.0, 3.0) (excludes straight robots)",
+    "robot: {segments: {length: 1}, actuators: [[1, 0, 0]]}": "robot.actuators: "
+    "expected a mapping with matrix, names, limits, got [[1, 0, 0]]",
+    "robot: {segments: {length: 1}, actuators: {rows: 1}}": "robot.actuators.rows: expected one of matrix ... ",
+    "robot: {segments: {length: 1, tendons: {count: 2, radius: 1, names: [a]}}}": "robot.segments.tendons.names: "
+    "expected a list of 2 names, got ['a']",
+    "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, self_collision, actuators, name, "
+    "got 3",
     ROBOT + "scene: {}": "scene: expected a list of obstacles, got {}",
     ROBOT + "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space ... 'ball'",
     ROBOT + "scene: [{spere: {}}]": "scene[0].spere: expected perhaps sphere ... (unknown key)",
@@ -280,8 +294,8 @@ BAD = {
     "expected one of target, targets, path, got {'position': [0, 0, 3]} (stands beside path)",
     ROBOT
     + "target: {}": "target.position: expected position, direction or rotation ... (nothing is asked of the target)",
-    ROBOT
-    + "target: [0, 0, 1]": "target: expected a mapping with position, direction, rotation, segment, got [0, 0, 1]",
+    ROBOT + "target: [0, 0, 1]": "target: "
+    "expected a mapping with position, direction, rotation, segment, xyzw, got [0, 0, 1]",
     ROBOT + "target: {position: [0, 0, a]}": "target.position: expected 3 finite numbers, got [0, 0, 'a']",
     ROBOT + "target: {position: [0, 0, 1], segment: 3}": "target.segment: expected a whole number from 1 to 2, got 3",
     ROBOT + "target: {direction: [1, 0, 0], rotation: [1, 0, 0, 0]}": "target.direction: "

@@ -63,6 +63,47 @@ def test_line_ends_of_windows_are_fine() -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("a: &x 1\nb: *x", {"a": 1, "b": 1}),
+        ("a: &x {b: [1]}\nc: [*x, *x]", {"a": {"b": [1]}, "c": [{"b": [1]}] * 2}),
+        ("a: &x [&y 1, *y]\nb: [*x, *y]", {"a": [1, 1], "b": [[1, 1], 1]}),
+        ("a: &x 1\nb: &x 2\nc: *x", {"a": 1, "b": 2, "c": 2}),
+        ("a: &x\nb: *x", {"a": None, "b": None}),
+    ],
+)
+def test_an_alias_stands_for_the_value_of_its_anchor(text: str, value: Any) -> None:
+    assert parse_yaml(text) == value
+
+
+def test_what_writers_of_yaml_make_of_repeated_values_is_read() -> None:
+    row = [1.5, 2.5]
+    values = {"a": [row, row], "b": {"c": row}}
+    text = yaml.safe_dump(values)
+    assert "*" in text
+    assert parse_yaml(text) == values
+
+
+def bomb(levels: int) -> str:
+    """Each level stands for ten of the one before."""
+    rows = [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, levels)]
+    return "\n".join(["a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]", *rows])
+
+
+def test_aliases_that_multiply_are_refused_in_a_line_and_at_once() -> None:
+    assert len(parse_yaml(bomb(4))["a3"]) == 10
+    for levels in (6, 9, 60):
+        with pytest.raises(
+            InputError, match=r"^line 5: expected at most 100000 repeated values, .* multiply\)$"
+        ) as found:
+            parse_yaml(bomb(levels))
+        assert "\n" not in str(found.value)
+    many = "a: &a [" + "1, " * 999 + "1]\nb: [" + "*a, " * 99 + "*a]"
+    with pytest.raises(InputError, match=r"line 2: .* repeated"):
+        parse_yaml(many)
+
+
+@pytest.mark.parametrize(
     ("text", "key", "problem"),
     [
         ("a: .nan", "a", "expected a finite number"),
@@ -71,8 +112,11 @@ def test_line_ends_of_windows_are_fine() -> None:
         ("a: " + "9" * 5000, "a", "expected a finite number"),
         ("a: 1\na: 1", "a", "stands twice"),
         ("a: {b: 1, b: 2}", "a.b", "stands twice"),
-        ("a: &x 1", "line 1", "anchor"),
-        ("a: 1\nb: *x", "line 2", "alias"),
+        ("a: 1\nb: *x", "line 2", "alias of an anchor above it"),
+        ("a: &x [1, *x]", "line 1", "part of"),
+        ("a: *x\nb: &x 1", "line 1", "above"),
+        ("a: 1\n*x : 2", "line 2", "no name"),
+        ("a: &x !!str 1", "line 1", "tag"),
         ("a: !!python/object/apply:os.system [ls]", "line 1", "tag"),
         ("a: 1\n---\nb: 2", "line 2", "another document"),
         ("a: 1\nb: [1, 2", "line ", ""),

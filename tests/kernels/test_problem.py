@@ -24,7 +24,8 @@ from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
 from tests.kernels.workspace import same
 
-FIELDS = ("mount", "unit", "margin", "position_tolerance", "angle_tolerance", "look_depth", "step_depth")
+LENGTHS = ("mount", "unit", "margin")
+FIELDS = (*LENGTHS, "position_tolerance", "angle_tolerance", "look_depth", "step_depth", "avoids_itself")
 
 
 @entry
@@ -48,7 +49,7 @@ def take_apart(
     same(problem.targets, rows)
     numbers[0], numbers[1], numbers[2] = problem.mount, problem.unit, problem.margin
     numbers[3], numbers[4] = problem.position_tolerance, problem.angle_tolerance
-    numbers[5], numbers[6] = problem.look_depth, problem.step_depth
+    numbers[5], numbers[6], numbers[7] = problem.look_depth, problem.step_depth, float(problem.avoids_itself)
 
 
 def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[tuple[Floats, ...], dict[str, float]]:
@@ -96,9 +97,9 @@ obstacles = st.one_of(
 def test_a_robot_is_read_back(robot: Robot) -> None:
     parts, numbers = read(robot, Scene(), [Target((0, 0, 1))], packing.settings_group(robot, Tolerance(1e-3)))
     own, actuation, base, tool = parts[:4]
-    for row, segment in zip(own, robot.segments, strict=True):
+    for row, segment, curvature in zip(own, robot.segments, robot.curvatures, strict=True):
         assert (row[t.MIN_LENGTH], row[t.MAX_LENGTH]) == segment.length
-        assert row[t.MAX_CURVATURE] == segment.max_curvature
+        assert row[t.MAX_CURVATURE] == curvature
         assert row[t.RADIUS] == segment.radius
         moves = segment.max_bend > 0.0
         assert row[t.MAX_BEND] == (segment.max_bend if moves else 0.0)
@@ -121,12 +122,8 @@ def test_limits_of_actuators_say_what_their_lines_do(robot: Robot, seed: int) ->
     for row in robot.actuation:
         first, last = int(row[t.FIRST_SEGMENT]), int(row[t.LAST_SEGMENT])
         seen.append(q[first : last + 1].sum(axis=0) @ row[t.WEIGHTS : t.WEIGHTS + 3])
-    lines = []
-    for segment, pulled, filled in zip(
-        robot.segments, robot.tendon_displacements(q), robot.chamber_lengths(q), strict=True
-    ):
-        lines += [*(pulled if segment.tendons else []), *(filled if segment.chambers else [])]
-    np.testing.assert_allclose(seen, lines, atol=1e-12)
+    limited = np.array([math.isfinite(sum(map(abs, each.limits))) for each in robot.actuators], bool)
+    np.testing.assert_allclose(seen, robot.to_actuators(q)[limited], atol=1e-12)
     assert list(robot.actuation[:, t.LAST_SEGMENT]) == sorted(robot.actuation[:, t.LAST_SEGMENT])
 
 
@@ -204,6 +201,7 @@ def test_settings_are_read_back(robot: Robot, values: tuple[float, ...], options
         "angle_tolerance": turn,
         "look_depth": packing.LOOK_DEPTH,
         "step_depth": packing.STEP_DEPTH,
+        "avoids_itself": float(robot.avoids_itself),
     }
     assert settings[t.MAX_ITERATIONS] == packing.ITERATIONS
     assert tuple(settings[[t.INITIAL_WEIGHT, t.BENDS_WEIGHT, t.WISHED_CLEARANCE]]) == (initial, bends, clearance)

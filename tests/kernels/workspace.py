@@ -1,15 +1,21 @@
 """Workspace of a solve as the kernels lay it out, of arrays that Python can see."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import Rows
+from sinuous.kernels.body.self_contacts import MOST_PAIRS
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import put_frame
+from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.states import STATES, State, Work
+from sinuous.kernels.step.states import NORMS, STATES, State, Work
 from tests.helpers import Floats, mat, vec
+
+NEVER = 2**62
 
 
 @kernel
@@ -30,10 +36,11 @@ def make_states(problem: Problem) -> State:
         np.zeros((c, capacity, 3)),
         np.zeros((c, capacity, 3)),
         np.zeros((c, capacity)),
-        np.zeros((c, capacity, 12)),
+        np.zeros((c, capacity, 13)),
         np.zeros((c, capacity)),
     )
-    states = State(np.zeros((c, n, 3)), np.zeros((c, n + 1, 12)), np.zeros((c, n, 18)), rows, np.zeros((c, 5)))
+    shapes = np.zeros((c, n, 3)), np.zeros((c, n + 1, 12)), np.zeros((c, n, 18))
+    states = State(*shapes, rows, np.zeros((c, NORMS + MOST_PAIRS * (1 + 3 * n))))
     base = problem.base[0]
     for i in range(c):
         put_frame(states.frames[i], 0, mat(base[:9].reshape(3, 3)), vec(base[9:]))
@@ -46,11 +53,19 @@ def state_of(states: State, i: int) -> State:
     return State(states.q[i], states.frames[i], states.columns[i], rows, states.norms[i])
 
 
-def make_work(problem: Problem) -> Work:
+def make_clock(deadline: int = NEVER) -> NDArray[np.int64]:
+    """A clock with this deadline, in nanoseconds: 0 is long past."""
+    clock = np.zeros(CLOCK_SIZE, np.int64)
+    clock[DEADLINE] = deadline
+    return clock
+
+
+def make_work(problem: Problem, deadline: int = NEVER) -> Work:
     """Scratch of a solve."""
     n, m = len(problem.limits), len(problem.scene.table)
     own = np.zeros((n, 9)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
-    return Work(*own, np.zeros(n, np.int64), np.zeros(m, np.int64), np.zeros(2, np.int64))
+    rest = SPAN_WIDTH * (n + 1) + 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
+    return Work(*own, np.zeros(n, np.int64), np.zeros(m, np.int64), make_clock(deadline), np.zeros(rest))
 
 
 def put(states: State, i: int, q: Floats) -> State:

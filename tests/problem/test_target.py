@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numba import typeof
+from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
 from sinuous.problem.target import Target, target_list, target_table
@@ -80,6 +81,9 @@ def test_lists_of_targets() -> None:
 
 
 ROWS = np.random.default_rng(5).normal(size=(200, 10)) * 10.0 ** np.random.default_rng(6).integers(-9, 9, (200, 1))
+ROTATIONS = Rotation.random(20, rng=7)
+UNITS = np.concatenate([ROTATIONS.as_matrix()[:, 0], np.eye(3), ROWS[:20, 3:6]])
+"""Unit vectors, up to rounding, which are kept; and others."""
 
 
 @pytest.mark.parametrize(
@@ -90,9 +94,13 @@ ROWS = np.random.default_rng(5).normal(size=(200, 10)) * 10.0 ** np.random.defau
         {"position": ROWS[:, :3], "direction": ROWS[:, 3:6]},
         {"position": ROWS[:, :3], "rotation": ROWS[:, 6:]},
         {"rotation": ROWS[:, 6:].tolist()},
+        {"position": ROWS[:, :3], "xyzw": ROWS[:, 6:]},
+        {"direction": UNITS},
+        {"xyzw": ROTATIONS.as_quat()},
+        {"rotation": ROTATIONS},
         {"rotation": np.stack([random_rotation(np.random.default_rng(i)) for i in range(3)])},
     ],
-    ids=lambda columns: "+".join(columns) + str(np.ndim(columns.get("rotation", 0))),
+    ids=lambda columns: "+".join(columns) + type(next(iter(columns.values()))).__name__,
 )
 def test_many_targets_are_those_made_one_by_one(columns: dict[str, Any]) -> None:
     """To the last bit, and as frozen; kernels get tables that they may be called with."""
@@ -116,7 +124,9 @@ def test_many_targets_are_those_made_one_by_one(columns: dict[str, Any]) -> None
 def test_wrong_rows_of_many_targets_are_refused() -> None:
     good = np.ones((3, 3))
     refused("position", Target.each, "position, direction or rotation")
-    refused("direction", lambda: Target.each(good, direction=good, rotation=good), "rotation")
+    refused("direction", lambda: Target.each(good, direction=good, rotation=np.ones((3, 4))), "rotation")
+    refused("xyzw", lambda: Target.each(rotation=np.ones((3, 4)), xyzw=np.ones((3, 4))), "one of rotation, xyzw")
+    refused("xyzw", lambda: Target.each(good, xyzw=np.ones((2, 4))), "as many as there are positions")
     refused("direction", lambda: Target.each(good, direction=good[:2]), "as many as there are positions")
     refused("direction[1]", lambda: Target.each(direction=[[1, 0, 0], [0, 0, 0]]), "not zero")
     refused("rotation[0]", lambda: Target.each(rotation=[np.diag([1, 1, -1])]))

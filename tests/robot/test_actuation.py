@@ -1,4 +1,4 @@
-"""Tendons and chambers: lengths of lines from a configuration, and back."""
+"""The values of tendons, chambers and other actuators, their names, and what bounds them."""
 
 import math
 from typing import Any
@@ -6,140 +6,116 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sinuous.robot.actuation import Actuator
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot
+from sinuous.robot.coupled import Actuators
+from sinuous.robot.robot import REPLACED, Robot
 from sinuous.robot.segment import Segment
-from tests.helpers import (
-    Floats,
-    refused,
+from tests.helpers import Floats, refused, refused_each
+
+MIXED = Robot(
+    [
+        Segment((0.0, 0.5), max_bend=0.0, name="stage"),
+        Segment(1.0, tendons=Tendons(3, 0.05, displacement=(-0.2, 0.3))),
+        Segment(0.1, max_bend=0.0),
+        Segment((0.8, 1.2), tendons=Tendons(2, 0.04, 0.3), chambers=Chambers(4, 0.1, 0.2, length=(0.7, 1.3))),
+        Segment(1.0, tendons=Tendons(angles=[0.1, 2.0], radius=0.03, names=["left", "right"]), name="wrist"),
+    ],
+    actuators=Actuators(
+        [[0, 0, 1] + [0] * 12, [0, 0, 0, 2, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0]],
+        names=["motor", "differential"],
+        limits=[(0.0, 1.0), None],
+    ),
+    name="arm",
 )
+NAMES = [*(f"s2.t{i}" for i in (1, 2, 3)), "s4.t1", "s4.t2", *(f"s4.c{i}" for i in (1, 2, 3, 4))]
+NAMES += ["left", "right", "motor", "differential"]
 
 
-def lines_robot(count: int, stretch: bool, kind: str) -> Robot:
-    length = (0.5, 1.5) if stretch else 1.0
-    return Robot(
-        [
-            Segment(
-                length,
-                tendons=Tendons(count, 0.05, 0.2 * k) if kind == "tendons" else None,
-                chambers=Chambers(count, 0.05, 0.2 * k) if kind == "chambers" else None,
-            )
-            for k in range(4)
-        ]
+def one_by_one(robot: Robot, q: Floats) -> list[float]:
+    """Values of all actuators of a configuration (n, 3), by the formulas of a single one."""
+    values = []
+    for k, segment in enumerate(robot.segments):
+        for lines in (segment.tendons, segment.chambers):
+            for angle in [] if lines is None else lines.angles:
+                toward = math.cos(angle), math.sin(angle)
+                seen = [np.dot(row[:2], toward) for row in (q[: k + 1] if lines is segment.tendons else q[k : k + 1])]
+                pulled = 0.0 if lines is None else lines.radius * sum(seen)
+                values.append(pulled if lines is segment.tendons else q[k, 2] - pulled)
+    return [*values, *([] if robot.linear is None else robot.linear.matrix @ q.ravel())]
+
+
+def test_who_the_actuators_are() -> None:
+    assert [each.name for each in MIXED.actuators] == NAMES
+    assert MIXED.segment_names == ("stage", "s2", "s3", "s4", "wrist")
+    assert MIXED.actuators[0] == Actuator("s2.t1", "tendon", 2, (-0.2, 0.3))
+    assert MIXED.actuators[5] == Actuator("s4.c1", "chamber", 4, (0.7, 1.3))
+    assert MIXED.actuators[11:] == (
+        Actuator("motor", "linear", 1, (0.0, 1.0)),
+        Actuator("differential", "linear", 4, (-math.inf, math.inf)),
     )
+    assert Robot.uniform(3, 1.0).actuators == ()
+    assert Robot.uniform(3, 1.0).to_actuators(np.zeros((5, 3, 3))).shape == (5, 0)
+    assert repr(MIXED) == "Robot('arm', 5 segments, total length 2.9 to 3.8)"
+    assert repr(MIXED.segments[0]) == "Segment('stage', length=(0, 0.5), max_bend=0, radius=0)"
 
 
-def sample(stretch: bool, *lead: int) -> Floats:
-    rng = np.random.default_rng(5)
-    q = rng.normal(size=(*lead, 4, 3))
-    q[..., 2] = rng.uniform(0.5, 1.5, q.shape[:-1]) if stretch else 1.0
-    return q
+@pytest.mark.parametrize("lead", [(), (4,), (2, 3)])
+def test_values_are_those_of_single_actuators(lead: tuple[int, ...]) -> None:
+    q = np.random.default_rng(0).normal(size=(*lead, 5, 3))
+    expected = np.array([one_by_one(MIXED, each) for each in q.reshape(-1, 5, 3)]).reshape(*lead, 13)
+    np.testing.assert_allclose(MIXED.to_actuators(q), expected, atol=1e-14)
+    one = q.reshape(-1, 5, 3)[-1]
+    np.testing.assert_allclose(MIXED.to_actuators(one), one_by_one(MIXED, one), atol=1e-14)
+    jacobian = MIXED.actuator_jacobian(q)
+    assert jacobian.shape == (*lead, 13, 15)
+    assert not jacobian.flags.writeable
+    np.testing.assert_allclose(jacobian @ q.reshape(*lead, 15, 1), expected[..., None], atol=1e-14)
 
 
-@pytest.mark.parametrize("count", [3, 4, 7])
-@pytest.mark.parametrize("stretch", [False, True])
-@pytest.mark.parametrize("lead", [(), (5,), (2, 3)])
-def test_there_and_back(count: int, stretch: bool, lead: tuple[int, ...]) -> None:
-    q = sample(stretch, *lead)
-    robot = lines_robot(count, stretch, "tendons")
-    lengths = robot.tendon_lengths(q)
-    assert [x.shape for x in lengths] == [(*lead, count)] * 4
-    np.testing.assert_allclose(robot.from_tendon_lengths(lengths), q, atol=1e-12)
-    pulled = robot.tendon_displacements(q)
-    np.testing.assert_allclose(robot.from_tendon_displacements(pulled, q[..., 2]), q, atol=1e-12)
-    if not stretch:
-        np.testing.assert_allclose(robot.from_tendon_displacements(pulled), q, atol=1e-12)
-    blown = lines_robot(count, stretch, "chambers")
-    np.testing.assert_allclose(blown.from_chamber_lengths(blown.chamber_lengths(q)), q, atol=1e-12)
+def test_a_value_beyond_its_limits_is_a_violation() -> None:
+    straight = np.array([(0.0, 0.0, 0.1), (0, 0, 1), (0, 0, 0.1), (0, 0, 1), (0, 0, 1)])
+    assert MIXED.violations(straight) == []
+    bent = straight + np.array([(0, 0, 0), (0, 0, 0), (0, 0, 0), (3.1, 0, 0), (0, 0, 0)])
+    found = [(kind, segment) for kind, segment, _ in MIXED.violations(bent)]
+    assert found == [("actuator", 4)] * 2
+    assert MIXED.excess(bent) == pytest.approx(0.7 - (1.0 - 0.1 * 3.1 * math.cos(0.2)))
+    far = straight + np.array([(0, 0, 1.4), (0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0)])
+    assert [(kind, segment) for kind, segment, _ in MIXED.violations(far)] == [("length", 1), ("actuator", 1)]
 
 
-def test_one_length_for_a_batch_of_displacements_and_the_other_way() -> None:
-    robot = lines_robot(3, True, "tendons")
-    q = sample(True, 6)
-    q[..., 2] = q[0, :, 2]
-    np.testing.assert_allclose(
-        robot.from_tendon_displacements(robot.tendon_displacements(q), q[0, :, 2]), q, atol=1e-12
-    )
-    one = sample(True)
-    many = np.tile(one, (5, 1, 1))
-    many[..., 2] = sample(True, 5)[..., 2]
-    np.testing.assert_allclose(
-        robot.from_tendon_displacements(robot.tendon_displacements(one), many[..., 2]), many, atol=1e-12
-    )
+def test_names_that_stand_twice_are_refused() -> None:
+    two = [Segment(1.0, name="a"), Segment(1.0)]
+    refused("segments[2].name", lambda: Robot([*two, Segment(1.0, name="a")]), "segments[0].name")
+    refused("segments[1].name", lambda: Robot([Segment(1.0, name="s2"), Segment(1.0)]), "own")
+    pair = Segment(1.0, tendons=Tendons(2, 0.1, names=["x", "y"]))
+    refused("segments[1].tendons.names[0]", lambda: Robot([pair, pair]), "segments[0].tendons.names[0]")
+    row = [[1.0, 0.0, 0.0]]
+    refused("actuators.names[0]", lambda: Robot([pair], actuators=Actuators(row, names=["y"])))
+    refused_each("name", ("", 3, ["a"]), lambda name: Segment(1.0, name=name), "a text")
+    refused_each("name", ("", 3, ["a"]), lambda name: Robot(two, name=name), "a text")
 
 
-def test_displacements_are_linear_and_distal_tendons_run_through_proximal_segments() -> None:
-    robot = lines_robot(3, True, "tendons")
-    a, b = sample(True), sample(True, 2)[1]
-    for x, y, z in zip(*(robot.tendon_displacements(q) for q in (a, b, 2.0 * a - b)), strict=True):
-        np.testing.assert_allclose(z, 2.0 * x - y, atol=1e-13)
-    alone = np.zeros((4, 3))
-    alone[1] = [0.3, -0.2, 0.0]
-    first, second, third, fourth = robot.tendon_displacements(alone)
-    np.testing.assert_array_equal(first, 0.0)
-    for k, pulled in ((1, second), (2, third), (3, fourth)):
-        angles = 0.2 * k + 2 * math.pi * np.arange(3) / 3
-        np.testing.assert_allclose(pulled, 0.05 * (0.3 * np.cos(angles) - 0.2 * np.sin(angles)), atol=1e-15)
-    np.testing.assert_allclose(sum(second), 0.0, atol=1e-15)
+def test_actuators_of_the_whole_robot_are_checked() -> None:
+    refused_each("matrix", (None, 3, [1.0], [[math.nan]], "rows"), Actuators, "numbers")
+    refused("len(matrix)", lambda: Actuators(np.zeros((0, 3))))
+    refused("matrix[1]", lambda: Actuators([[1, 0, 0], [0, 0, 0]]), "not zero")
+    two = np.eye(3)[:2]
+    assert Actuators(two).names == ("a1", "a2")
+    assert Actuators(two, limits=(-1, 2)).limits == ((-1.0, 2.0), (-1.0, 2.0))
+    assert Actuators(two, limits=[None, (0, 1)]).limits == ((-math.inf, math.inf), (0.0, 1.0))
+    refused_each("limits", (3, [(0, 1)], [(0, 1)] * 3, "wide"), lambda limits: Actuators(two, limits=limits), "low")
+    refused("limits[1]", lambda: Actuators(two, limits=[None, (2, 1)]))
+    refused("limits", lambda: Actuators(two, limits=(2, 1)))
+    refused("names", lambda: Actuators(two, names=["a"]), "2 names")
+    refused("actuators.matrix", lambda: Robot([Segment(1.0)] * 2, actuators=Actuators(two)), "(2, 6), for 2 segments")
+    bad: Any = [[1, 0, 0]]
+    refused("actuators", lambda: Robot([Segment(1.0)], actuators=bad))
 
 
-def test_slack_measurements_give_the_least_squares() -> None:
-    robot = lines_robot(5, True, "tendons")
-    q = sample(True)
-    lengths = robot.tendon_lengths(q)
-    arms = robot.segments[0].tendons.arms if robot.segments[0].tendons else np.zeros((0, 2))
-    system = np.concatenate([-arms, np.ones((5, 1))], axis=1)
-    noise = np.random.default_rng(6).normal(size=5)
-    noise -= system @ np.linalg.lstsq(system, noise)[0]  # nothing of it looks like a configuration
-    np.testing.assert_allclose(robot.from_tendon_lengths([lengths[0] + noise, *lengths[1:]]), q, atol=1e-12)
-
-
-def test_segments_without_lines_have_none() -> None:
-    robot = Robot([Segment(1.0, tendons=Tendons(3, 0.1)), Segment(1.0)])
-    q = np.zeros((7, 2, 3))
-    assert [x.shape for x in robot.tendon_displacements(q)] == [(7, 3), (7, 0)]
-    assert [x.shape for x in robot.chamber_lengths(q)] == [(7, 0), (7, 0)]
-    refused("segments[1].tendons", lambda: robot.from_tendon_lengths([np.ones(3), np.ones(0)]))
-
-
-def test_lines_that_do_not_determine_the_shape_are_refused() -> None:
-    opposite = Robot([Segment(1.0, tendons=Tendons(2, 0.1), chambers=Chambers(1, 0.1))])
-    refused("segments[0].tendons", lambda: opposite.from_tendon_lengths([np.ones(2)]), "plane")
-    refused("segments[0].chambers", lambda: opposite.from_chamber_lengths([np.ones(1)]))
-    crossed = Tendons(angles=[0.0, 1.5], radius=0.1)
-    fixed, free = Robot([Segment(1.0, tendons=crossed)]), Robot([Segment((0.5, 1.5), tendons=crossed)])
-    q = np.array([[0.3, -0.4, 1.0]])
-    np.testing.assert_allclose(fixed.from_tendon_lengths(fixed.tendon_lengths(q)), q, atol=1e-13)
-    refused("segments[0].tendons", lambda: free.from_tendon_lengths(free.tendon_lengths(q)), "length")
-
-
-@pytest.mark.parametrize("value", [None, 5, "abc", [], [[1.0, 1.0, 1.0]] * 3])
-def test_lists_of_lines_of_the_wrong_size_are_refused(value: Any) -> None:
-    robot = lines_robot(3, False, "tendons")
-    refused("lengths", lambda: robot.from_tendon_lengths(value), "4")
-
-
-@pytest.mark.parametrize(
-    "value", [[1.0, 1.0], "abc", None, [1.0, math.nan, 1.0], [True, True, True], [[1.0], [1.0, 2.0]]]
-)
-def test_lines_of_the_wrong_size_are_refused(value: Any) -> None:
-    robot = lines_robot(3, True, "tendons")
-    good = [1.0, 1.0, 1.0]
-    refused("lengths[2]", lambda: robot.from_tendon_lengths([good, good, value, good]))
-    refused("displacements[2]", lambda: robot.from_tendon_displacements([good, good, value, good], [1.0] * 4))
-
-
-@pytest.mark.parametrize("value", [None, "long", [1.0], [1.0, 1.0, 1.0, math.nan], 1.0])
-def test_lengths_of_the_wrong_size_are_refused(value: Any) -> None:
-    robot = lines_robot(3, True, "tendons")
-    refused("length", lambda: robot.from_tendon_displacements([[0.0] * 3] * 4, value))
-
-
-def test_batches_that_do_not_fit_each_other_are_refused() -> None:
-    robot = lines_robot(3, True, "tendons")
-    values = [np.ones((2, 3)), np.ones((2, 3)), np.ones((5, 3)), np.ones((2, 3))]
-    refused("lengths", lambda: robot.from_tendon_lengths(values))
-    refused("length", lambda: robot.from_tendon_displacements([np.ones((2, 3))] * 4, np.ones((3, 4))))
-
-
-# Arc parameters
+@pytest.mark.parametrize("name", REPLACED)
+def test_methods_of_before_name_those_of_now(name: str) -> None:
+    with pytest.raises(AttributeError, match=rf"Robot\.{name} is gone: .* Robot\.{REPLACED[name]}$"):
+        getattr(MIXED, name)
+    assert hasattr(Robot, REPLACED[name])
+    assert not hasattr(MIXED, "tendon_length")

@@ -38,25 +38,18 @@ def test_lines_are_spread_evenly(count: int) -> None:
     np.testing.assert_allclose(lines.angles, 0.3 + 2 * math.pi * np.arange(count) / count)
     np.testing.assert_allclose(np.linalg.norm(lines.arms, axis=1), 2.0)
     np.testing.assert_allclose(np.arctan2(lines.arms[0, 1], lines.arms[0, 0]), 0.3)
-    assert lines.spans_plane == (count > 2)
     assert not lines.angles.flags.writeable
 
 
 def test_angles_one_by_one() -> None:
     lines = Lines(angles=[0.0, 1.0], radius=0.004)
     np.testing.assert_array_equal(lines.angles, [0.0, 1.0])
-    assert lines.spans_plane
-    assert not Lines(angles=[0.5, 0.5 + math.pi], radius=1.0).spans_plane
-    assert not Lines(angles=[0.5, 0.5], radius=1e-9).spans_plane
-    assert Lines(angles=[0.0, 0.5 * math.pi], radius=1e-9).spans_plane
 
 
 def test_a_line_on_the_side_bent_to_gets_shorter() -> None:
     robot = Robot([Segment((0.5, 2.0), tendons=Tendons(2, 0.1), chambers=Chambers(2, 0.2))])
     q = [[0.5, 0.0, 1.0]]
-    np.testing.assert_allclose(robot.tendon_lengths(q)[0], [0.95, 1.05])
-    np.testing.assert_allclose(robot.tendon_displacements(q)[0], [0.05, -0.05])
-    np.testing.assert_allclose(robot.chamber_lengths(q)[0], [0.9, 1.1])
+    np.testing.assert_allclose(robot.to_actuators(q), [0.05, -0.05, 0.9, 1.1])
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -67,13 +60,13 @@ def test_lengths_are_those_of_the_curves(seed: int) -> None:
     robot = Robot([Segment((0.0, 3.0), 7.0, tendons=Tendons(angles=angles + k, radius=radius)) for k in range(3)])
     q = configurations(seed, 3, 1)[0]
     q[:, 2] += 0.5
-    lengths = robot.tendon_lengths(q)
+    pulled = robot.to_actuators(q).reshape(3, 3)
     for k in range(3):
         for j in range(3):
-            expected = curve_length(q[: k + 1], angles[j] + k, radius)
-            assert lengths[k][j] == pytest.approx(expected, abs=1e-7)
+            expected = q[: k + 1, 2].sum() - curve_length(q[: k + 1], angles[j] + k, radius)
+            assert pulled[k][j] == pytest.approx(expected, abs=1e-7)
     chambered = Robot([Segment((0.0, 4.0), 7.0, chambers=Chambers(angles=angles, radius=radius))] * 3)
-    for k, lengths_k in enumerate(chambered.chamber_lengths(q)):
+    for k, lengths_k in enumerate(chambered.to_actuators(q).reshape(3, 3)):
         assert lengths_k[1] == pytest.approx(curve_length(q[k : k + 1], angles[1], radius), abs=1e-7)
 
 
@@ -114,6 +107,14 @@ def test_limits_of_tendons_contain_the_straight_robot() -> None:
         "displacement", ((1.0, -1.0), (1, 2, 3), "wide", True), lambda value: Tendons(3, 1.0, displacement=value)
     )
     refused("displacement[1]", lambda: Tendons(3, 1.0, displacement=(-1.0, math.inf)))
+
+
+@pytest.mark.parametrize("kind", LINES)
+def test_names_are_one_for_each(kind: Any) -> None:
+    assert kind(2, 1.0).names is None
+    assert kind(2, 1.0, names=("left", "right")).names == ("left", "right")
+    refused_each("names", ("ab", 5, ["left"], ["a", "b", "c"], {"a": 1, "b": 2}), lambda n: kind(2, 1.0, names=n), "2")
+    refused_each("names[1]", (["a", ""], ["a", 1], ["a", None]), lambda n: kind(2, 1.0, names=n), "a text")
 
 
 def test_limits_of_chambers_are_lengths() -> None:

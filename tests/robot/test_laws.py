@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.poses import pose
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot
@@ -79,20 +80,16 @@ def test_excess_is_the_worst_violation(robot_and_q: tuple[Robot, Floats]) -> Non
     assert robot.excess(np.stack([q, q])) == robot.excess(q)
 
 
-@given(st.lists(lengths, min_size=1, max_size=4), st.integers(3, 6), numbers, st.data())
-def test_lines_determine_the_configuration(
-    ranges: list[tuple[float, float]], count: int, angle: float, data: st.DataObject
-) -> None:
-    parts = [
-        Segment((low, high + 0.1), tendons=Tendons(count, 0.05, angle + k), chambers=Chambers(count, 0.05, angle - k))
-        for k, (low, high) in enumerate(ranges)
-    ]
-    robot = Robot(parts)
-    q = data.draw(shapes(len(robot)))
-    np.testing.assert_allclose(robot.from_tendon_lengths(robot.tendon_lengths(q)), q, atol=1e-10)
-    np.testing.assert_allclose(robot.from_chamber_lengths(robot.chamber_lengths(q)), q, atol=1e-10)
-    pulled = robot.tendon_displacements(q)
-    np.testing.assert_allclose(robot.from_tendon_displacements(pulled, q[:, 2]), q, atol=1e-10)
+@given(posed)
+def test_values_of_actuators_lead_back_to_the_configuration(robot_and_q: tuple[Robot, Floats]) -> None:
+    robot, q = robot_and_q
+    still = robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] == 0.0
+    q = np.where(still, [(0.0, 0.0, segment.length[0]) for segment in robot.segments], q)
+    values = robot.to_actuators(q)
+    np.testing.assert_allclose(robot.from_actuators(values, q), q, atol=1e-10)
+    np.testing.assert_allclose(values, robot.actuator_jacobian(q) @ q.ravel(), atol=1e-13)
+    elsewhere = robot.from_actuators(values, np.ones_like(q))
+    np.testing.assert_allclose(robot.to_actuators(elsewhere), values, atol=1e-10)
 
 
 @given(posed)

@@ -257,9 +257,8 @@ def test_bad_configurations_are_refused_everywhere(q: Any) -> None:
         robot.backbone,
         robot.jacobian,
         robot.excess,
-        robot.tendon_lengths,
-        robot.tendon_displacements,
-        robot.chamber_lengths,
+        robot.to_actuators,
+        robot.actuator_jacobian,
     ]
     for call in calls:
         refused("q", partial(call, q), "4, 3)")

@@ -57,7 +57,34 @@ def test_the_number_is_the_one_that_proves_it(
         assert reason.bound == bound
         assert reason.needed == pytest.approx(needed, abs=2e-3)
         assert reason.available == pytest.approx(available, abs=2e-3)
-    assert f"{reason.needed:.4g} needed" in repr(solution)
+    assert str(reason) in repr(solution)
+
+
+@pytest.mark.parametrize(
+    ("target", "said"),
+    [
+        (
+            Target((0, 0, 3.5)),
+            "the target is 0.4997 farther from the base than the robot is long (3.5 away, the robot at most 3 long)",
+        ),
+        (
+            Target((0, 0, 1.0)),
+            "the target is 0.7558 nearer to the base than the tip can come (1 away, the tip at least 1.756)",
+        ),
+        (Target((2.5, 0, 0.5)), "the target lies 0.6412 farther to the side than the tip can reach"),
+        (
+            Target((0, 0, 2.5), direction=(0, 0, -1)),
+            "the target lies 4.093 behind everything that the tip can reach pointing this way",
+        ),
+        (
+            Target(direction=(0, 0, -1)),
+            "the direction asks for a turn of 3.142 rad, and all bends together make 1.501 at most: "
+            "1.641 rad too little",
+        ),
+    ],
+)
+def test_reasons_are_sentences(target: Target, said: str) -> None:
+    assert str(Solver(ROBOT).solve(target).reason) == said
 
 
 def test_obstacles_are_called_by_their_names() -> None:
@@ -88,7 +115,7 @@ def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
     assert solution.reason.obstacle is not None
     assert solution.reason.obstacle.startswith("box[")
     assert solution.to_dict()["reason"]["bound"] == "route"
-    assert str(solution.reason).startswith("route: none is wide enough for a body of radius 0.1, ")
+    assert str(solution.reason).startswith("between base and target no way is wide enough for a body of radius 0.1 ")
 
 
 def test_what_is_solved_has_no_reason() -> None:

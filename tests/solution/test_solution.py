@@ -48,6 +48,16 @@ def test_the_result_is_strict_json(target: sn.Target) -> None:
     assert (written["worst"] is None) == solution.solved
 
 
+def test_actuators_are_in_the_result_and_printed() -> None:
+    assert sn.solve(ROBOT, sn.Target((0, 1, 2))).to_dict()["actuators"] is None
+    robot = sn.Robot.uniform(2, (0.8, 1.2), 2.0, tendons=sn.Tendons(2, 0.1), chambers=sn.Chambers(1, 0.1))
+    solution = sn.solve(robot, sn.Target((0, 0.5, 1.7)))
+    written = json.loads(json.dumps(solution.to_dict(), allow_nan=False))["actuators"]
+    assert list(written) == ["s1.t1", "s1.t2", "s1.c1", "s2.t1", "s2.t2", "s2.c1"]
+    np.testing.assert_array_equal(list(written.values()), robot.to_actuators(solution.q))
+    assert f"actuators  s1.t1={written['s1.t1']:.4g}  s1.t2=" in repr(solution)
+
+
 def test_every_status_has_its_sentence() -> None:
     assert all(status.sentence for status in sn.Status)
 

@@ -56,3 +56,28 @@ def test_an_overlap_is_found_and_named() -> None:
     assert not check.ok
     assert (check.segment, check.obstacle) == (3, "pea")
     assert check.clearance == pytest.approx(-0.15, abs=1e-3)
+
+
+CURLED = np.array([[2.7, 0.1, 1.0], [2.6, 0.0, 1.0], [2.6, 0.1, 1.0]])
+
+
+def through_itself(word: str) -> Problem:
+    robot = sn.Robot.uniform(3, (0.8, 1.2), 3.0, radius=0.15, self_collision=word)
+    return Problem(robot, sn.Target(robot.tip(CURLED)[:3, 3]))
+
+
+def test_a_body_that_runs_through_itself_is_found_and_named() -> None:
+    check = verification.verify(through_itself("avoid"), CURLED)
+    assert not check.ok
+    assert check.self_clearance < -0.1
+    assert check.self_segments is not None
+    worst = verification.find_worst(through_itself("avoid"), CURLED, True)
+    assert (worst.other_segment, worst.segment) == check.self_segments
+    assert worst.constraint == "self_clearance"
+    assert worst.amount == pytest.approx(-check.self_clearance)
+    assert str(worst) == f"segment {worst.segment} touches segment {worst.other_segment}, {worst.amount:.3g} too near"
+
+
+def test_it_may_run_through_itself_where_that_is_allowed() -> None:
+    check = verification.verify(through_itself("allow"), CURLED)
+    assert (check.ok, check.self_clearance, check.self_segments) == (True, np.inf, None)

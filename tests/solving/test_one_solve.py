@@ -1,5 +1,6 @@
 """A solver for one question compiles the search for routes where it is needed, and does not call that solving."""
 
+import pickle
 from typing import Any
 
 import pytest
@@ -57,6 +58,16 @@ def test_one_solve_is_what_the_function_makes(loads: list[float]) -> None:
     assert loads == []
     again = Solver(ROBOT, SCENE).solve(NEAR)
     assert (solving.solve(ROBOT, NEAR, SCENE).q == again.q).all()
+
+
+def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:
+    """Those of any solver, also when they were sent to another process."""
+    solution = Solver(ROBOT, SCENE).solve(NEAR)
+    for own in (solution, pickle.loads(pickle.dumps(solution))):
+        assert own._again == solution._again
+        assert (own._again.solve(own.problem).q == solution.q).all()
+    assert len(loads) == 1
+    assert type(pickle.loads(pickle.dumps(OneSolve(ROBOT, SCENE)))) is OneSolve
 
 
 def test_what_is_loaded_is_not_loaded_again() -> None:

@@ -1,6 +1,7 @@
 """Routes as starts: narrow places that a local solver does not get into, and rooms without a door."""
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routes import MEMORY, SLOTS, Found, Plan, Router
+from sinuous.solving.routes import CELLS, CELLS_A_START, MEMORY, Found, Plan, Router
 from sinuous.solving.sources import Question
 from tests.helpers import Floats
 
@@ -65,6 +66,11 @@ def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Targ
     assert solution.status is Status.SOLVED
     assert solution.start == "route"
     assert solution.verify().ok
+    assert solution.route is not None
+    assert np.allclose(solution.route[0], 0.0)
+    assert np.allclose(solution.route[-1], ROBOT.tip(HIDDEN)[:3, 3])
+    assert np.linalg.norm(ROBOT.backbone(solution.q, 9)[:, None] - solution.route, axis=-1).min(axis=1).max() < 0.1
+    assert not solution.route.flags.writeable
     assert not Solver(ROBOT, narrow, time=60.0, max_starts=12, routes=False).solve(target).solved
 
 
@@ -101,7 +107,7 @@ def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target
 
     with ThreadPoolExecutor(4) as threads:
         assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
-    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(SLOTS[2])
+    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(CELLS[2])
 
 
 def test_routes_differ_in_the_side_on_which_they_pass() -> None:
@@ -169,6 +175,25 @@ def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
     q = np.array([[0, 0, 1.9], [1.2, 0.3, 1.0], [-0.3, 1.0, 1.0], [0.2, -0.5, 1.0]])
     solution = Solver(robot, scene, time=60.0).solve(Target(robot.tip(q)[:3, 3]))
     assert solution.status is not Status.NO_ROUTE
+
+
+def test_the_dearer_a_search_the_more_scattered_starts_follow_it(narrow: Scene, target: Target) -> None:
+    asked = problem(ROBOT, target, narrow)
+    finder = router(ROBOT, narrow)
+    query = finder.query(asked)
+    assert query is not None
+    cells = [finder.find(asked, query, plan, 60.0).cells for plan in finder.plans[:4]]
+    then = [batch.then for batch in islice(finder.batches(question(asked)), 4)]
+    least = [plan.then for plan in finder.plans[:4]]
+    assert then == [max(few, looked // CELLS_A_START) for few, looked in zip(least, cells, strict=True)]
+    assert then != least
+
+
+def test_a_base_in_a_closed_room_is_said_to_be() -> None:
+    scene = box_room(np.array([0.0, 0.0, 0.3]), 0.6, 0.1)
+    solution = Solver(ROBOT, scene, time=60.0).solve(Target((1.0, 0.5, 3.0)))
+    assert solution.status is Status.NO_ROUTE
+    assert solution.route is None
 
 
 def test_without_a_position_there_is_no_route() -> None:

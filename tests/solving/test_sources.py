@@ -26,7 +26,7 @@ def question(count: int = 0) -> Question:
 
 @given(st.integers(0, 9), st.integers(0, 20), st.integers(0, 30), st.lists(st.integers(1, 9), min_size=1))
 def test_parts_are_the_whole(count: int, first: int, own: int, sizes: list[int]) -> None:
-    batch = Batch("route", initial(count), (first, first + own), seconds=0.5, then=3)
+    batch = Batch("route", initial(count), (first, first + own), then=3)
     asked = itertools.cycle(sizes)
     limits: list[int] = []
 

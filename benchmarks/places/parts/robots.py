@@ -1,7 +1,11 @@
 """Robots for intricate places: every twenty seeds in a row have all kinds, from 3 segments to 20."""
 
+import math
+
+import numpy as np
 from numpy.random import Generator
 
+from sinuous.checks import Floats
 from sinuous.poses import pose
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
@@ -37,3 +41,54 @@ def robot_of(seed: int, rng: Generator) -> Robot:
         segments = [Segment((0.0, STROKE * unit), 0.0, radius=radius), *segments]
         mount = float(rng.choice([0.0, HOLDER])) * unit
     return Robot(segments, mount=mount, base=pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)))
+
+
+SLENDER, STOUT = (0.05, 0.12), (0.15, 0.22)
+"""Of the body of various robots: range of its radius at the base, of a segment's length."""
+
+THIN = 0.018
+"""Radius of thin robots, of a segment's length."""
+
+TAPER = 0.7
+"""Radius at the tip of those that taper, of that at the base."""
+
+TOOL, SLANT = (0.05, 0.4), 0.5
+"""Range of the length of a tool, in lengths of a segment; its largest angle with the tangent, rad."""
+
+
+def various_robot(seed: int, rng: Generator, stout: bool = False) -> Robot:
+    """Return the robot of a seed with another body; a third of them have a tool.
+
+    Half of the slender ones taper. Stout ones are for scans, which around others would have hundreds of thousands of
+    points.
+    """
+    plain = robot_of(seed, rng)
+    unit = UNITS[seed // 20 % 3]
+    thickness, taper = (STOUT, 1.0) if stout else (SLENDER, rng.choice([1.0, TAPER]))
+    radii = unit * rng.uniform(*thickness) * np.linspace(1.0, taper, len(plain))
+    segments = [
+        Segment(one.length, one.max_bend, radius=radius) for one, radius in zip(plain.segments, radii, strict=True)
+    ]
+    return Robot(segments, mount=plain.mount, base=plain.base, tool=_tool(unit, rng) if rng.random() < 1 / 3 else None)
+
+
+def stout_robot(seed: int, rng: Generator) -> Robot:
+    """Return a stout robot of 3, 5 or 8 segments."""
+    return various_robot(seed - seed % 5 + (0, 1, 2, 0, 1)[seed % 5], rng, stout=True)
+
+
+def long_robot(seed: int, rng: Generator, stout: bool = False) -> Robot:
+    """Return a robot of 20 segments."""
+    return various_robot(5 * seed + 4, rng, stout)
+
+
+def thin_robot(seed: int, rng: Generator) -> Robot:
+    """Return a robot of 20 segments that is a thousand radii long."""
+    plain = long_robot(seed, rng)
+    return Robot(plain.segments, radius=THIN * max(s.length[1] for s in plain.segments), base=plain.base)
+
+
+def _tool(unit: float, rng: Generator) -> Floats:
+    """A point ahead of the tip, to which the tool leads straight."""
+    direction = np.array([0.0, 0.0, 1.0]) + np.append(rng.uniform(-1.0, 1.0, 2) * SLANT / math.sqrt(2.0), 0.0)
+    return pose(unit * rng.uniform(*TOOL) * direction / np.linalg.norm(direction), direction=direction)

@@ -1,6 +1,7 @@
 """Hidden shapes: smoothly bent, and nowhere near themselves, so that a wall fits around them."""
 
 import math
+from collections.abc import Container
 from typing import NamedTuple
 
 import numpy as np
@@ -68,28 +69,38 @@ def curve_of(robot: Robot, q: Floats, samples: int) -> Curve:
     return Curve(np.concatenate(pieces), np.concatenate([[0.0], np.cumsum(steps)]))
 
 
-def draw_shape(robot: Robot, apart: float, rng: Generator, least_ahead: float = -1.0) -> Floats:
+def lengthened(poses: Floats, by: float) -> Floats:
+    """Go on straight beyond the last of frames (m, 4, 4), so that the tip has room."""
+    return np.concatenate([poses, arc(poses[-1], np.array([0.0, 0.0, by]), 2)[1:]])
+
+
+def draw_shape(
+    robot: Robot, apart: float, rng: Generator, least_ahead: float = -1.0, straight: Container[int] = ()
+) -> Floats:
     """Draw a configuration (n, 3) whose backbone keeps `apart` from itself.
 
     Places count as apart from each other when they are farther along the backbone than half a circle of that diameter.
-    No tangent makes an angle with the base's whose cosine is less than `least_ahead`.
+    No tangent makes an angle with the base's whose cosine is less than `least_ahead`. The segments `straight` (0 is the
+    first) do not bend.
     """
     while True:
-        q = _grow(robot, apart, rng, least_ahead)
+        q = _grow(robot, apart, rng, least_ahead, straight)
         if q is not None:
             return q
 
 
-def _grow(robot: Robot, apart: float, rng: Generator, least_ahead: float) -> Floats | None:
+def _grow(robot: Robot, apart: float, rng: Generator, least_ahead: float, straight: Container[int]) -> Floats | None:
     """Add one segment after the other, each free of those before; `None` where there is no way on."""
     found: list[Floats] = []
     pose = robot.base
     points, along = robot.base[None, :3, 3], np.zeros(1)
     plane = rng.uniform(0.0, 2.0 * math.pi)
-    for segment in robot.segments:
+    for k, segment in enumerate(robot.segments):
         for _ in range(TRIES):
             turned = plane + TURNING * rng.normal()
             coordinates = _draw_segment(segment, turned, rng)
+            if k in straight:
+                coordinates[:2] = 0.0
             poses = arc(pose, coordinates, SAMPLES)
             reached = along[-1] + np.linspace(0.0, coordinates[2], SAMPLES + 1)[1:]
             ahead = poses[:, :3, 2] @ robot.base[:3, 2]

@@ -7,8 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.scene.meshes.mesh import Mesh
 
 Faces = NDArray[np.int64]
+
+WALL = 0.8
+"""Thickness of the walls of pipes, in radii of the body."""
 
 
 class Surface(NamedTuple):
@@ -27,6 +31,11 @@ class Surface(NamedTuple):
     def turned(self) -> "Surface":
         """The same triangles, seen from the other side: the wall of a hollow."""
         return Surface(self.vertices, self.faces[:, ::-1].copy())
+
+
+def solid(surface: Surface, name: str) -> Mesh:
+    """Return the obstacle that a closed surface bounds."""
+    return Mesh(surface.vertices, surface.faces, name=name)
 
 
 def joined(surfaces: list[Surface]) -> Surface:
@@ -77,6 +86,23 @@ def tube(poses: Floats, radius: float, sides: int = 16, caps: int = 4) -> Surfac
     return loft(np.array(rings), np.array(ends))
 
 
+def hollow(poses: Floats, inside: float, outside: float) -> Surface:
+    """Return the wall between two radii around a curve, closed by half a ball at each end."""
+    return joined([tube(poses, outside), tube(poses, inside).turned])
+
+
+def open_tube(poses: Floats, inside: float, outside: float, bottom: bool = False, sides: int = 16) -> Surface:
+    """Return the wall between two radii around a curve, open at both ends, or (`bottom`) only at the last one."""
+    widen = 1.0 / math.cos(math.pi / sides)
+    outer = [_ring(pose, outside * widen, 0.0, sides) for pose in poses]
+    inner = [_ring(pose, inside * widen, 0.0, sides) for pose in poses]
+    if not bottom:
+        return ring_loft(np.array([*outer, *inner[::-1]]))
+    start, tangent = poses[0, :3, 3], poses[0, :3, 2]
+    behind = _ring(poses[0], outside * widen, inside - outside, sides)
+    return loft(np.array([behind, *outer, *inner[::-1]]), np.array([start - (outside - inside) * tangent, start]))
+
+
 def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
     turn = 2.0 * math.pi * np.arange(sides) / sides
     local = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(sides, ahead)], axis=-1)
@@ -84,16 +110,37 @@ def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
     return ring
 
 
+def blind_bore(pose: Floats, hole: float, depth: float, half: float, bottom: float, sides: int = 24) -> Surface:
+    """Return a block with a bore of radius `hole` from the origin of `pose` along z, closed at `depth`.
+
+    The block is square, with half the edge `half`, and goes on `bottom` beyond the bore. `sides` as for `plate`.
+    """
+    circle, square = _outlines(sides)
+    low, high = np.zeros((sides, 1)), np.full((sides, 1), depth)
+    inner, outer = hole / math.cos(math.pi / sides) * circle, half * square
+    corners = [np.hstack([outer, high + bottom]), np.hstack([outer, low]), np.hstack([inner, low])]
+    corners.append(np.hstack([inner, high]))
+    poles = np.array([[0.0, 0.0, depth + bottom], [0.0, 0.0, depth]])
+    place = pose[:3, :3].T
+    return loft(np.array(corners) @ place + pose[:3, 3], poles @ place + pose[:3, 3]).turned
+
+
 def plate(pose: Floats, half: float, hole: float, thickness: float, sides: int = 24) -> Surface:
     """Return a square plate across the z axis of `pose`, with a hole of radius `hole` around it.
 
     `sides`, a multiple of 8, is also how often the outline is cut, so that it has its corners.
     """
-    turn = 2.0 * math.pi * np.arange(sides) / sides
-    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    square = half * circle / np.abs(circle).max(axis=1, keepdims=True)
+    circle, square = _outlines(sides)
+    square = half * square
     inner = hole / math.cos(math.pi / sides) * circle
     up, down = np.full((sides, 1), 0.5 * thickness), np.full((sides, 1), -0.5 * thickness)
     corners = [np.hstack([inner, down]), np.hstack([square, down]), np.hstack([square, up]), np.hstack([inner, up])]
     rings = np.stack(corners, axis=1) @ pose[:3, :3].T + pose[:3, 3]
     return ring_loft(rings).turned
+
+
+def _outlines(sides: int) -> tuple[Floats, Floats]:
+    """Points (sides, 2) of the circle of radius 1 and of the square around it, in the same directions."""
+    turn = 2.0 * math.pi * np.arange(sides) / sides
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    return circle, circle / np.abs(circle).max(axis=1, keepdims=True)

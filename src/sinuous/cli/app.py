@@ -48,6 +48,7 @@ MaxStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of on
 Routes = Annotated[bool, typer.Option(help="Search for routes through free space where the first starts fail.")]
 Seed = Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
+Why = Annotated[bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")]
 Plot = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Draw robot, scene and targets; several files are numbered.")
 ]
@@ -76,6 +77,7 @@ def solve(
     max_starts: MaxStarts = 1000,
     routes: Routes = True,
     seed: Seed = 0,
+    why: Why = False,
     json: Json = False,
     plot: Plot = None,
     out: Out = None,
@@ -84,7 +86,7 @@ def solve(
     """Meet a target, or several at once."""
     from sinuous.cli.work import solve_files  # noqa: PLC0415
 
-    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out)
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, why)
     raise typer.Exit(solve_files(files, options, all_))
 
 

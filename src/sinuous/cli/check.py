@@ -3,13 +3,19 @@
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
 import typer
 
 from sinuous.cli.reading import read_all
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
+from sinuous.scene.extents import box_of
 from sinuous.solution.verification import Verification, verify
+from sinuous.words import number, span
+
+MOST = 12
+"""Most obstacles of which sizes are printed."""
 
 GOOD, NO_ANSWER, BAD_INPUT = 0, 1, 2
 
@@ -44,8 +50,11 @@ def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any
         "file": problem.file,
         "segments": len(lengths),
         "length": [sum(low for low, _ in lengths), sum(high for _, high in lengths)],
+        "radius": [min(problem.robot.radii), max(problem.robot.radii)],
         "obstacles": len(problem.scene),
         "waypoints": len(problem.waypoints),
+        "sizes": [{"name": name, "size": size, "from_base": away} for name, size, away in _sizes(problem)],
+        "targets_from_base": _from_base(problem),
         "notes": problem.notes,
         "start": None if start is None else asdict(start),
     }
@@ -56,8 +65,37 @@ def _description(problem: ProblemFile, start: Verification | None) -> str:
     low, high = contents["length"]
     counted = [_counted(contents[f"{noun}s"], noun) for noun in ("segment", "obstacle", "waypoint")]
     line = f"{problem.file}: {counted[0]}, length {low:g} to {high:g}; {counted[1]}; {counted[2]}"
+    radii = contents["radius"]
+    sizes = [f"robot: radius {span(radii)}", *map(_size_in_words, contents["sizes"][:MOST])]
+    if len(contents["sizes"]) > MOST:
+        sizes.append(f"and {len(contents['sizes']) - MOST} more obstacles")
+    if contents["targets_from_base"] is not None:
+        sizes.append(f"targets: {span(contents['targets_from_base'])} from the base")
     notes = [f"note: {note}" for note in problem.notes]
-    return "\n  ".join([line, *notes, *([] if start is None else [f"start {_verdict(start)}"])])
+    return "\n  ".join([line, *sizes, *notes, *([] if start is None else [f"start {_verdict(start)}"])])
+
+
+def _sizes(problem: ProblemFile) -> list[tuple[str, list[float] | None, float]]:
+    """Of every obstacle its name, its extents along the axes of the world, and how far it is from the base."""
+    base = problem.robot.base[:3, 3]
+    boxes = [box_of(obstacle) for obstacle in problem.scene.obstacles]
+    away = [float(problem.scene.snapshot().distance_to(i, base)[0]) for i in range(len(boxes))]
+    return [
+        (problem.scene.name(i), None if box is None else (box[1] - box[0]).tolist(), away[i])
+        for i, box in enumerate(boxes)
+    ]
+
+
+def _size_in_words(entry: dict[str, Any]) -> str:
+    size = "without end" if entry["size"] is None else " x ".join(number(extent) for extent in entry["size"])
+    return f"{entry['name']}: {size}, {number(entry['from_base'])} from the base"
+
+
+def _from_base(problem: ProblemFile) -> list[float] | None:
+    """Least and greatest distance of a target from the base."""
+    places = [target.position for targets in problem.waypoints for target in targets if target.position is not None]
+    away = [float(np.linalg.norm(place - problem.robot.base[:3, 3])) for place in places]
+    return [min(away), max(away)] if away else None
 
 
 def _counted(count: int, noun: str) -> str:
@@ -68,5 +106,13 @@ def _verdict(start: Verification) -> str:
     verdict = "meets its target" if start.ok else "is no answer"
     return (
         f"{verdict}: position error {start.position_error:.3g}, angle error {start.angle_error:.3g}, "
-        f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g} (sampled)"
+        f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g}, from itself "
+        f"{start.self_clearance:.3g}{_where(start)} (sampled)"
     )
+
+
+def _where(start: Verification) -> str:
+    """Where a body runs through itself."""
+    if start.self_segments is None or start.self_clearance >= 0.0:
+        return ""
+    return f" between segments {start.self_segments[0]} and {start.self_segments[1]}"

@@ -36,6 +36,8 @@ class Options:
         Where a picture goes.
     out : Path or None
         Where the results go as JSON lines.
+    why : bool
+        Whether to explain every answer.
     """
 
     method: str = "newton"
@@ -47,6 +49,7 @@ class Options:
     json: bool = False
     plot: Path | None = None
     out: Path | None = None
+    why: bool = False
 
     def check(self, files: list[str]) -> None:
         """Refuse values that cannot be meant, before any file is read or written.

@@ -1,7 +1,7 @@
 """Where results go: to standard output, into a file, into a picture."""
 
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import typer
 
@@ -10,7 +10,10 @@ from sinuous.cli.options import Options
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
 from sinuous.motion.track import Track
+from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
+
+Answer = Solution | Track | Alternatives
 
 
 class Output:
@@ -22,6 +25,11 @@ class Output:
         self._done = 0
         self._out: TextIO | None = None if options.out is None else _open(options.out)
 
+    @property
+    def explains(self) -> bool:
+        """Whether answers are to be explained."""
+        return self._options.why
+
     def __enter__(self) -> "Output":
         return self
 
@@ -29,20 +37,25 @@ class Output:
         if self._out is not None:
             self._out.close()
 
-    def write(self, file: str, answer: Solution | Track | Alternatives, prepare_seconds: float) -> None:
-        """Write the answer to one problem file."""
+    def write(self, file: str, answer: Answer, prepare_seconds: float, why: Explanation | None = None) -> None:
+        """Write the answer to one problem file, and why it is so."""
         self._done += 1
         if self._options.json or self._out is not None:  # of a long path, a line is more work than solving it
-            line = json_line(result(file, answer.to_dict(), prepare_seconds))
+            line = json_line(result(file, answer.to_dict() | _remedies(why), prepare_seconds))
             if self._out is not None:
                 self._out.write(line + "\n")
                 self._out.flush()
-        typer.echo(line if self._options.json else f"{file}: {str(answer).split(': ', 1)[1]}")
+        text = f"{file}: {str(answer).split(': ', 1)[1]}" if why is None else f"{file}: {why}"
+        typer.echo(line if self._options.json else text)
         picture = self._options.picture(self._done, self._files)
         if picture is not None:
             from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
 
             plot_solution(answer.best if isinstance(answer, Alternatives) else answer, picture)
+
+
+def _remedies(why: Explanation | None) -> dict[str, Any]:
+    return {} if why is None else {"remedies": why.to_dict()["remedies"]}
 
 
 def _open(out: Path) -> TextIO:

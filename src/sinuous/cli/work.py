@@ -1,6 +1,7 @@
 """The commands solve and track: read everything, then answer one file after the other."""
 
 import time as clock
+import warnings
 from collections.abc import Callable
 from functools import partial
 
@@ -9,12 +10,13 @@ import typer
 from sinuous import checks
 from sinuous.cli.alternatives import Alternatives
 from sinuous.cli.options import Options
-from sinuous.cli.output import Output
+from sinuous.cli.output import Answer, Output
 from sinuous.cli.progress import Bar
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.track import Track, waypoints
+from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import OneSolve, Solver
 
@@ -22,7 +24,7 @@ SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
 
 MOST_ALTERNATIVES = 10_000
 
-Answer = Callable[[Solver, ProblemFile, Bar], Solution | Track | Alternatives]
+Question = Callable[[Solver, ProblemFile, Bar], Answer]
 
 
 def solve_files(files: list[str], options: Options, count: int | None = None) -> int:
@@ -30,6 +32,8 @@ def solve_files(files: list[str], options: Options, count: int | None = None) ->
     options.check(files)
     if count is not None:
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
+        if options.why:
+            raise InputError("--all", "stands beside --why", count, "one of --all, --why")
     read = read_all(files)
     for problem in (one.problem for one in read):
         if problem.is_path:
@@ -45,20 +49,20 @@ def track_files(files: list[str], options: Options) -> int:
     return _answer_all(read_all(files), options, _track)
 
 
-def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
+def _answer_all(read: list[Read], options: Options, question: Question) -> int:
     done = solved = 0
     total = sum(len(one.problem.waypoints) for one in read)
     say_notes([one.problem for one in read])
-    alone = len(read) == 1 and answer is _solve
+    alone = len(read) == 1 and question is _solve
     try:
         ahead = 0.0 if len(read) == 1 else _compile([one.problem for one in read], options)
         with Output(options, len(read)) as output, Bar(total) as bar:
             for one in read:
                 with bar.hidden():
                     solver, prepare_seconds = _prepare(one.problem, options, OneSolve if alone else Solver)
-                found = answer(solver, one.problem, bar)
+                found = question(solver, one.problem, bar)
                 with bar.hidden():
-                    output.write(one.problem.file, found, one.seconds + prepare_seconds + ahead)
+                    _write(output, one, found, prepare_seconds + ahead)
                 ahead = 0.0
                 if isinstance(found, Track) and found.remaining:
                     raise KeyboardInterrupt
@@ -70,6 +74,17 @@ def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
     return SOLVED if solved == len(read) else UNSOLVED
 
 
+def _write(output: Output, one: Read, found: Answer, prepare_seconds: float) -> None:
+    """Write an answer, with what explains it where that is wished for; an interrupt meanwhile leaves the answer."""
+    asked = one.problem.file, found, one.seconds + prepare_seconds
+    try:
+        why = found.explain() if output.explains and isinstance(found, Solution) else None
+    except KeyboardInterrupt:
+        output.write(*asked)
+        raise
+    output.write(*asked, why)
+
+
 def _compile(problems: list[ProblemFile], options: Options) -> float:
     """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
     kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
@@ -78,7 +93,9 @@ def _compile(problems: list[ProblemFile], options: Options) -> float:
 
 def _prepare(problem: ProblemFile, options: Options, kind: type[Solver]) -> tuple[Solver, float]:
     began = clock.perf_counter()
-    solver = kind(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
+        solver = kind(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
     return solver, clock.perf_counter() - began
 
 

@@ -12,6 +12,7 @@ from sinuous.files.build import keys_of, known_entries, make
 from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.coupled import Actuators
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud
@@ -28,19 +29,26 @@ OBSTACLES: dict[str, Callable[..., Obstacle]] = {
     "half_space": HalfSpace,
 }
 FROM_FILES: dict[str, Callable[..., Obstacle]] = {"mesh": Mesh.load, "points": PointCloud.load, "grid": Grid.load}
-"""Obstacles of which the problem file says where they stand."""
+"""Obstacles of which the problem file says in which file they are."""
 
-VECTORS = {"position", "direction", "rotation"}
+FROM_ARRAYS: dict[str, tuple[str, Callable[..., Obstacle]]] = {
+    "mesh": ("vertices", Mesh),
+    "points": ("points", PointCloud),
+    "grid": ("values", Grid),
+}
+"""The same, where the problem file holds them itself: the key that says so, and the noun."""
+
+VECTORS = {"position", "direction", "rotation", "xyzw"}
 """Keys of a target that hold numbers in a list."""
 
 
 def read_robot(value: Any) -> Robot:
-    """Read a robot; its `radius` is that of every segment that has none of its own."""
+    """Read the mapping of a robot; its `radius` is that of every segment that has none of its own."""
     entries = known_entries(value, keys_of(Robot)[0], ["segments"])
     radius = checks.number("radius", entries.pop("radius", 0.0), low=0.0)
     with checks.inside("segments"):
         entries["segments"] = _read_segments(entries["segments"], radius)
-    return make(Robot, entries, {"base": _read_pose, "tool": _read_pose})
+    return make(Robot, entries, {"base": _read_pose, "tool": _read_pose, "actuators": _read_actuators})
 
 
 def _read_segments(value: Any, radius: float) -> list[Segment]:
@@ -70,12 +78,19 @@ def _read_chambers(value: Any) -> Chambers:
     return make(Chambers, value)
 
 
+def _read_actuators(value: Any) -> Actuators:
+    return make(Actuators, value)
+
+
 def _read_pose(value: Any) -> Floats:
     return make(pose, value)
 
 
-def read_scene(value: Any, robot: Robot, folder: Path) -> Scene:
-    """Read a list of obstacles for a robot; nothing is the empty scene. Names of files are relative to `folder`."""
+def read_scene(value: Any, robot: Robot | None, folder: Path) -> Scene:
+    """Read a list of obstacles; nothing is the empty scene. Names of files are relative to `folder`.
+
+    With a robot, meshes that must be in another length unit are refused.
+    """
     obstacles: list[Obstacle] = []
     for i, entry in enumerate([] if value is None else _list_of("obstacles", value, least=0)):
         with checks.inside(f"[{i}]"):
@@ -86,7 +101,7 @@ def read_scene(value: Any, robot: Robot, folder: Path) -> Scene:
     return Scene(obstacles)
 
 
-def _read_obstacles(value: Any, robot: Robot, folder: Path) -> list[Obstacle]:
+def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obstacle]:
     """Read one obstacle; a mesh of bodies that overlap becomes several."""
     kinds = (*OBSTACLES, *FROM_FILES)
     entries = known_entries(value, kinds)
@@ -96,10 +111,14 @@ def _read_obstacles(value: Any, robot: Robot, folder: Path) -> list[Obstacle]:
     with checks.inside(kind):
         if kind in OBSTACLES:
             return [make(OBSTACLES[kind], description)]
+        array, noun = FROM_ARRAYS[kind]
+        if isinstance(description, dict) and array in description:
+            return [make(noun, description)]
         obstacle = make(FROM_FILES[kind], description, {"file": lambda name: folder / checks.text("", name)})
         if not isinstance(obstacle, Mesh):
             return [obstacle]
-        obstacle.check_size(robot.mean_length)
+        if robot is not None:
+            obstacle.check_size(robot.mean_length)
         return [*obstacle.bodies()]
 
 

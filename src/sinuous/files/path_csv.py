@@ -1,4 +1,4 @@
-"""A path of targets as a table: one row a waypoint, columns `x,y,z` and perhaps `dx,dy,dz` or `qw,qx,qy,qz`."""
+"""A path of targets as a table: one row a waypoint, columns `x,y,z` and perhaps a direction or a quaternion."""
 
 import csv
 import io
@@ -12,7 +12,11 @@ from sinuous.files.text import NUMBER
 from sinuous.problem.target import Target
 
 POSITION = ("x", "y", "z")
-ORIENTATIONS = {"direction": ("dx", "dy", "dz"), "rotation": ("qw", "qx", "qy", "qz")}
+ORIENTATIONS = {
+    "direction": ("dx", "dy", "dz"),
+    "rotation": ("qw", "qx", "qy", "qz"),
+    "xyzw": ("qx", "qy", "qz", "qw"),
+}
 HEADERS = {POSITION: None} | {(*POSITION, *columns): name for name, columns in ORIENTATIONS.items()}
 """What an allowed header says beside the position."""
 

@@ -1,53 +1,68 @@
 """A problem file: one question about one robot."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+
+import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
-from sinuous.files.json_syntax import parse_json
+from sinuous.files.documents import parse, read_part
 from sinuous.files.nouns import read_robot, read_scene, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
-from sinuous.files.yaml_syntax import parse_yaml
+from sinuous.frozen import Frozen
 from sinuous.garbage import uncollected
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.suspicions import all_suspicions
+from sinuous.problem.target import Target, Targets, target_list, target_table
+from sinuous.problem.tolerance import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.scene import Scene
+from sinuous.scene.scene import Scene, as_scene
+from sinuous.writing.documents import write_document
+from sinuous.writing.plain import described
 
 QUESTIONS = ("target", "targets", "path")
 KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer")
 
 
-@dataclass(frozen=True)
-class ProblemFile:
+class ProblemFile(Frozen):
     """What a problem file says.
+
+    Parameters
+    ----------
+    robot : Robot
+    target : Target or list of Target, optional
+        To be met at once.
+    scene : Scene or list of obstacles, optional
+    path : iterable of Target or list of Target, optional
+        Waypoints to be met one after the other, instead of `target`.
+    tolerance : Tolerance, optional
+    start : array_like (n, 3), optional
+        Where the first solve begins.
+    prefer : Preferences, optional
+    file : str
+        Its name, as it was given; empty when it is not from a file.
 
     Attributes
     ----------
-    file : str
-        Its name, as it was given.
-    robot : Robot
-    scene : Scene
     waypoints : tuple of tuple of Target
         One after the other; the targets of one waypoint are met at once.
     is_path : bool
-        Whether the file speaks of a path; otherwise there is one waypoint.
-    tolerance : Tolerance
-    start : ndarray (n, 3) or None
-    prefer : Preferences
+        Whether it speaks of a path; otherwise there is one waypoint.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
     """
 
-    file: str
     robot: Robot
     scene: Scene
     waypoints: tuple[tuple[Target, ...], ...]
@@ -55,20 +70,96 @@ class ProblemFile:
     tolerance: Tolerance
     start: Floats | None
     prefer: Preferences
+    file: str
+
+    def __init__(
+        self,
+        robot: Robot,
+        target: Targets | None = None,
+        scene: Any = None,
+        *,
+        path: Iterable[Targets] | None = None,
+        tolerance: Tolerance | None = None,
+        start: Any = None,
+        prefer: Preferences | None = None,
+        file: str = "",
+    ) -> None:
+        if not isinstance(robot, Robot):
+            raise InputError("robot", "", robot, "a Robot")
+        if (target is None) == (path is None):
+            raise InputError("target", "stands beside path" if path else "missing", target, "one of target, path")
+        if not (prefer is None or isinstance(prefer, Preferences)):
+            raise InputError("prefer", "", prefer, "Preferences")
+        place = as_scene(scene)
+        check_sizes(robot, place)
+        self._set(
+            robot=robot,
+            scene=place,
+            waypoints=_listed(robot, [target] if path is None else path, "target" if path is None else "path"),
+            is_path=path is not None,
+            tolerance=as_tolerance(tolerance),
+            start=None if start is None else checks.array("start", start, (len(robot), 3)),
+            prefer=prefer or Preferences(),
+            file=file,
+        )
+
+    def _content(self) -> dict[str, Any]:
+        """All but the name of the file; the scene as it is now."""
+        return {**super()._content(), "scene": self.scene.snapshot(), "file": None}
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is not as it should be, and what became of it: the defects of all meshes."""
-        return tuple(
+        """What is not as it should be: the defects of all meshes and what became of them, and what is suspicious."""
+        defects = [
             f"{self.scene.name(i)}: {defect}"
             for i, obstacle in enumerate(self.scene.obstacles)
             if isinstance(obstacle, Mesh)
             for defect in obstacle.defects
-        )
+        ]
+        return (*defects, *all_suspicions(self.robot, self.scene.snapshot(), self.waypoints))
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""
         return Problem(self.robot, self.waypoints[waypoint], self.scene, self.tolerance)
+
+    def to_dict(self, folder: str | Path = ".") -> dict[str, Any]:
+        """Return what a problem file in `folder` says; what has its default is left out.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file.
+        """
+        parts = {
+            "robot": self.robot.to_dict(),
+            "scene": self.scene.entries(folder),
+            **self._question(),
+            "tolerance": described(self.tolerance),
+            "start": None if self.start is None else self.start.tolist(),
+            "prefer": described(self.prefer),
+        }
+        return {key: value for key, value in parts.items() if value}
+
+    def _question(self) -> dict[str, Any]:
+        listed = [[described(target) for target in targets] for targets in self.waypoints]
+        if self.is_path:
+            return {"path": [targets[0] if len(targets) == 1 else targets for targets in listed]}
+        return {"target": listed[0][0]} if len(listed[0]) == 1 else {"targets": listed[0]}
+
+    def save(self, file: str | Path) -> None:
+        """Write a problem file, JSON when it is called so, YAML otherwise; read again, it is equal.
+
+        Obstacles that were read from files stay there; the new file names them. All else stands in the new file.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file, or the file cannot be written.
+        """
+        write_document(file, self.to_dict(Path(file).parent))
+
+
+Kind = TypeVar("Kind", bound=ProblemFile)
 
 
 def read_problem(file: str | Path) -> ProblemFile:
@@ -84,32 +175,50 @@ def read_problem(file: str | Path) -> ProblemFile:
     try:
         text = read_text(path)
         with uncollected():  # a long path is some hundred thousand values
-            return _problem(str(file), parse_json(text) if path.suffix.lower() == ".json" else parse_yaml(text))
+            return problem_of(parse(text, path), str(file), ProblemFile)
     except InputError as error:
         raise error.in_file(file) from None
 
 
-def _problem(file: str, value: Any) -> ProblemFile:
+def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
+    """Make a problem of what its file says."""
     if not isinstance(value, dict):
         raise InputError("file", "", value, "a mapping with " + ", ".join(KEYS))
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
-    robot: Robot = _part(entries, "robot", read_robot)
-    return ProblemFile(
-        file=file,
-        robot=robot,
-        scene=_part(entries, "scene", lambda v: read_scene(v, robot, folder)),
-        waypoints=_waypoints(entries, robot, folder),
-        is_path="path" in entries,
-        tolerance=_part(entries, "tolerance", lambda v: make(Tolerance, {} if v is None else v)),
+    robot = read_part("robot", entries["robot"], folder, lambda own, _: read_robot(own))
+    scene = read_part("scene", entries.get("scene"), folder, lambda own, inner: read_scene(own, robot, inner))
+    waypoints = _waypoints(entries, robot, folder)
+    question: dict[str, Any] = {"path": waypoints} if "path" in entries else {"target": waypoints[0]}
+    return kind(
+        robot,
+        scene=scene,
+        tolerance=_made(entries, "tolerance", Tolerance),
         start=None if entries.get("start") is None else read_start(entries["start"], robot, folder),
-        prefer=_part(entries, "prefer", lambda v: make(Preferences, {} if v is None else v)),
+        prefer=_made(entries, "prefer", Preferences),
+        file=file,
+        **question,
     )
 
 
-def _part(entries: dict[str, Any], key: str, read: Callable[[Any], Any]) -> Any:
+def _made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:
     with checks.inside(key):
-        return read(entries.get(key))
+        return make(noun, {} if entries.get(key) is None else entries[key])
+
+
+def _listed(robot: Robot, path: Any, key: str) -> tuple[tuple[Target, ...], ...]:
+    """Check waypoints for this robot; `key` is what holds them, or the only one."""
+    if isinstance(path, (Target, str, bytes, dict)) or not np.iterable(path):
+        raise InputError(key, "", path, "a list of targets")
+    result = []
+    for i, targets in enumerate(path):
+        place = f"{key}[{i}]" if key == "path" else key
+        result.append(target_list(place, targets))
+        with checks.inside(place):
+            target_table(robot, result[-1])
+    if not result:
+        raise InputError(key, "", path, "at least one target")
+    return tuple(result)
 
 
 def _waypoints(entries: dict[str, Any], robot: Robot, folder: Path) -> tuple[tuple[Target, ...], ...]:

@@ -2,9 +2,15 @@
 
 import json
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from sinuous import checks
+from sinuous.errors import InputError
+from sinuous.files.json_syntax import parse_json
+from sinuous.files.text import read_text
 
 
 def json_line(result: dict[str, Any]) -> str:
@@ -16,10 +22,17 @@ def json_line(result: dict[str, Any]) -> str:
 
 
 def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[str, Any]:
-    """Put the name of the problem file in front of an answer, and the time of preparing after the time of solving."""
+    """Put the name of the problem file in front of an answer, and the time of preparing after the time of solving.
+
+    Remedies, where there are any, stand behind what they are remedies of.
+    """
+    answer = dict(answer)
+    remedies = {"remedies": answer.pop("remedies")} if "remedies" in answer else {}
     entries: dict[str, Any] = {"file": file}
     for key, value in answer.items():
         entries[key] = value
+        if key == "binding":
+            entries.update(remedies)
         if key == "seconds":
             entries["prepare_seconds"] = prepare_seconds
     return entries
@@ -36,3 +49,24 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
+
+
+def read_results(file: Path) -> list[tuple[int, dict[str, Any]]]:
+    """Read the results in a file, each with the number of its line.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, holds no result, or a line is no JSON object.
+    """
+    lines = [(i, line) for i, line in enumerate(read_text(file).splitlines(), 1) if line.strip()]
+    results = []
+    for number, line in lines:
+        with checks.inside(f"line {number}"):
+            values = parse_json(line)
+            if not isinstance(values, dict):
+                raise InputError("", "", values, "a result")
+        results.append((number, values))
+    if not results:
+        raise InputError("file", "is empty", str(file), "results, one a line")
+    return results

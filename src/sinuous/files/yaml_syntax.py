@@ -1,8 +1,8 @@
 """YAML text to plain values: the part of YAML 1.2 that says what JSON says.
 
 PyYAML's parser gives the events; what they mean is decided here, because its own constructors follow YAML 1.1, where
-`1e-3` is a text, `010` is eight and `no` is false. There are no tags, anchors or aliases, so nothing can be executed or
-multiply.
+`1e-3` is a text, `010` is eight and `no` is false. There are no tags, so that nothing can be executed, and what aliases
+stand for is bounded.
 """
 
 import re
@@ -24,7 +24,8 @@ _WORDS = {"": None, "~": None} | {
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
 
-Events = Iterator[Any]
+MOST_REPEATED = 100_000
+"""Values that all aliases of a document may stand for together: nested aliases multiply."""
 
 Place = tuple[Any, ...]
 """Where a value stands: `()`, or the place of what it stands in, and its name or number there."""
@@ -33,15 +34,17 @@ Place = tuple[Any, ...]
 def parse_yaml(text: str) -> Any:
     """Read one YAML document; `None` when there is none.
 
+    Values that an alias stands for are the same objects as those of its anchor; nobody may change them.
+
     Raises
     ------
     InputError
-        With the number of the line when it is no YAML or uses a tag or an alias, with the key when it stands twice or
-        its number is not finite.
+        With the number of the line when it is no YAML, uses a tag, or has aliases that cannot be meant; with the key
+        when it stands twice or its number is not finite.
     """
     with refuse_deep(text):
         try:
-            values = _document(iter(_LOADER(text).get_event, None))
+            values = _Document(iter(_LOADER(text).get_event, None)).values()
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             refuse_line(text, line, error.problem or "cannot be read", "YAML")
@@ -52,50 +55,81 @@ def parse_yaml(text: str) -> Any:
     return values
 
 
-def _document(events: Events) -> Any:
-    next(events)
-    if isinstance(next(events), yaml.StreamEndEvent):
-        return None
-    value = _value((), next(events), events)
-    next(events)
-    after = next(events)
-    if not isinstance(after, yaml.StreamEndEvent):
-        raise InputError(_line(after), "starts another document", "---", "one document")
-    return value
+class _Document:
+    """Makes values of the events of a parser."""
 
+    def __init__(self, events: Iterator[Any]) -> None:
+        self._events = events
+        self._anchors: dict[str, tuple[Any, int]] = {}  # the value of each, and how many values are in it
+        self._open: set[str] = set()
+        self._made = self._repeated = 0
 
-def _value(place: Place, event: Any, events: Events) -> Any:
-    if event.anchor is not None:
-        raise InputError(_line(event), "has an anchor or an alias", event.anchor, "every value written out")
-    if event.tag is not None:
-        raise InputError(_line(event), "has a tag", event.tag, "plain values")
-    if isinstance(event, yaml.ScalarEvent):
-        return _scalar(event.value) if event.implicit[0] else event.value
-    return _sequence(place, events) if isinstance(event, yaml.SequenceStartEvent) else _mapping(place, events)
+    def values(self) -> Any:
+        next(self._events)
+        if isinstance(next(self._events), yaml.StreamEndEvent):
+            return None
+        value = self._value((), next(self._events))
+        next(self._events)
+        after = next(self._events)
+        if not isinstance(after, yaml.StreamEndEvent):
+            raise InputError(_line(after), "starts another document", "---", "one document")
+        return value
 
+    def _value(self, place: Place, event: Any) -> Any:
+        if isinstance(event, yaml.AliasEvent):
+            return self._again(event)
+        if event.tag is not None:
+            raise InputError(_line(event), "has a tag", event.tag, "plain values")
+        before = self._made
+        self._made += 1
+        if event.anchor is None:
+            return self._own_value(place, event)
+        self._open.add(event.anchor)
+        value = self._own_value(place, event)
+        self._open.discard(event.anchor)
+        self._anchors[event.anchor] = value, self._made - before
+        return value
 
-def _sequence(place: Place, events: Events) -> list[Any]:
-    result: list[Any] = []
-    for event in events:
-        if isinstance(event, yaml.SequenceEndEvent):
-            break
-        result.append(_value((place, len(result)), event, events))
-    return result
+    def _again(self, event: Any) -> Any:
+        """Return the value that an alias stands for."""
+        name = event.anchor
+        if name in self._open:
+            raise InputError(_line(event), "stands for what it is part of", f"*{name}", "an alias of a finished value")
+        if name not in self._anchors:
+            raise InputError(_line(event), "has no anchor", f"*{name}", "an alias of an anchor above it")
+        value, size = self._anchors[name]
+        self._made += size
+        self._repeated += size
+        if self._repeated > MOST_REPEATED:
+            raise InputError(_line(event), "aliases multiply", f"*{name}", f"at most {MOST_REPEATED} repeated values")
+        return value
 
+    def _own_value(self, place: Place, event: Any) -> Any:
+        if isinstance(event, yaml.ScalarEvent):
+            return _scalar(event.value) if event.implicit[0] else event.value
+        return self._sequence(place) if isinstance(event, yaml.SequenceStartEvent) else self._mapping(place)
 
-def _mapping(place: Place, events: Events) -> dict[str, Any]:
-    result: dict[str, Any] = {}
-    for event in events:
-        if isinstance(event, yaml.MappingEndEvent):
-            break
-        if not isinstance(event, yaml.ScalarEvent):
-            raise InputError(_line(event), "has a key that is no name", _key(place), "a name")
-        name, inner = event.value, (place, event.value)
-        value = _value(inner, next(events), events)
-        if name in result:
-            raise InputError(_key(inner), "stands twice", value, "every key once")
-        result[name] = value
-    return result
+    def _sequence(self, place: Place) -> list[Any]:
+        result: list[Any] = []
+        for event in self._events:
+            if isinstance(event, yaml.SequenceEndEvent):
+                break
+            result.append(self._value((place, len(result)), event))
+        return result
+
+    def _mapping(self, place: Place) -> dict[str, Any]:
+        result: dict[str, Any] = {}
+        for event in self._events:
+            if isinstance(event, yaml.MappingEndEvent):
+                break
+            if not isinstance(event, yaml.ScalarEvent):
+                raise InputError(_line(event), "has a key that is no name", _key(place), "a name")
+            name, inner = event.value, (place, event.value)
+            value = self._value(inner, next(self._events))
+            if name in result:
+                raise InputError(_key(inner), "stands twice", value, "every key once")
+            result[name] = value
+        return result
 
 
 def _scalar(text: str) -> Any:

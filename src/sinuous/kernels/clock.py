@@ -1,4 +1,15 @@
-"""The monotonic clock of the operating system, readable from within a kernel."""
+"""The clock of a computation: when it has to end, and whether somebody wants to interrupt it.
+
+A clock is an array (`CLOCK_SIZE`,) int64 in the workspace. Who computes `begin`s it, `allow`s some seconds, and then
+`spend`s looks: one for the distance to a sphere, some 5 ns, and for dearer work in proportion. Every `STRIDE` looks the
+time is read, which costs some 30 ns. Once it is over, every `spend` says so, until more is allowed: a loop may end, and
+the loop around it ends with its next `spend`.
+
+Compiled code does not see signals. So whoever reads the time also listens for them, every `LISTENING` nanoseconds, as
+the manual of Python wants it: it takes the interpreter's lock and calls `PyErr_CheckSignals`. Handlers run only in the
+main thread; that of `Ctrl-C` raises `KeyboardInterrupt`. Then all time is over, and an exception of the same type is
+raised as soon as the compiled code is back in Python (`PyThreadState_SetAsyncExc`).
+"""
 
 import sys
 from typing import Any
@@ -7,6 +18,27 @@ from numba import types
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
+
+_READ, _REST, DEADLINE, LOOKS, _LISTENED, STOPPED, _RAISED = range(7)
+"""Places in a clock: two that the operating system fills; when all has to end (ns); looks since the time was read; when
+somebody listened last (ns); whether an exception was raised then; and scratch for that (3)."""
+
+CLOCK_SIZE = _RAISED + 3
+
+STRIDE = 1024
+"""Looks after which the time is read: some 5 us."""
+
+SEGMENT_LOOKS = 16
+"""What a step costs for every segment."""
+
+TREE_LOOKS = 16
+"""What the distance to a mesh, a cloud or a grid costs: between six looks, sampled, and some hundred, exact."""
+
+LISTENING = 50_000_000
+"""Nanoseconds between two times that signals are listened for."""
+
+LONGEST = 1e9
+"""Most seconds that are allowed: thirty years, in nanoseconds still far from the largest number."""
 
 _WINDOWS = sys.platform == "win32"
 _MONOTONIC = 6 if sys.platform == "darwin" else 1
@@ -18,22 +50,89 @@ if _WINDOWS:
     _read_rate: Any = types.ExternalFunction("QueryPerformanceFrequency", types.int32(_buffer))
 
     @kernel
-    def _seconds(buffer: Array) -> float:
-        _read(buffer.ctypes)
-        ticks = buffer[0]
-        _read_rate(buffer.ctypes)
-        return float(ticks / buffer[0])
+    def _nanoseconds(clock: Array) -> int:
+        _read(clock.ctypes)
+        ticks = clock[_READ]
+        _read_rate(clock.ctypes)
+        return int(1e9 * (ticks / clock[_READ]))
 
 else:
     _read = types.ExternalFunction("clock_gettime", types.int32(types.int32, _buffer))
 
     @kernel
-    def _seconds(buffer: Array) -> float:
-        _read(_MONOTONIC, buffer.ctypes)
-        return float(buffer[0] + 1e-9 * buffer[1])
+    def _nanoseconds(clock: Array) -> int:
+        _read(_MONOTONIC, clock.ctypes)
+        return 1_000_000_000 * clock[_READ] + clock[_REST]
+
+
+_take_lock: Any = types.ExternalFunction("PyGILState_Ensure", types.int32())
+_give_lock: Any = types.ExternalFunction("PyGILState_Release", types.void(types.int32))
+_run_handlers: Any = types.ExternalFunction("PyErr_CheckSignals", types.int32())
+_fetch: Any = types.ExternalFunction("PyErr_Fetch", types.void(_buffer, _buffer, _buffer))
+_forget: Any = types.ExternalFunction("Py_DecRef", types.void(types.int64))
+_own_thread: Any = types.ExternalFunction("PyThread_get_thread_ident", types.uintp())
+_raise_later: Any = types.ExternalFunction("PyThreadState_SetAsyncExc", types.int32(types.uintp, types.int64))
 
 
 @kernel
-def now(buffer: Array) -> float:
-    """Seconds of `time.monotonic`; `buffer` (2,) int64 is scratch."""
-    return _seconds(buffer)
+def _listen(clock: Array) -> None:
+    """Run the handlers of signals; where one raises an exception, all time is over."""
+    lock = _take_lock()
+    if _run_handlers() != 0:
+        clock[STOPPED] = 1
+        kind, value, trace = clock[_RAISED:], clock[_RAISED + 1 :], clock[_RAISED + 2 :]
+        _fetch(kind.ctypes, value.ctypes, trace.ctypes)
+        _raise_later(_own_thread(), kind[0])
+        _forget(kind[0])
+        _forget(value[0])
+        _forget(trace[0])
+    _give_lock(lock)
+
+
+@kernel
+def now(clock: Array) -> float:
+    """Seconds of `time.monotonic`; of `clock` (2 or more,) int64 the first two places are scratch."""
+    return 1e-9 * _nanoseconds(clock)
+
+
+@kernel
+def begin(clock: Array) -> None:
+    """Begin a call from Python: nobody has interrupted it yet."""
+    clock[_LISTENED] = _nanoseconds(clock)
+    clock[STOPPED] = 0
+
+
+@kernel
+def allow(clock: Array, seconds: float) -> float:
+    """Allow so many seconds from now on; returns the time, in seconds."""
+    read = _nanoseconds(clock)
+    clock[DEADLINE] = read + int(1e9 * min(seconds, LONGEST))
+    clock[LOOKS] = 0
+    return 1e-9 * read
+
+
+@kernel
+def over(clock: Array) -> bool:
+    """Read the time, and say whether it is over."""
+    read = _nanoseconds(clock)
+    if read - clock[_LISTENED] > LISTENING:
+        clock[_LISTENED] = read
+        _listen(clock)
+    if clock[STOPPED] != 0 or read > clock[DEADLINE]:
+        clock[LOOKS] = STRIDE
+        return True
+    clock[LOOKS] = 0
+    return False
+
+
+@kernel
+def spend(clock: Array, looks: int) -> bool:
+    """Count looks, and say whether the time is over; it is read every `STRIDE` looks."""
+    clock[LOOKS] += looks
+    return clock[LOOKS] >= STRIDE and over(clock)
+
+
+@kernel
+def late(clock: Array) -> bool:
+    """Say whether the time was over when it was read last."""
+    return bool(clock[LOOKS] >= STRIDE)

@@ -181,8 +181,10 @@ PIECES = (
         2,
         (
             "kernels.fields.distances.many",
+            "kernels.fields.distances.least_gap",
             "kernels.fields.trees.arrange",
             "kernels.fields.trees.enclose",
+            "kernels.fields.solids.enclose",
             "kernels.fields.solids.sample",
         ),
     ),

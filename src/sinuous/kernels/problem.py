@@ -20,8 +20,9 @@ from sinuous.kernels.tables import (
     UNIT,
 )
 
-Robot = namedtuple("Robot", ["limits", "actuation", "base", "tool"])
-"""Rows of segments (n, 7) and of actuator limits (p, 7); poses of base and tool (1, 12)."""
+Robot = namedtuple("Robot", ["limits", "actuation", "base", "tool", "avoids_itself"])
+"""Rows of segments (n, 7) and of actuator limits (p, 7); poses of base and tool (1, 12); whether its body must not run
+through itself."""
 
 Problem = namedtuple(
     "Problem",
@@ -30,6 +31,7 @@ Problem = namedtuple(
         "actuation",
         "base",
         "tool",
+        "avoids_itself",
         "scene",
         "targets",
         "mount",
@@ -56,6 +58,7 @@ def read_robot(robot: Array) -> Robot:
         robot[actuators:poses].reshape((p, ACTUATOR_WIDTH)),
         robot[poses : poses + POSE_WIDTH].reshape((1, POSE_WIDTH)),
         robot[poses + POSE_WIDTH : poses + 2 * POSE_WIDTH].reshape((1, POSE_WIDTH)),
+        robot[2] != 0.0,
     )
 
 
@@ -68,6 +71,7 @@ def read_problem(robot: Array, scene: Array, settings: Array, targets: Array) ->
         own.actuation,
         own.base,
         own.tool,
+        own.avoids_itself,
         read_scene(scene),
         targets,
         settings[MOUNT],
@@ -82,5 +86,5 @@ def read_problem(robot: Array, scene: Array, settings: Array, targets: Array) ->
 
 @kernel
 def answer_of(answers: Array, i: int, n: int) -> tuple[Array, Array]:
-    """Configuration (n, 3) and record (10,) of answer `i` in a batch (m, 10 + 3 n)."""
+    """Configuration (n, 3) and record (11,) of answer `i` in a batch (m, 11 + 3 n)."""
     return answers[i, RECORD_WIDTH:].reshape((n, 3)), answers[i, :RECORD_WIDTH]

@@ -5,7 +5,7 @@ both use the names below. All tables are float64 and C-contiguous. What belongs 
 single flat array, because every array that Python hands to a compiled function costs 0.08 us, and a tuple of arrays
 more:
 
-- the robot: `[n, p]`, rows of its n segments, rows of its p actuator limits, poses of base and tool;
+- the robot: `[n, p, avoid]`, rows of its n segments, rows of its p actuator limits, poses of base and tool;
 - the scene: `[m]`, rows of its m obstacles, then the store: all numbers that these rows point to;
 - the settings: one number for each name below, then the options of the method;
 - the targets: a table (t, 15), the only group with two axes.
@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 # --- the robot group -------------------------------------------------------------------------------------------------
 
-ROBOT_HEADER = 2
-"""Numbers before the rows of the segments: how many segments, how many actuator limits."""
+ROBOT_HEADER = 3
+"""Numbers before the rows of the segments: how many segments, how many actuator limits, and 1 where the body must not
+run through itself, else 0."""
 
 MIN_LENGTH, MAX_LENGTH, MAX_BEND, MAX_CURVATURE, RADIUS, BEND_SCALE, LENGTH_SCALE = range(7)
 """Columns of a segment. Limits of its length, bend (rad) and curvature; radius of its body; scales of a bend (rad) and
@@ -150,16 +151,16 @@ QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK = 0, 3, 6, 9
     QUERY_CELL,
     QUERY_CLEARANCE,
     QUERY_ROOM,
-    QUERY_SLOTS,
+    QUERY_MOST_CELLS,
     QUERY_EXACT,
     QUERY_PROVE,
 ) = range(12, 27)
 """How far from the goal a route may end, and how much farther a proof has to grant; radius of what moves along the
 route; the longest route; the radius of its tightest turn; length from the origin that obstacles do not concern. A route
 of length x leaves straight for `x - OTHER_LENGTH`, no less than STRAIGHT_MIN and no more than STRAIGHT_MAX. Edge of the
-cells; distance from obstacles with which a cell can be passed; room beyond the radius that costs nothing; slots of the
-table of cells, a power of two; whether to ask for exact distances; whether to prove that there is no route where none
-is found."""
+cells; distance from obstacles with which a cell can be passed; room beyond the radius that costs nothing; most cells
+that a search meets, a power of two; whether to ask for exact distances; whether to prove that there is no route where
+none is found."""
 
 QUERY_WIDTH = 27
 
@@ -178,10 +179,12 @@ GIVEN, ARC, RANDOM, ROUTE = range(4)
 SOURCES = ("given", "arc", "random", "route")
 """Their names, in the same order."""
 
-CODE, ITERATIONS, STARTS, SOURCE, POSITION_ERROR, ANGLE_ERROR, CLEARANCE, BOUND, MERIT, SECONDS = range(10)
+CODE, ITERATIONS, STARTS, SOURCE, POSITION_ERROR, ANGLE_ERROR, CLEARANCE, SELF_CLEARANCE, BOUND, MERIT, SECONDS = range(
+    11
+)
 """Columns of the record of a search, in the order of the fields of `Outcome`."""
 
-RECORD_WIDTH = 10
+RECORD_WIDTH = 11
 
 
 class Outcome(NamedTuple):
@@ -201,6 +204,8 @@ class Outcome(NamedTuple):
         Largest over the targets, length unit and rad.
     clearance : float
         Proved when it is solved, else the least that was seen.
+    self_clearance : float
+        The same of the body from itself; infinite where that does not matter, or nobody looked.
     bound : bool
         Whether limits stopped the best start.
     merit : float
@@ -208,6 +213,8 @@ class Outcome(NamedTuple):
     seconds : float
     cell : float
         Edge of the cells by which it was proved that there is no route; NaN otherwise.
+    route : ndarray (k, 3) or None
+        Points of the route that the solved start was laid along; `None` where it came from elsewhere.
     """
 
     q: NDArray[np.float64]
@@ -218,18 +225,19 @@ class Outcome(NamedTuple):
     position_error: float
     angle_error: float
     clearance: float
+    self_clearance: float
     bound: bool
     merit: float
     seconds: float
     cell: float = float("nan")
+    route: NDArray[np.float64] | None = None
 
     @classmethod
     def from_record(cls, q: NDArray[np.float64], record: list[float]) -> "Outcome":
         """Make it of one record, where whole numbers and truth values are floats too."""
-        code, iterations, starts, source, off, turn, clearance, bound, merit, seconds = record
-        return cls(
-            q, int(code), int(iterations), int(starts), int(source), off, turn, clearance, bool(bound), merit, seconds
-        )
+        code, iterations, starts, source, off, turn, clearance, own, bound, merit, seconds = record
+        counts = int(code), int(iterations), int(starts), int(source)
+        return cls(q, *counts, off, turn, clearance, own, bool(bound), merit, seconds)
 
 
 def answer_size(segments: int) -> int:

@@ -22,11 +22,14 @@ class Bound(NamedTuple):
         See `sinuous.solution.reasons.Reason`.
     needed, available : float
         Lengths; for `turning` angles (rad).
+    pointing : bool
+        Whether it comes of the direction that is asked for: seen from the target, back to the base.
     """
 
     name: str
     needed: float
     available: float
+    pointing: bool = False
 
 
 def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound]:
@@ -35,7 +38,8 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
     near, angle = tolerance.position or 0.0, tolerance.angle
     segments = robot.segments[:last]
     low, high = (np.array([segment.length[i] for segment in segments]) for i in range(2))
-    bends = np.array([min(s.max_bend, s.max_curvature * s.length[1]) if s.length[1] else 0.0 for s in segments])
+    pairs = zip(segments, robot.curvatures, strict=False)
+    bends = np.array([min(s.max_bend, most * s.length[1]) if s.length[1] else 0.0 for s, most in pairs])
     turning = float(bends.sum())
     axis = robot.base[:3, 2]
     own_tool = last == len(robot)
@@ -51,7 +55,8 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
         tangent = target.direction if target.rotation is None else target.rotation[:, 2]
         if tangent is not None and not (own_tool and robot.tool[2, 2] != 1.0):
             swing = loose + min(2.0, angle) * far
-            yield from _cone(low[::-1], high[::-1], bends[::-1], -chord, -tangent, swing)
+            backwards = _cone(low[::-1], high[::-1], bends[::-1], -chord, -tangent, swing)
+            yield from (bound._replace(pointing=True) for bound in backwards)
     if target.direction is not None and turning < math.pi:
         off = math.acos(np.clip(robot.tool[2, 2], -1.0, 1.0)) if own_tool else 0.0
         yield Bound("turning", math.acos(np.clip(axis @ target.direction, -1.0, 1.0)), turning + off + angle)

@@ -22,7 +22,7 @@ class Entry(NamedTuple):
     ----------
     search : callable
         Takes groups of robot, scene and settings, then targets (m, t, 15), initial configurations (m, g, n, 3), budget,
-        workspace, and the answers (m, 10 + 3 n) that it fills; see `sinuous.kernels.tables`.
+        workspace, and the answers (m, 11 + 3 n) that it fills; see `sinuous.kernels.tables`.
     size : callable
         Numbers (float64) of workspace for this many targets at once.
     options : ndarray
@@ -97,7 +97,7 @@ def _answered(call: Call) -> list[Outcome]:
 
 
 def as_outcomes(answers: Floats) -> list[Outcome]:
-    """Outcomes of a batch of answers (m, 10 + 3 n)."""
+    """Outcomes of a batch of answers (m, 11 + 3 n)."""
     shapes = answers[:, RECORD_WIDTH:].reshape(len(answers), -1, 3).copy()
     return [
         Outcome.from_record(q, record) for q, record in zip(shapes, answers[:, :RECORD_WIDTH].tolist(), strict=True)

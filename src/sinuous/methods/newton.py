@@ -66,7 +66,7 @@ class PreparedNewton(Compiled):
         if self._preferences and outcome.code == SOLVED:
             if reference is None and len(initial):
                 reference = initial[0]
-            return self._prefer(outcome, problem, reference, budget[3])
+            return self._prefer(outcome, problem, reference, budget[3] - outcome.seconds)
         return outcome
 
     def run_many(self, problems: Sequence[Problem], initial: Floats, budget: Budget) -> list[Outcome]:
@@ -76,20 +76,25 @@ class PreparedNewton(Compiled):
             return outcomes
         given = initial if initial.shape[1] else [[None]] * len(outcomes)
         return [
-            self._prefer(outcome, problem, own[0], budget[3]) if outcome.code == SOLVED else outcome
+            self._prefer(outcome, problem, own[0], budget[3] - outcome.seconds) if outcome.code == SOLVED else outcome
             for outcome, problem, own in zip(outcomes, problems, given, strict=True)
         ]
 
     def _prefer(self, outcome: Outcome, problem: Problem, reference: Floats | None, seconds: float) -> Outcome:
-        """Improve a solved outcome, in place, by what is preferred; `reference` (n, 3): what to stay close to."""
+        """Improve a solved outcome, in place, by what is preferred; `reference` (n, 3): what to stay close to.
+
+        `seconds` are what the search left of the budget.
+        """
         near = outcome.q.copy() if reference is None else np.array(reference)
-        proved = outcome.position_error, outcome.angle_error, outcome.clearance, seconds
+        proved = outcome.position_error, outcome.angle_error, outcome.clearance, outcome.self_clearance, seconds
         groups = self._robot, problem.scene._kernel_group, self._settings, problem._rows
         used, *better = prefer(*groups, near, proved, self._workspace(len(problem._rows)), outcome.q)
-        position_error, angle_error, clearance = better
+        position_error, angle_error, clearance, self_clearance, spent = better
         return outcome._replace(
             iterations=outcome.iterations + used,
             position_error=position_error,
             angle_error=angle_error,
             clearance=clearance,
+            self_clearance=self_clearance,
+            seconds=outcome.seconds + spent,
         )

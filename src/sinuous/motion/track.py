@@ -9,6 +9,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
@@ -65,9 +66,12 @@ class Track:
     @property
     def clearance(self) -> float | None:
         """Least proved clearance over the waypoints; `None` without obstacles, or when one has no proof."""
-        values = [solution.clearance for solution in self.solutions]
-        known = [value for value in values if value is not None]
-        return min(known) if known and len(known) == len(values) else None
+        return _least([solution.clearance for solution in self.solutions])
+
+    @property
+    def self_clearance(self) -> float | None:
+        """Least proved self-clearance over the waypoints; `None` where it does not matter, or when one has no proof."""
+        return _least([solution.self_clearance for solution in self.solutions])
 
     @property
     def largest_step(self) -> tuple[float, float]:
@@ -98,6 +102,28 @@ class Track:
             raise NotSolvedError(str(self), self)
         return self
 
+    @classmethod
+    def from_dict(cls, values: Any, problems: Iterable[Problem]) -> "Track":
+        """Make a track of its result as plain values, and of the problems of its waypoints, one after the other.
+
+        Raises
+        ------
+        InputError
+            When `values` are no result of a track, or one of another number of waypoints.
+        """
+        asked = tuple(problems)
+        listed = values.get("waypoints") if isinstance(values, dict) else None
+        if not isinstance(listed, list) or not listed:
+            raise InputError("waypoints", "", listed, "a list of results")
+        remaining = checks.integer("remaining", values.get("remaining", 0), 0, MOST_WAYPOINTS)
+        if len(listed) + remaining != len(asked):
+            raise InputError("waypoints", "", len(listed) + remaining, f"as many as in the problem: {len(asked)}")
+        solutions = []
+        for i, (one, problem) in enumerate(zip(listed, asked, strict=False)):
+            with checks.inside(f"waypoints[{i}]"):
+                solutions.append(Solution.from_dict(one, problem))
+        return cls(tuple(solutions), remaining)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the totals and the waypoints as plain values, in the order of the file format."""
         waypoints = [solution.to_dict() for solution in self.solutions]
@@ -109,8 +135,10 @@ class Track:
             "position_error": _largest(waypoints, "position_error"),
             "angle_error": _largest(waypoints, "angle_error"),
             "clearance": self.clearance,
+            "self_clearance": _least([w["self_clearance"] for w in waypoints]),
             "worst": next((w["worst"] for w in waypoints if w["worst"] is not None), None),
             "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
+            "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
             "iterations": sum(w["iterations"] for w in waypoints),
             "starts": sum(w["starts"] for w in waypoints),
             "seconds": self.seconds,
@@ -141,7 +169,7 @@ class Track:
         failed = next((i for i, solution in enumerate(self.solutions) if not solution.solved), None)
         if failed is None:
             return counted
-        reason = self.solutions[failed].worst or self.solutions[failed].status.sentence
+        reason = self.solutions[failed].worst or self.solutions[failed].sentence
         return f"{counted}; waypoint {failed + 1}: {reason}"
 
 
@@ -212,3 +240,9 @@ def waypoints(solver: Solver, path: Iterable[Targets], start: "Solution | Any" =
 
 def _largest(results: list[dict[str, Any]], key: str) -> float | None:
     return max((result[key] for result in results if result[key] is not None), default=None)
+
+
+def _least(clearances: list[float | None]) -> float | None:
+    """The least of proved clearances; `None` when one is missing."""
+    known = [value for value in clearances if value is not None]
+    return min(known) if known and len(known) == len(clearances) else None

@@ -72,6 +72,14 @@ class Problem(Frozen, _Open):
         )
         check_sizes(robot, place)
 
+    def changed(self, **values: Any) -> "Problem":
+        """Return the same problem with other values of some parameters."""
+        own = {key: getattr(self, key) for key in ("robot", "targets", "scene", "tolerance")}
+        return Problem(**{**own, **values})
+
+    def _content(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("robot", "targets", "scene", "tolerance")}
+
     @property
     def rows(self) -> Floats:
         """The targets as kernels read them (t, 15), read-only."""

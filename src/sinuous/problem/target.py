@@ -12,7 +12,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only, target_row, target_rows
-from sinuous.poses import rotation_matrices, rotation_matrix
+from sinuous.poses import any_rotation, any_rotations
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
 MOST_TARGETS = 1000
@@ -28,8 +28,10 @@ class Target(Frozen):
         Where, in the world.
     direction : array_like (3,), optional
         Where the tangent of the backbone (the tool's z axis) points; any length but zero.
-    rotation : array_like (3, 3) or (4,), optional
+    rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
         The whole orientation, instead of `direction`: a matrix or a quaternion wxyz.
+    xyzw : array_like (4,), optional
+        The same as a quaternion in the order of SciPy and ROS, instead of `rotation`.
     segment : int, optional
         The segment whose end is meant, 1 = first. The last one, which is the default, means the tool.
 
@@ -53,43 +55,55 @@ class Target(Frozen):
     _tables: ClassVar[frozenset[str]] = frozenset({"_table"})
 
     def __init__(
-        self, position: Any = None, *, direction: Any = None, rotation: Any = None, segment: Any = None
+        self,
+        position: Any = None,
+        *,
+        direction: Any = None,
+        rotation: Any = None,
+        segment: Any = None,
+        xyzw: Any = None,
     ) -> None:
-        if position is None and direction is None and rotation is None:
+        matrix = any_rotation(rotation, xyzw)
+        if position is None and direction is None and matrix is None:
             raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
-        if direction is not None and rotation is not None:
+        if direction is not None and matrix is not None:
             raise InputError("direction", "stands beside rotation", direction, "one of direction, rotation")
         place = None if position is None else checks.vector("position", position)
         axis = None if direction is None else checks.direction("direction", direction)
-        matrix = None if rotation is None else rotation_matrix("rotation", rotation)
         number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)
         table = target_row(number, place, axis, matrix)
         self._set(position=place, direction=axis, rotation=matrix, segment=number, _table=table)
 
     @classmethod
-    def each(cls, position: Any = None, *, direction: Any = None, rotation: Any = None) -> "tuple[Target, ...]":
+    def each(
+        cls, position: Any = None, *, direction: Any = None, rotation: Any = None, xyzw: Any = None
+    ) -> "tuple[Target, ...]":
         """Make many targets of the tip, checked together: equal to those made one by one, in a tenth of the time.
 
         Parameters
         ----------
         position : array_like (m, 3), optional
         direction : array_like (m, 3), optional
-        rotation : array_like (m, 3, 3) or (m, 4), optional
+        rotation : array_like (m, 3, 3) or (m, 4), or Rotation of SciPy, optional
             Instead of `direction`: matrices, or quaternions wxyz.
+        xyzw : array_like (m, 4), optional
+            The same as quaternions in the order of SciPy and ROS, instead of `rotation`.
 
         Raises
         ------
         InputError
             As for `Target`, or when there is not one of each for every target.
         """
-        if (position is direction is rotation is None) or (direction is not None and rotation is not None):
-            cls(position, direction=direction, rotation=rotation)  # says what is wrong
+        matrices = any_rotations(rotation, xyzw)
+        if position is None and direction is None and matrices is None:
+            raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
+        if direction is not None and matrices is not None:
+            raise InputError("direction", "stands beside rotation", direction, "one of direction, rotation")
         places = None if position is None else checks.array("position", position, (None, 3))
         axes = None if direction is None else checks.directions("direction", direction)
-        matrices = None if rotation is None else rotation_matrices("rotation", rotation)
         orientations = axes if matrices is None else matrices
         if places is not None and orientations is not None and len(places) != len(orientations):
-            key = "direction" if matrices is None else "rotation"
+            key = "direction" if matrices is None else "rotation" if xyzw is None else "xyzw"
             raise InputError(key, "", len(orientations), f"as many as there are positions: {len(places)}")
         count = next(len(part) for part in (places, orientations) if part is not None)
         rows = target_rows(count, places, axes, matrices)
@@ -100,6 +114,11 @@ class Target(Frozen):
             target.__dict__.update(position=place, direction=axis, rotation=matrix, segment=None, _table=row)
             targets.append(target)
         return tuple(targets)
+
+    def changed(self, **values: Any) -> "Target":
+        """Return the same target with other values of some parameters."""
+        own = {key: getattr(self, key) for key in ("position", "direction", "rotation", "segment")}
+        return Target(**{**own, **values})
 
     @property
     def table(self) -> Floats:

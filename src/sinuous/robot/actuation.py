@@ -1,117 +1,205 @@
-"""Lengths of tendons and chambers, from a configuration and back; plain NumPy.
+"""The linear map from configurations to the values of all actuators; plain NumPy.
 
-Arrays are (..., n, 3) for configurations and, per segment, (..., m) for its m lines.
+A tendon that ends at segment k sees the sum of the coordinates of segments 1 to k, a chamber those of its segment, and
+each of `Actuators` all of them. Arrays are (..., n, 3) for configurations and (..., m) for values.
 """
 
-from collections.abc import Sequence
-from itertools import islice
-from typing import Any
+import math
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.frozen import Frozen
+from sinuous.packing import actuator_row
 from sinuous.robot.actuators import Lines
+from sinuous.robot.coupled import Actuators
+from sinuous.robot.names import line_names, refuse_repeated, segment_names
 from sinuous.robot.segment import Segment
 
+Kind = Literal["tendon", "chamber", "linear"]
 
-def tendon_displacements(segments: Sequence[Segment], q: Floats) -> list[Floats]:
-    """By how much every tendon is pulled, per segment an array (..., m)."""
-    total = np.cumsum(q[..., :2], axis=-2)
+TOGETHER = 256
+"""Vectors that are multiplied at once. NumPy hands more of them to several threads, which wait for each other longer
+than such small matrices take."""
+
+
+class Actuator(NamedTuple):
+    """One actuator of a robot.
+
+    Attributes
+    ----------
+    name : str
+        Of its own, or by default `s1.t1`, `s1.c1`, `a1`.
+    kind : str
+        `tendon`: its value is the displacement, positive when pulled. `chamber`: its value is the length. `linear`: one
+        of `Actuators`.
+    segment : int
+        Segment where it ends, 1 = first: the last one whose coordinates it sees.
+    limits : (float, float)
+        Least and largest value; infinite where there is no limit.
+    """
+
+    name: str
+    kind: Kind
+    segment: int
+    limits: tuple[float, float]
+
+
+class Line(NamedTuple):
+    """A tendon or a chamber: its key in the robot, who it is, and its weights of bend_x, bend_y, length."""
+
+    key: str
+    actuator: Actuator
+    weights: tuple[float, float, float]
+
+
+class Actuation(Frozen):
+    """All actuators of a robot, and what their values are.
+
+    Parameters
+    ----------
+    segments : sequence of Segment
+    linear : Actuators or None
+
+    Attributes
+    ----------
+    actuators : tuple of Actuator
+        Segment by segment, tendons before chambers, then `linear`.
+    limits : ndarray (m, 2)
+    gains : ndarray (m,)
+        What values are divided by to count in the length unit: 1 but for `linear`. There it is the largest weight,
+        those of bends divided by the mean length of the robot.
+
+    Raises
+    ------
+    InputError
+        When a name stands twice, or the matrix of `linear` is for another number of segments.
+    """
+
+    actuators: tuple[Actuator, ...]
+    limits: Floats
+    gains: Floats
+    _weights: Floats
+    _sums: NDArray[np.intp]
+    _matrix: Floats
+
+    def __init__(self, segments: Sequence[Segment], linear: Actuators | None) -> None:
+        count = len(segments)
+        names = segment_names(segments)
+        refuse_repeated((f"segments[{k}].name", name) for k, name in enumerate(names))
+        lines = [line for k, segment in enumerate(segments) for line in _lines(k, names[k], segment)]
+        coupled = [] if linear is None else _coupled(linear, count)
+        named = [(line.key, line.actuator.name) for line in lines]
+        refuse_repeated([*named, *((f"actuators.names[{i}]", each.name) for i, each in enumerate(coupled))])
+        listed = (*(line.actuator for line in lines), *coupled)
+        # Segments and sums stand side by side: a chamber looks at a segment, a tendon at a sum.
+        sums = [each.segment - 1 + (count if each.kind == "tendon" else 0) for each in listed[: len(lines)]]
+        matrix = np.zeros((0, 3 * count)) if linear is None else linear.matrix
+        arrays = {
+            "limits": np.array([each.limits for each in listed], np.float64).reshape(-1, 2),
+            "gains": np.concatenate([np.ones(len(lines)), _gains(matrix, segments)]),
+            "_weights": np.array([line.weights for line in lines], np.float64).reshape(-1, 3),
+            "_sums": np.array(sums, np.intp),
+            "_matrix": matrix,
+        }
+        for array in arrays.values():
+            array.flags.writeable = False
+        self._set(actuators=listed, **arrays)
+
+    def __len__(self) -> int:
+        return len(self.actuators)
+
+    @property
+    def linear_gains(self) -> Floats:
+        """Gains of `Actuators` alone."""
+        return self.gains[len(self._weights) :]
+
+    def values(self, q: Floats) -> Floats:
+        """Values (..., m) of all actuators in configurations (..., n, 3)."""
+        return self._sums_of(q) if q.ndim == 2 else product(flat(q), self.jacobian)
+
+    def _sums_of(self, q: Floats) -> Floats:
+        """Compute the same from sums over the segments, without a matrix whose size is that of the robot squared."""
+        both = np.concatenate([q, np.cumsum(q, axis=-2)], axis=-2)
+        lines = np.einsum("...lc,lc->...l", both[..., self._sums, :], self._weights)
+        return np.concatenate([lines, flat(q) @ self._matrix.T], axis=-1)
+
+    @cached_property
+    def jacobian(self) -> Floats:
+        """Derivative (m, 3 n) of the values by the coordinates, read-only: the same everywhere."""
+        columns = self._matrix.shape[1]
+        result: Floats = np.ascontiguousarray(self._sums_of(np.eye(columns).reshape(columns, -1, 3)).T)
+        result.flags.writeable = False
+        return result
+
+    def limit_rows(self) -> Iterator[list[float]]:
+        """Yield the rows of the table of limits for tendons and chambers; those of `Actuators` see `coupled_rows`."""
+        for each, weights in zip(self.actuators, self._weights.tolist(), strict=False):
+            if math.isfinite(each.limits[0]) or math.isfinite(each.limits[1]):
+                last = each.segment - 1
+                yield actuator_row(0 if each.kind == "tendon" else last, last, weights, each.limits)
+
+    def excess(self, q: Floats) -> Floats:
+        """By how much values (..., m) are below or above their limits, in the length unit; negative within them."""
+        values = self.values(q)
+        result: Floats = np.maximum(self.limits[:, 0] - values, values - self.limits[:, 1]) / self.gains
+        return result
+
+
+def flat(q: Floats) -> Floats:
+    """Configurations (..., n, 3) as vectors (..., 3 n)."""
+    return q.reshape(*q.shape[:-2], q.shape[-2] * 3)
+
+
+def product(vectors: Floats, matrix: Floats) -> Floats:
+    """Multiply vectors (..., c) by a matrix (r, c), to (..., r)."""
+    lead = vectors.shape[:-1]
+    rows = vectors.reshape(math.prod(lead), matrix.shape[1])
+    out = np.empty((len(rows), len(matrix)))
+    for first in range(0, len(rows), TOGETHER):
+        np.matmul(rows[first : first + TOGETHER], matrix.T, out=out[first : first + TOGETHER])
+    return out.reshape(*lead, len(matrix))
+
+
+def _lines(k: int, name: str, segment: Segment) -> Iterator[Line]:
+    """Yield the tendons, then the chambers of segment `k`, 0 = first."""
+    if segment.tendons is not None:
+        for key, each, (x, y) in _named(k, name, "tendon", segment.tendons, segment.tendons.displacement):
+            yield Line(key, each, (x, y, 0.0))
+    if segment.chambers is not None:
+        for key, each, (x, y) in _named(k, name, "chamber", segment.chambers, segment.chambers.length):
+            yield Line(key, each, (-x, -y, 1.0))
+
+
+def _named(
+    k: int, segment: str, kind: Kind, lines: Lines, limits: tuple[float, float]
+) -> Iterator[tuple[str, Actuator, tuple[float, float]]]:
+    names = line_names(segment, kind[0], lines.names, len(lines.angles))
+    for j, (name, (x, y)) in enumerate(zip(names, lines.arms.tolist(), strict=True)):
+        yield f"segments[{k}].{kind}s.names[{j}]", Actuator(name, kind, k + 1, limits), (x, y)
+
+
+def _coupled(linear: Actuators, segments: int) -> list[Actuator]:
+    rows, columns = linear.matrix.shape
+    if columns != 3 * segments:
+        raise InputError(
+            "actuators.matrix", "", linear.matrix.shape, f"shape ({rows}, {3 * segments}), for {segments} segments"
+        )
+    last = [int(np.flatnonzero(row)[-1]) // 3 + 1 for row in linear.matrix]
     return [
-        np.zeros((*q.shape[:-2], 0)) if s.tendons is None else total[..., k, :] @ s.tendons.arms.T
-        for k, s in enumerate(segments)
+        Actuator(name, "linear", segment, limits)
+        for name, segment, limits in zip(linear.names, last, linear.limits, strict=True)
     ]
 
 
-def tendon_lengths(segments: Sequence[Segment], q: Floats) -> list[Floats]:
-    """Length of every tendon from base to where it ends, per segment an array (..., m)."""
-    reach = np.cumsum(q[..., 2], axis=-1)
-    return [reach[..., k, None] - pulled for k, pulled in enumerate(tendon_displacements(segments, q))]
-
-
-def chamber_lengths(segments: Sequence[Segment], q: Floats) -> list[Floats]:
-    """Length of every chamber, per segment an array (..., m)."""
-    return [
-        np.zeros((*q.shape[:-2], 0)) if s.chambers is None else q[..., k, 2:] - q[..., k, :2] @ s.chambers.arms.T
-        for k, s in enumerate(segments)
-    ]
-
-
-def from_tendon_lengths(segments: Sequence[Segment], lengths: Any) -> Floats:
-    """See `Robot.from_tendon_lengths`."""
-    return _undo_lines(segments, "tendons", _per_segment(segments, "lengths", lengths, "tendons"))
-
-
-def from_chamber_lengths(segments: Sequence[Segment], lengths: Any) -> Floats:
-    """See `Robot.from_chamber_lengths`."""
-    return _undo_lines(segments, "chambers", _per_segment(segments, "lengths", lengths, "chambers"))
-
-
-def from_tendon_displacements(segments: Sequence[Segment], displacements: Any, length: Any) -> Floats:
-    """See `Robot.from_tendon_displacements`."""
-    if length is None and any(s.length[0] != s.length[1] for s in segments):
-        raise InputError("length", "missing", length, "segment lengths, because segments can stretch")
-    given = [s.length[0] for s in segments] if length is None else length
-    own = checks.stack("length", given, (len(segments),))
-    reach = np.cumsum(own, axis=-1)
-    values = _per_segment(segments, "displacements", displacements, "tendons")
-    checks.broadcast("length", length, own[..., 0], values[0][..., 0])
-    return _undo_lines(segments, "tendons", [reach[..., k, None] - v for k, v in enumerate(values)], own)
-
-
-def _lines(segment: Segment, kind: str) -> Lines | None:
-    return segment.tendons if kind == "tendons" else segment.chambers
-
-
-def _per_segment(segments: Sequence[Segment], key: str, values: Any, kind: str) -> list[Floats]:
-    """Check one array (..., lines) a segment; their axes in front are broadcast."""
-    is_list = not isinstance(values, (str, bytes, dict)) and np.iterable(values)
-    listed = list(islice(values, len(segments) + 1)) if is_list else []
-    if len(listed) != len(segments):
-        raise InputError(key, "", values, f"a list of {len(segments)} arrays, one a segment")
-    result = []
-    for k, (segment, value) in enumerate(zip(segments, listed, strict=True)):
-        lines = _lines(segment, kind)
-        if lines is None or not lines.spans_plane:
-            raise InputError(
-                f"segments[{k}].{kind}", "do not determine the bend", lines, "at least two, not in one plane"
-            )
-        result.append(checks.stack(f"{key}[{k}]", value, (len(lines.angles),)))
-    lead = checks.broadcast(key, values, *(v[..., 0] for v in result))[0].shape
-    return [np.broadcast_to(v, (*lead, v.shape[-1])) for v in result]
-
-
-def _undo_lines(segments: Sequence[Segment], kind: str, values: list[Floats], known: Floats | None = None) -> Floats:
-    """Undo `length = reach - arms . bend`, segment by segment; later tendons run through earlier segments."""
-    before = np.zeros((*values[0].shape[:-1], 3))
-    out = []
-    for k, (segment, value) in enumerate(zip(segments, values, strict=True)):
-        lines = _lines(segment, kind)
-        assert lines is not None  # `_per_segment` refuses it
-        system = np.concatenate([-lines.arms, np.ones((len(lines.arms), 1))], axis=1)
-        rest = value - (before @ system.T if kind == "tendons" else 0.0)
-        fixed = known[..., k] if known is not None else _only_length(segment)
-        if fixed is None:
-            own = _with_length(system, rest, f"segments[{k}].{kind}")
-        else:
-            stretch = np.broadcast_to(np.asarray(fixed, np.float64), rest.shape[:-1])[..., None]
-            own = np.concatenate([(stretch - rest) @ np.linalg.pinv(lines.arms).T, stretch], axis=-1)
-        out.append(own)
-        before = before + own
-    return np.stack(out, axis=-2)
-
-
-def _only_length(segment: Segment) -> float | None:
-    """The length of a segment that cannot stretch."""
-    low, high = segment.length
-    return low if low == high else None
-
-
-def _with_length(system: Floats, rest: Floats, key: str) -> Floats:
-    """Bend and length (..., 3) by least squares; `system` (m, 3) maps them to the lines `rest` (..., m)."""
-    if np.linalg.matrix_rank(system, tol=1e-9) < 3:
-        raise InputError(key, "do not determine the length", len(system), "three lines or more")
-    result: Floats = rest @ np.linalg.pinv(system).T
+def _gains(matrix: Floats, segments: Sequence[Segment]) -> Floats:
+    """Largest weight of each row; see `Actuation`."""
+    unit = 0.5 * sum(sum(segment.length) for segment in segments)
+    sizes = np.abs(matrix.reshape(len(matrix), len(segments), 3)) / (unit, unit, 1.0)
+    result: Floats = sizes.max(axis=(1, 2), initial=0.0)
     return result

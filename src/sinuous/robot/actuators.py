@@ -16,6 +16,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.robot.names import listed_names
 
 MOST_LINES = 64
 
@@ -34,12 +35,17 @@ class Lines(Frozen):
         The angles one by one, instead of `count` and `angle`.
     radius : float
         Distance of the lines from the backbone, in the length unit.
+    names : list of str, optional
+        One for each; by default the robot makes them of the segment's name: `s1.t1`, `s1.c1`.
     """
 
     angles: Floats
     radius: float
+    names: tuple[str, ...] | None
 
-    def __init__(self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None) -> None:
+    def __init__(
+        self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None, names: Any = None
+    ) -> None:
         if (count is None) == (angles is None):
             raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
         if angles is None:
@@ -52,17 +58,13 @@ class Lines(Frozen):
             values = checks.array("angles", angles, (None,))
             checks.integer("angles", len(values), 1, MOST_LINES)
         self._set(angles=values, radius=checks.number("radius", radius, above=0.0))
+        self._set(names=listed_names(names, len(values)))
 
     @property
     def arms(self) -> Floats:
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
         result: Floats = self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
         return result
-
-    @property
-    def spans_plane(self) -> bool:
-        """Whether the lines determine the bending vector: at least two that are not opposite or the same."""
-        return int(np.linalg.matrix_rank(self.arms, tol=1e-9 * self.radius)) == 2
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -79,9 +81,16 @@ class Tendons(Lines):
     displacement: tuple[float, float]
 
     def __init__(
-        self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None, displacement: Any = None
+        self,
+        count: Any = None,
+        radius: Any = None,
+        angle: Any = None,
+        *,
+        angles: Any = None,
+        displacement: Any = None,
+        names: Any = None,
     ) -> None:
-        super().__init__(count, radius, angle, angles=angles)
+        super().__init__(count, radius, angle, angles=angles, names=names)
         self._set(displacement=_limits_about_zero("displacement", displacement))
 
 
@@ -98,9 +107,16 @@ class Chambers(Lines):
     length: tuple[float, float]
 
     def __init__(
-        self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None, length: Any = None
+        self,
+        count: Any = None,
+        radius: Any = None,
+        angle: Any = None,
+        *,
+        angles: Any = None,
+        length: Any = None,
+        names: Any = None,
     ) -> None:
-        super().__init__(count, radius, angle, angles=angles)
+        super().__init__(count, radius, angle, angles=angles, names=names)
         pair = (-math.inf, math.inf) if length is None else checks.interval("length", length, low=0.0)
         self._set(length=pair)
 

@@ -7,48 +7,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
-from sinuous.robot import actuation
+from sinuous.robot.actuation import Actuation
 from sinuous.robot.segment import Segment
 
 Violation = tuple[str, int, float]
 """A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated."""
 
 
-def excess(segments: Sequence[Segment], q: Floats) -> float:
-    """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them."""
-    return max(float(np.max(amounts, initial=0.0)) for _, _, amounts in _amounts(segments, q))
+def excess(segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats) -> float:
+    """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
+
+    `curvatures` (n,) are the largest allowed.
+    """
+    return max(float(np.max(amounts, initial=0.0)) for _, _, amounts in _amounts(segments, curvatures, actuation, q))
 
 
-def violations(segments: Sequence[Segment], q: Floats, slack: float) -> list[Violation]:
+def violations(
+    segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats, slack: float
+) -> list[Violation]:
     """List what a configuration (n, 3) violates by more than `slack`, segment by segment, actuators last."""
     found = [
         (name, int(number), float(amount))
-        for name, numbers, amounts in _amounts(segments, q)
+        for name, numbers, amounts in _amounts(segments, curvatures, actuation, q)
         for number, amount in zip(numbers, amounts, strict=True)
         if amount > slack
     ]
     return sorted(found, key=lambda each: (each[0] == "actuator", each[1]))
 
 
-def _amounts(segments: Sequence[Segment], q: Floats) -> Iterator[tuple[str, NDArray[Any], Floats]]:
+def _amounts(
+    segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats
+) -> Iterator[tuple[str, NDArray[Any], Floats]]:
     """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""
     numbers = np.arange(1, len(segments) + 1)
     low, high = np.array([segment.length for segment in segments]).T
     bends, lengths = np.hypot(q[..., 0], q[..., 1]), q[..., 2]
     yield "length", numbers, np.maximum(low - lengths, lengths - high)
     yield "bend", numbers, bends - np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in segments])
-    curvature = np.array([segment.max_curvature for segment in segments])
+    curvature = np.array(curvatures)
     curved = np.isfinite(curvature)
     allowed = curvature[curved] * np.maximum(lengths[..., curved], 0.0)
     yield "curvature", numbers[curved], bends[..., curved] - allowed
-    for number, pulled, segment in zip(numbers, actuation.tendon_displacements(segments, q), segments, strict=True):
-        if segment.tendons is not None:
-            yield "actuator", np.full(pulled.shape[-1], number), _outside(pulled, segment.tendons.displacement)
-    for number, lines, segment in zip(numbers, actuation.chamber_lengths(segments, q), segments, strict=True):
-        if segment.chambers is not None:
-            yield "actuator", np.full(lines.shape[-1], number), _outside(lines, segment.chambers.length)
-
-
-def _outside(values: Floats, limits: tuple[float, float]) -> Floats:
-    """By how much values are below or above their limits; negative between them."""
-    return np.maximum(limits[0] - values, values - limits[1])
+    yield "actuator", np.array([each.segment for each in actuation.actuators], np.intp), actuation.excess(q)

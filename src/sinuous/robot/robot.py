@@ -1,8 +1,10 @@
 """The robot: segments that bend and stretch, one after the other on a base."""
 
 import math
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -11,12 +13,33 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.poses import as_pose
-from sinuous.robot import actuation, limits
+from sinuous.robot import limits
+from sinuous.robot.actuation import Actuation, Actuator
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.coupled import Actuators
+from sinuous.robot.coupled_limits import coupled_rows
+from sinuous.robot.inverse import Inverse, fitting
 from sinuous.robot.limits import Violation
+from sinuous.robot.names import optional_name, segment_names
 from sinuous.robot.segment import Segment
+from sinuous.robot.thickness import curvature_limits, held_back
+from sinuous.writing.documents import write_document
+from sinuous.writing.plain import counted, described
 
 MOST_SEGMENTS = 10_000
+
+SELF_COLLISION = ("avoid", "allow")
+"""What may be said of a body that runs through itself."""
+
+REPLACED = {
+    "tendon_displacements": "to_actuators",
+    "tendon_lengths": "to_actuators",
+    "chamber_lengths": "to_actuators",
+    "from_tendon_displacements": "from_actuators",
+    "from_tendon_lengths": "from_actuators",
+    "from_chamber_lengths": "from_actuators",
+}
+"""Methods of before, and what does their work now."""
 
 
 class Robot(Frozen):
@@ -36,31 +59,62 @@ class Robot(Frozen):
         Pose of the base in the world; its z axis is the tangent that the backbone leaves with.
     tool : array_like (4, 4), optional
         Pose of the tool in the frame of the tip. Targets of the tip mean the tool; the tool has no body.
+    self_collision : str
+        `avoid`: two places of the backbone whose distance along it is at least pi times the larger of their radii are
+        farther apart than the sum of their radii, and no segment bends more tightly than with the curvature
+        1 / radius. `allow`: the body may run through itself.
+    actuators : Actuators, optional
+        Actuators beside the tendons and chambers of the segments.
+    name : str, optional
 
     Attributes
     ----------
     segments : tuple of Segment
+    segment_names : tuple of str
+        By default `s1`, `s2`, ... from base to tip.
     radii : tuple of float
         Radius of the body, per segment.
+    curvatures : tuple of float
+        Largest curvature, per segment: its own limit or 1 / radius.
+    linear : Actuators or None
+        What was given as `actuators`.
     limits, actuation : ndarray (n, 7), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises
     ------
     InputError
-        When there is no segment, nothing has a length, or a pose is none.
+        When there is no segment, nothing has a length, a pose is none, `self_collision` is another word, two segments
+        or two actuators have the same name, or `actuators` do not fit the robot.
     """
 
     segments: tuple[Segment, ...]
+    segment_names: tuple[str, ...]
     radii: tuple[float, ...]
+    curvatures: tuple[float, ...]
     mount: float
     base: Floats
     tool: Floats
+    self_collision: str
+    linear: Actuators | None
+    name: str | None
     limits: Floats
     actuation: Floats
+    drive: Actuation
+
+    _arguments: ClassVar[Mapping[str, str]] = {"actuators": "linear"}
 
     def __init__(
-        self, segments: Iterable[Segment], *, radius: Any = None, mount: Any = 0.0, base: Any = None, tool: Any = None
+        self,
+        segments: Iterable[Segment],
+        *,
+        radius: Any = None,
+        mount: Any = 0.0,
+        base: Any = None,
+        tool: Any = None,
+        self_collision: Any = "avoid",
+        actuators: Actuators | None = None,
+        name: Any = None,
     ) -> None:
         if not isinstance(segments, Iterable):
             raise InputError("segments", "", segments, "a list of Segment")
@@ -71,17 +125,30 @@ class Robot(Frozen):
                 raise InputError(f"segments[{k}]", "", segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in listed):
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
-        radii = tuple(segment.radius for segment in listed)
         if radius is not None:
-            radii = (checks.number("radius", radius, low=0.0),) * len(listed)
+            listed = tuple(segment.changed(radius=radius) for segment in listed)
+        checks.choice("self_collision", self_collision, SELF_COLLISION)
+        if not (actuators is None or isinstance(actuators, Actuators)):
+            raise InputError("actuators", "", actuators, "Actuators or nothing")
+        radii = tuple(segment.radius for segment in listed)
+        curvatures = curvature_limits(listed, radii, self_collision == "avoid")
+        drive = Actuation(listed, actuators)
+        table = packing.segment_table(listed, curvatures)
+        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_gains, table)
         self._set(
             segments=listed,
+            segment_names=segment_names(listed),
+            self_collision=self_collision,
+            curvatures=curvatures,
             mount=checks.number("mount", mount, low=0.0),
             base=as_pose("base", base),
             tool=as_pose("tool", tool),
+            linear=actuators,
+            name=optional_name(name),
             radii=radii,
-            limits=packing.segment_table(listed, radii),
-            actuation=packing.actuator_table(listed),
+            limits=table,
+            actuation=packing.actuator_table([*drive.limit_rows(), *coupled]),
+            drive=drive,
         )
 
     @classmethod
@@ -97,22 +164,56 @@ class Robot(Frozen):
         chambers: Chambers | None = None,
         **whole: Any,
     ) -> "Robot":
-        """Make a robot of `count` equal segments; the rest as for `Segment`, and mount, base, tool as for `Robot`."""
+        """Make a robot of `count` equal segments.
+
+        The rest as for `Segment`; and mount, base, tool, self_collision as for `Robot`.
+        """
         number = checks.integer("count", count, 1, MOST_SEGMENTS)
         segment = Segment(length, max_bend, max_curvature, radius, tendons, chambers)
         return cls([segment] * number, **whole)
+
+    def changed(self, **values: Any) -> "Robot":
+        """Return the same robot with other values of some parameters."""
+        names = ("segments", "mount", "base", "tool", "self_collision", "name")
+        own = {key: getattr(self, key) for key in names} | {"actuators": self.linear}
+        return Robot(**{**own, **values})
 
     def __len__(self) -> int:
         return len(self.segments)
 
     def __repr__(self) -> str:
         low, high = (sum(segment.length[i] for segment in self.segments) for i in (0, 1))
-        return f"Robot({len(self)} segments, total length {low:g} to {high:g})"
+        name = "" if self.name is None else f"{self.name!r}, "
+        return f"Robot({name}{len(self)} segments, total length {low:g} to {high:g})"
 
     @property
     def mean_length(self) -> float:
         """Sum of the mean lengths of the segments: the unit of relative tolerances."""
         return 0.5 * sum(sum(segment.length) for segment in self.segments)
+
+    @property
+    def avoids_itself(self) -> bool:
+        """Whether the body must not run through itself: it has a thickness, and `self_collision` is `avoid`."""
+        return self.self_collision == "avoid" and max(self.radii) > 0.0
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What may surprise: segments that are too thick for their own limits."""
+        return tuple(held_back(self.segments, self.radii, self.curvatures))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the robot as a problem file says it: plain values that make an equal robot."""
+        return described(self) | {"segments": counted([segment.to_dict() for segment in self.segments])}
+
+    def save(self, file: str | Path) -> None:
+        """Write the robot into a file, JSON when it is called so, YAML otherwise; `sinuous.load` reads it.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        write_document(file, self.to_dict())
 
     def configuration(self, key: str, q: Any) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
@@ -171,9 +272,10 @@ class Robot(Frozen):
     def excess(self, q: Any) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
-        Bends and lengths count in their own units (rad, length unit), actuators in the length unit.
+        Bends and lengths count in their own units (rad, length unit), actuators in the length unit: the values of
+        `Actuators` are divided by their largest weight, those of bends taken relative to the mean length.
         """
-        return limits.excess(self.segments, self.configuration("q", q))
+        return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
 
     def violations(self, q: Any) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
@@ -182,35 +284,61 @@ class Robot(Frozen):
         what the curvature allows at this length.
         """
         slack = 1e-11 * max(1.0, self.mean_length)
-        return limits.violations(self.segments, checks.array("q", q, (len(self), 3)), slack)
+        q = checks.array("q", q, (len(self), 3))
+        return limits.violations(self.segments, self.curvatures, self.drive, q, slack)
 
-    def tendon_displacements(self, q: Any) -> list[Floats]:
-        """Displacement of every tendon, per segment an array (..., m); positive is pulled, of the bends alone."""
-        return actuation.tendon_displacements(self.segments, self.configuration("q", q))
+    @property
+    def actuators(self) -> tuple[Actuator, ...]:
+        """All actuators: segment by segment tendons, then chambers; at the end those of `Actuators`."""
+        return self.drive.actuators
 
-    def tendon_lengths(self, q: Any) -> list[Floats]:
-        """Length of every tendon from base to where it ends, per segment an array (..., m)."""
-        return actuation.tendon_lengths(self.segments, self.configuration("q", q))
+    def to_actuators(self, q: Any) -> Floats:
+        """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
 
-    def from_tendon_lengths(self, lengths: list[Any]) -> Floats:
-        """Configuration (..., n, 3) of a robot whose tendons have these lengths (by least squares where they are many).
-
-        Every segment needs tendons that are not all in one plane with the backbone; without extension the known
-        length of a segment is used, otherwise the lengths of its tendons determine it.
+        Of a tendon it is the displacement (positive is pulled), of a chamber the length, both in the length unit.
         """
-        return actuation.from_tendon_lengths(self.segments, lengths)
+        return self.drive.values(self.configuration("q", q))
 
-    def from_tendon_displacements(self, displacements: list[Any], length: Any = None) -> Floats:
-        """Configuration (..., n, 3) from displacements per segment (..., m), with segment lengths (..., n).
+    def from_actuators(self, actuators: Any, initial: Any = None) -> Floats:
+        """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
 
-        `length` may be left out when no segment can stretch.
+        Least squares where values contradict each other. Coordinates that cannot move are what they are.
+
+        Parameters
+        ----------
+        actuators : array_like (..., m)
+        initial : array_like (..., n, 3), optional
+            What no actuator determines stays as it is here: of all configurations with these values the nearest to
+            this one (bends in rad, lengths relative to the mean length of their segment).
+
+        Raises
+        ------
+        InputError
+            When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named.
         """
-        return actuation.from_tendon_displacements(self.segments, displacements, length)
+        values, reference = fitting(actuators, initial, len(self.drive), len(self))
+        if reference is None:
+            self._inverse.refuse_undetermined(self.segment_names)
+        return self._inverse.configuration(values, reference)
 
-    def chamber_lengths(self, q: Any) -> list[Floats]:
-        """Length of every chamber, per segment an array (..., m)."""
-        return actuation.chamber_lengths(self.segments, self.configuration("q", q))
+    def actuator_jacobian(self, q: Any) -> Floats:
+        """Derivative (..., m, 3 n) of the values of all actuators, read-only.
 
-    def from_chamber_lengths(self, lengths: list[Any]) -> Floats:
-        """Configuration (..., n, 3) of a robot whose chambers have these lengths (least squares where many)."""
-        return actuation.from_chamber_lengths(self.segments, lengths)
+        Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
+        configuration, because all actuators are linear.
+        """
+        lead = self.configuration("q", q).shape[:-2]
+        jacobian = self.drive.jacobian
+        return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
+
+    @cached_property
+    def _inverse(self) -> Inverse:
+        return Inverse(self.drive, self.limits)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            now = REPLACED.get(name)
+            if now is None:
+                raise AttributeError(f"'Robot' object has no attribute {name!r}", name=name, obj=self)
+            raise AttributeError(f"Robot.{name} is gone: all actuators are one array now, see Robot.{now}")

@@ -8,6 +8,8 @@ from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.names import optional_name
+from sinuous.writing.plain import described, plain
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -29,6 +31,8 @@ class Segment(Frozen):
         Tendons that end at the end of this segment.
     chambers : Chambers, optional
         Chambers along this segment.
+    name : str, optional
+        By default the robot calls its segments `s1`, `s2`, ... from base to tip.
 
     Raises
     ------
@@ -43,6 +47,7 @@ class Segment(Frozen):
     radius: float
     tendons: Tendons | None
     chambers: Chambers | None
+    name: str | None
 
     def __init__(
         self,
@@ -52,6 +57,7 @@ class Segment(Frozen):
         radius: Any = 0.0,
         tendons: Tendons | None = None,
         chambers: Chambers | None = None,
+        name: Any = None,
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
@@ -71,9 +77,21 @@ class Segment(Frozen):
             radius=checks.number("radius", radius, low=0.0),
             tendons=tendons,
             chambers=chambers,
+            name=optional_name(name),
         )
+
+    def changed(self, **values: Any) -> "Segment":
+        """Return the same segment with other values of some parameters."""
+        own = {key: value for key, value in vars(self).items() if key != "max_curvature" or math.isfinite(value)}
+        return Segment(**{**own, **values})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the segment as a problem file says it."""
+        low, high = self.length
+        return described(self) | {"length": plain(low if low == high else self.length)}
 
     def __repr__(self) -> str:
         low, high = self.length
         shown = f"{low:g}" if low == high else f"({low:g}, {high:g})"
-        return f"Segment(length={shown}, max_bend={self.max_bend:g}, radius={self.radius:g})"
+        name = "" if self.name is None else f"{self.name!r}, "
+        return f"Segment({name}length={shown}, max_bend={self.max_bend:g}, radius={self.radius:g})"

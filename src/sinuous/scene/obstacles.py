@@ -6,7 +6,7 @@ With `inside=True` the body must stay within.
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
@@ -16,7 +16,8 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.packing import primitive_row
-from sinuous.poses import least_rotation, rotation_matrix
+from sinuous.poses import any_rotation, least_rotation
+from sinuous.scene.sources import Source
 
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False
@@ -27,6 +28,14 @@ class Obstacle(Frozen, ABC):
     """Something the body must not touch."""
 
     name: str | None
+
+    is_function: ClassVar[bool] = False
+    """Whether code says where it is, so that no file can."""
+
+    @property
+    def source(self) -> Source | None:
+        """The file that it was read from, and how; `None` when it is from none."""
+        return vars(self).get("_source")
 
     @property
     def kind(self) -> str:
@@ -121,11 +130,13 @@ class Box(Primitive):
     center : array_like (3,)
     size : array_like (3,)
         Full extents along its own axes, each greater than 0.
-    rotation : array_like (3, 3) or (4,), optional
+    rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
         Its axes in the world, a matrix or a quaternion wxyz.
     inside : bool
         The body must stay within it.
     name : str, optional
+    xyzw : array_like (4,), optional
+        A quaternion in the order of SciPy and ROS, instead of `rotation`.
     """
 
     center: Floats
@@ -133,15 +144,17 @@ class Box(Primitive):
     rotation: Floats
     inside: bool
 
-    def __init__(self, center: Any, size: Any, rotation: Any = None, inside: Any = False, name: Any = None) -> None:
-        extents = checks.vector("size", size)
+    def __init__(
+        self, center: Any, size: Any, rotation: Any = None, inside: Any = False, name: Any = None, *, xyzw: Any = None
+    ) -> None:
+        extents, turned = checks.vector("size", size), any_rotation(rotation, xyzw)
         if not (extents > 0.0).all():
             raise InputError("size", "has no volume", extents.tolist(), "three extents greater than 0")
         self._keep(
             name,
             center=checks.vector("center", center),
             size=extents,
-            rotation=IDENTITY if rotation is None else rotation_matrix("rotation", rotation),
+            rotation=IDENTITY if turned is None else turned,
             inside=checks.truth("inside", inside),
         )
 

@@ -9,6 +9,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.poses import pose
+from sinuous.writing.plain import pose_arguments
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -20,15 +21,22 @@ class Placement(Frozen):
     scale : float
         Greater than 0.
     position : array_like (3,), optional
-    rotation : array_like (3, 3) or (4,), optional
+    rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
         A matrix or a quaternion wxyz.
+    xyzw : array_like (4,), optional
+        A quaternion in the order of SciPy and ROS, instead of `rotation`.
     """
 
     scale: float
     pose: Floats
 
-    def __init__(self, scale: Any, position: Any = None, rotation: Any = None) -> None:
-        self._set(scale=checks.number("scale", scale, above=0.0), pose=pose(position, rotation=rotation))
+    def __init__(self, scale: Any, position: Any = None, rotation: Any = None, xyzw: Any = None) -> None:
+        self._set(scale=checks.number("scale", scale, above=0.0), pose=pose(position, rotation=rotation, xyzw=xyzw))
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """What makes an equal placement."""
+        return {"scale": self.scale, **(pose_arguments(self.pose) or {})}
 
     def apply(self, points: Floats) -> Floats:
         """Map points (m, 3); what is not finite stays so."""

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from sinuous.errors import InputError
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.snapshot import Snapshot
+from sinuous.scene.sources import entries_of
+from sinuous.writing.documents import write_document
 
 
 class Scene:
@@ -46,6 +49,13 @@ class Scene:
                 raise InputError(f"scene[{i}]", "", item, "an obstacle or a scene")
         self._lock = threading.Lock()
         self._snapshot = Snapshot(tuple(flat))
+
+    @classmethod
+    def of(cls, snapshot: Snapshot) -> "Scene":
+        """Make a scene that begins with these obstacles; nothing is sampled again."""
+        scene = cls()
+        scene._snapshot = snapshot
+        return scene
 
     def snapshot(self) -> Snapshot:
         """Return the obstacles as they are now, frozen; the same object until the next update."""
@@ -91,6 +101,32 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"Scene({len(self)} obstacles)"
+
+    def equals(self, other: object) -> bool:
+        """Whether `other` is a scene of equal obstacles in the same order, as both are now."""
+        return isinstance(other, Scene) and self.snapshot().equals(other.snapshot())
+
+    def entries(self, folder: str | Path = ".") -> list[dict[str, Any]]:
+        """Return the obstacles as a problem file in `folder` lists them.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file.
+        """
+        return entries_of(self.obstacles, Path(folder))
+
+    def save(self, file: str | Path) -> None:
+        """Write the obstacles into a file, JSON when it is called so, YAML otherwise; `sinuous.load` reads it.
+
+        Obstacles that were read from files stay there; the new file names them.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file, or the file cannot be written.
+        """
+        write_document(file, self.entries(Path(file).parent))
 
     def name(self, index: int) -> str:
         """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""

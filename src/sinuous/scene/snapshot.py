@@ -1,7 +1,7 @@
 """The obstacles as they are at one moment, and how far points are from them. Nothing of it changes."""
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Any
 
@@ -83,6 +83,17 @@ class Snapshot(Frozen):
         parts[index] = live(cloud)
         return Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
 
+    def without(self, names: Collection[str]) -> "Snapshot":
+        """Return a snapshot without the obstacles of these names; nothing is sampled again."""
+        self.prepare()
+        assert self._parts is not None
+        kept = [i for i in range(len(self)) if self.name(i) not in names]
+        named = tuple(self._obstacles[i].named(self.name(i)) for i in kept)
+        return Snapshot(named, [self._parts[i] for i in kept])
+
+    def _content(self) -> dict[str, Any]:
+        return {"obstacles": self._obstacles}
+
     def __getstate__(self) -> tuple[tuple[Obstacle, ...], Sequence[Part] | None]:
         return self._obstacles, self._parts
 
@@ -126,15 +137,22 @@ class Snapshot(Frozen):
         """Index (...) of the obstacle nearest to points (..., 3); -1 where there is none."""
         return self._query(points)[2]
 
-    def _query(self, points: Floats) -> tuple[Floats, Floats, NDArray[np.int64], Floats]:
+    def distance_to(self, index: int, points: Floats) -> tuple[Floats, Floats]:
+        """Signed distance (...) of points (..., 3) to one obstacle, and its gradient (..., 3); see `Scene.distance`."""
+        return self._query(points, (index,))[:2]
+
+    def _query(
+        self, points: Floats, among: Sequence[int] | None = None
+    ) -> tuple[Floats, Floats, NDArray[np.int64], Floats]:
         from sinuous.kernels.fields import distances  # noqa: PLC0415
 
         checked = checks.stack("points", points, (3,))
         flat = checked.reshape(-1, 3).copy()
         values, gradients, which = np.empty(len(flat)), np.empty(flat.shape), np.empty(len(flat), np.int64)
         rows, store = packing.scene_parts(self._kernel_group)
-        fields = {i: obstacle for i, obstacle in enumerate(self.obstacles) if isinstance(obstacle, Field)}
-        others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
+        asked = range(len(rows)) if among is None else among
+        fields = {i: own for i in asked if isinstance(own := self.obstacles[i], Field)}
+        others = np.array([i for i in asked if i not in fields], np.int64)
         above = np.empty(len(flat))
         distances.many(rows[others], store, flat, values, above, gradients, which)
         which = np.where(which >= 0, others[which] if len(others) else -1, -1)

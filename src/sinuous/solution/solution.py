@@ -1,18 +1,29 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+import textwrap
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.solution.again import Elsewhere
+from sinuous.solution.binding import Binding, find_binding
+from sinuous.solution.explanation import Explanation, explain
+from sinuous.solution.reading import read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
+from sinuous.solution.remedies.trials import Case
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
+from sinuous.solution.wording import in_words
+from sinuous.words import listed
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
+    from sinuous.solution.again import Again
 
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
@@ -33,10 +44,17 @@ class Solution:
         Largest distance (length unit) and angle (rad) to a target; `None` where no target asks for it.
     clearance : float or None
         Proved lower bound of the distance between body and obstacles; `None` without obstacles, or without a proof.
+    self_clearance : float or None
+        Proved lower bound of the distance of the body from itself, over all places half a circle of its radius or more
+        apart along it; infinite when it is shorter than that. `None` without a proof, for a body without thickness,
+        and where it may run through itself.
     iterations, starts : int
         Newton iterations in all, and how many starts they came from.
     start : str
         Which kind of start won: given, arc, route, random.
+    route : ndarray (k, 3) or None
+        Where the start came from a route: its points, from the base to the target; read-only. To be drawn beside the
+        body, which may leave it.
     seconds : float
         Time of the solve alone.
     method : str
@@ -46,18 +64,19 @@ class Solution:
     """
 
     # Properties over private slots: setting attributes as `sinuous.frozen.Frozen` does would cost a solve 0.3 us.
-    __slots__ = ("_method", "_outcome", "_problem", "_reason", "_seconds", "_seed", "_status", "_worst")
+    __slots__ = ("_again", "_binding", "_given", "_outcome", "_problem", "_reason", "_seconds", "_status", "_worst")
 
+    _binding: tuple[Binding, ...]
     _reason: Reason | None
     _worst: Worst | None
 
-    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, method: str, seed: int) -> None:
+    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, again: "Again", given: Floats) -> None:
         self._problem = problem
         self._status = status_of(outcome)
         self._outcome = outcome
         self._seconds = seconds
-        self._method = method
-        self._seed = seed
+        self._again = again
+        self._given = given
         # By position: by its name, or by `flags`, it takes three times as long.
         outcome.q.setflags(False)  # type: ignore[call-arg]
 
@@ -68,7 +87,7 @@ class Solution:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Solution, (self.problem, self._outcome, self.seconds, self.method, self.seed)
+        return Solution, (self.problem, self._outcome, self.seconds, self._again, self._given)
 
     @property
     def problem(self) -> "Problem":
@@ -93,12 +112,12 @@ class Solution:
     @property
     def method(self) -> str:
         """Name of the method."""
-        return self._method
+        return self._again.method
 
     @property
     def seed(self) -> int:
         """Of the scattered starts."""
-        return self._seed
+        return self._again.seed
 
     @property
     def iterations(self) -> int:
@@ -114,6 +133,11 @@ class Solution:
     def start(self) -> str:
         """Which kind of start won: given, arc, random or route."""
         return SOURCES[self._outcome.source]
+
+    @property
+    def route(self) -> Floats | None:
+        """Points (k, 3) of the route that the start was laid along; `None` unless a route led to the solution."""
+        return self._outcome.route
 
     @property
     def solved(self) -> bool:
@@ -140,9 +164,21 @@ class Solution:
         return self._outcome.clearance if self.solved and len(self.problem.scene) else None
 
     @property
+    def self_clearance(self) -> float | None:
+        """Proved lower bound of the distance of the body from itself."""
+        return self._outcome.self_clearance if self.solved and self.problem.robot.avoids_itself else None
+
+    @property
     def base(self) -> Floats:
         """Pose (4, 4) of the robot's base."""
         return self.problem.robot.base
+
+    @property
+    def actuators(self) -> dict[str, float] | None:
+        """Displacement of every tendon, length of every chamber, values of other actuators; `None` without any."""
+        robot = self.problem.robot
+        names = [actuator.name for actuator in robot.actuators]
+        return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
 
     @property
     def reason(self) -> Reason | None:
@@ -157,6 +193,56 @@ class Solution:
         if not hasattr(self, "_worst"):
             self._worst = None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
         return self._worst
+
+    @property
+    def binding(self) -> tuple[Binding, ...]:
+        """The limits and obstacles that hold the best configuration back, strongest first; empty when solved."""
+        if not hasattr(self, "_binding"):
+            self._binding = () if self.solved else self._find_binding()
+        return self._binding
+
+    @property
+    def sentence(self) -> str:
+        """What the status means here; of `limit_bound` with the names of the limits."""
+        if self.status is not Status.LIMIT_BOUND:
+            return self.status.sentence
+        limits = [each for each in self.binding if each.key is not None]
+        return f"{self.status.sentence}: {listed(in_words(limits, len(self.problem.robot)))}"
+
+    def explain(self, time: Any = 2.0) -> Explanation:
+        """Say why it ended like this, and what would help.
+
+        Every change that is told was tried: with it the problem is solved and proved. What is found is the same each
+        time, unless the time runs out.
+
+        Parameters
+        ----------
+        time : float
+            Budget of all trials together, in seconds.
+
+        Returns
+        -------
+        Explanation
+            Prints itself. When solved: what is closest to its limit.
+
+        Raises
+        ------
+        InputError
+            When `time` is no number of at least 0.
+        """
+        end = perf_counter() + checks.number("time", time, low=0.0)
+        given = self._given.reshape(-1, *self.q.shape)
+        own = self.problem, self.status, self.q, given[0] if len(given) else None
+        return explain(self, Case(*own, self.binding, self.reason, self._again, self.starts), end)
+
+    def _find_binding(self) -> tuple[Binding, ...]:
+        """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
+        found = find_binding(self.problem, self.q, any_limit=self.status is Status.LIMIT_BOUND)
+        reason = self.reason
+        if reason is None or reason.obstacle is None or self.status is Status.NO_ROUTE:
+            return found
+        first = Binding("clearance", None, reason.obstacle, reason.available - reason.needed, 0.0)
+        return (first, *(each for each in found if each.obstacle != reason.obstacle))
 
     def _find_reason(self) -> Reason | None:
         if self.status is Status.OUT_OF_REACH:
@@ -185,6 +271,21 @@ class Solution:
             raise NotSolvedError(str(self), self)
         return self
 
+    @classmethod
+    def from_dict(cls, values: Any, problem: "Problem") -> "Solution":
+        """Make a solution of its result as plain values, and of the problem that it answers.
+
+        It says what the result says; `verify` recomputes that.
+
+        Raises
+        ------
+        InputError
+            When `values` are no result, or one for another number of segments.
+        """
+        read = read_result(values, problem)
+        nothing: Floats = np.empty((0, len(problem.robot), 3))
+        return cls(problem, read.outcome, read.seconds, Elsewhere(read.method, read.seed), nothing)
+
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
         worst, reason = self.worst, self.reason
@@ -194,7 +295,9 @@ class Solution:
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": None if self.clearance is None or np.isinf(self.clearance) else self.clearance,
+            "clearance": _finite(self.clearance),
+            "self_clearance": _finite(self.self_clearance),
+            "actuators": self.actuators,
             "worst": None
             if worst is None
             else {
@@ -202,6 +305,7 @@ class Solution:
                 "segment": worst.segment,
                 "obstacle": worst.obstacle,
                 "amount": worst.amount,
+                "other_segment": worst.other_segment,
             },
             "reason": None
             if reason is None
@@ -211,6 +315,7 @@ class Solution:
                 "available": reason.available,
                 "obstacle": reason.obstacle,
             },
+            "binding": [each.to_dict() for each in self.binding],
             "iterations": self.iterations,
             "starts": self.starts,
             "start": self.start,
@@ -220,7 +325,7 @@ class Solution:
         }
 
     def __repr__(self) -> str:
-        parts = [f"Solution: {self.status} ({self.status.sentence})"]
+        parts = [f"Solution: {self.status} ({self.sentence})"]
         if self.reason is not None:
             parts.append(f"  reason     {self.reason}")
         if self.worst is not None:
@@ -229,6 +334,7 @@ class Solution:
             ("position", self.position_error),
             ("angle", self.angle_error),
             ("clearance", self.clearance),
+            ("from self", self.self_clearance),
         ):
             if value is not None:
                 parts.append(f"  {label:<10} {value:.3g}")
@@ -236,4 +342,12 @@ class Solution:
             f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us"
         )
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
+        values = "  ".join(f"{name}={value:.4g}" for name, value in (self.actuators or {}).items())
+        lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
+        parts += [f"  {'' if i else 'actuators':<10} {line}" for i, line in enumerate(lines)]
         return "\n".join(parts)
+
+
+def _finite(value: float | None) -> float | None:
+    """What a file says of a number: nothing where it is infinite."""
+    return None if value is None or np.isinf(value) else value

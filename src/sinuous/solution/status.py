@@ -35,13 +35,13 @@ class Status(StrEnum):
 
 
 _SENTENCES = {
-    Status.SOLVED: "all within tolerance and limits, whole body proved clear",
+    Status.SOLVED: "all within tolerance and limits, whole body proved clear of obstacles and of itself",
     Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
     Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
     Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
     Status.NO_ROUTE: "proved at the stated resolution: no route through free space is wide enough for the body",
     Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
-    Status.BLOCKED: "not solved: the best found overlaps an obstacle",
+    Status.BLOCKED: "not solved: the best found overlaps an obstacle or itself",
     Status.LIMIT_BOUND: "not solved: limits stop the best found",
     Status.STALLED: "not solved: no progress from any start",
     Status.TIME_LIMIT: "not solved within the time budget",
@@ -63,6 +63,6 @@ def status_of(outcome: Outcome) -> Status:
     status = _OF_CODES.get(outcome.code)
     if status is not None:
         return status
-    if outcome.clearance < 0.0:
+    if outcome.clearance < 0.0 or outcome.self_clearance < 0.0:
         return Status.BLOCKED
     return Status.LIMIT_BOUND if outcome.bound else Status.STALLED

@@ -1,15 +1,30 @@
-"""Judge an answer by an independent, slow path: what `sinuous.measures` computes. No kernel is used."""
+"""Judge an answer by an independent, slow path: what `sinuous.measures` computes. `verify` uses no kernel.
 
+`find_worst` does: it only says of a failure what is missing, and has to be quick, also among large meshes. Its values
+are the same.
+"""
+
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from sinuous.checks import Floats
-from sinuous.measures.body import segment_ends
+from sinuous.measures.body import SAMPLES, segment_ends
 from sinuous.measures.clearance import least_clearance
+from sinuous.measures.self_clearance import Meeting, least_self_clearance
 from sinuous.measures.targets import target_errors
+from sinuous.scene.nearest import least_gap
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from sinuous.problem.problem import Problem
+    from sinuous.problem.target import Target
+    from sinuous.problem.tolerance import Tolerance
+    from sinuous.robot.robot import Robot
+    from sinuous.scene.snapshot import Snapshot
 
 LIMIT_SLACK = 1e-9
 ROUNDING = 1e-9
@@ -23,22 +38,29 @@ class Worst:
     Attributes
     ----------
     constraint : str
-        `position`, `angle`, `clearance`, or a limit: `length`, `bend`, `curvature`, `actuator`.
+        `position`, `angle`, `clearance`, `self_clearance`, or a limit: `length`, `bend`, `curvature`, `actuator`.
     segment : int or None
         Segment where it is, 1 = first.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     amount : float
         By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); the depth of overlap
-        for `clearance` (length); beyond the limit for the others (length; rad for `bend` and `curvature`).
+        for `clearance` and `self_clearance` (length); beyond the limit for the others (length; rad for `bend` and
+        `curvature`).
+    other_segment : int or None
+        The segment that it touches, for `self_clearance`; not beyond `segment`.
     """
 
     constraint: str
     segment: int | None
     obstacle: str | None
     amount: float
+    other_segment: int | None = None
 
     def __str__(self) -> str:
+        if self.other_segment is not None:
+            whom = "itself" if self.other_segment == self.segment else f"segment {self.other_segment}"
+            return f"segment {self.segment} touches {whom}, {self.amount:.3g} too near"
         where = "" if self.segment is None else f" of segment {self.segment}"
         what = "" if self.obstacle is None else f" at {self.obstacle}"
         return f"{self.constraint}{where}{what} by {self.amount:.3g}"
@@ -46,12 +68,12 @@ class Worst:
 
 @dataclass(frozen=True)
 class Verification:
-    """What the slow path found.
+    """What the slow path found; of many shapes (see `check`) every attribute is an array.
 
     Attributes
     ----------
     ok : bool
-        Targets met, limits kept, and no place of the body inside an obstacle.
+        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere.
     position_error, angle_error : float
         Largest over the targets; 0 where nothing is asked.
     excess : float
@@ -60,6 +82,11 @@ class Verification:
         Least over the sampled places: the true clearance is at most this. Infinite without obstacles.
     segment, obstacle : int or None, str or None
         Where the least clearance is: segment (1 = first) and name of the obstacle.
+    self_clearance : float
+        Least distance of the body from itself over the sampled places: the true one is at most this. Infinite where it
+        does not matter: the body may run through itself, or is too short to.
+    self_segments : (int, int) or None
+        The two segments that are nearest to each other, 1 = first.
     """
 
     ok: bool
@@ -69,15 +96,24 @@ class Verification:
     clearance: float
     segment: int | None
     obstacle: str | None
+    self_clearance: float
+    self_segments: tuple[int, int] | None
 
 
 def verify(problem: "Problem", q: Floats) -> Verification:
-    """Recompute errors, limits and clearance of the configuration `q` (n, 3) for `problem`."""
-    robot, tolerance = problem.robot, problem.tolerance
+    """Recompute errors, limits and clearances of the configuration `q` (n, 3) for `problem`."""
+    return verified(problem.robot, q, problem.scene, problem.targets, problem.tolerance)
+
+
+def verified(
+    robot: "Robot", q: Floats, scene: "Snapshot", targets: "Sequence[Target]", tolerance: "Tolerance"
+) -> Verification:
+    """Recompute errors, limits and clearances of a configuration `q` (n, 3); there may be no targets."""
     ends = segment_ends(robot, q)
-    errors = [target_errors(robot, target, ends) for target in problem.targets]
-    off, turn = max(e[0] for e in errors), max(e[1] for e in errors)
-    clearance, segment, obstacle = least_clearance(robot, problem.scene, q, ends)
+    errors = [target_errors(robot, target, ends) for target in targets]
+    off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
+    clearance, segment, obstacle = least_clearance(robot, scene, q, ends)
+    itself = _meeting(robot, q, ends)
     excess = robot.excess(q)
     slack = ROUNDING * robot.mean_length
     ok = (
@@ -85,23 +121,33 @@ def verify(problem: "Problem", q: Floats) -> Verification:
         and turn <= tolerance.angle + 1e-7
         and excess <= LIMIT_SLACK * max(1.0, robot.mean_length)
         and clearance >= -slack
+        and itself.gap >= -slack
     )
-    return Verification(ok, off, turn, excess, clearance, segment, obstacle)
+    return Verification(ok, off, turn, excess, clearance, segment, obstacle, *itself)
+
+
+def _meeting(robot: "Robot", q: Floats, ends: Floats) -> Meeting:
+    """Where the body is nearest to itself, if that matters."""
+    return least_self_clearance(robot, q, ends) if robot.avoids_itself else Meeting(math.inf, None)
 
 
 def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
     """The constraint that `q` (n, 3) is farthest from meeting, lengths relative to the robot's length.
 
-    With `overlap` it is known to be the clearance, however deep.
+    With `overlap` it is known to be a clearance, however deep.
     """
     robot, tolerance = problem.robot, problem.tolerance
-    ends = segment_ends(robot, q)
+    ends = np.concatenate([robot.base[None], robot.forward(q)])
     unit = robot.mean_length
-    clearance, where, which = least_clearance(robot, problem.scene, q, ends)
-    blocked = Worst("clearance", where, which, -clearance)
+    clearance, where, which = _least_clearance(robot, problem.scene, q)
+    itself, segments = _meeting(robot, q, ends)
+    near, far = segments or (None, None)
+    found = [
+        (-clearance / unit, Worst("clearance", where, which, -clearance)),
+        (-itself / unit, Worst("self_clearance", far, None, -itself, near)),
+    ]
     if overlap:
-        return blocked
-    found = [(-clearance / unit, blocked)]
+        return max(found, key=lambda pair: pair[0])[1]
     for name, segment, amount in robot.violations(q):
         found.append((amount / (1.0 if name in ("bend", "curvature") else unit), Worst(name, segment, None, amount)))
     for target in problem.targets:
@@ -111,3 +157,18 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
         found.append((miss / unit, Worst("position", segment, None, miss)))
         found.append((twist, Worst("angle", segment, None, twist)))
     return max(found, key=lambda pair: pair[0])[1]
+
+
+def _least_clearance(robot: "Robot", scene: "Snapshot", q: Floats) -> tuple[float, int | None, str | None]:
+    """Least clearance, its segment (1 = first) and obstacle: as `measures.clearance.least_clearance`, but compiled."""
+    if len(scene) == 0:
+        return math.inf, None, None
+    points, lengths = robot.backbone(q, SAMPLES), q[:, 2]
+    # The end of a segment is the beginning of the next one, which may be thicker: it counts for both.
+    places = np.arange(SAMPLES * len(robot)).reshape(-1, SAMPLES)[:, :1] + np.arange(SAMPLES + 1)
+    before = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
+    free = before[:, None] + np.linspace(0.0, lengths, SAMPLES + 1, axis=-1) >= robot.mount
+    segments = np.broadcast_to(np.arange(len(robot))[:, None], free.shape)[free]
+    nearest = least_gap(points[places[free]], np.array(robot.radii)[segments], scene)
+    segment = None if nearest.place is None else int(segments[nearest.place]) + 1
+    return nearest.distance, segment, nearest.obstacle

@@ -14,10 +14,10 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
         return False
     turned, reached, radius = 0.0, 0.0, robot.radii[0]
     if robot.mount > 0.0:
-        for segment, own in zip(robot.segments, robot.radii, strict=True):
+        for segment, own, curvature in zip(robot.segments, robot.radii, robot.curvatures, strict=True):
             # Lengths vary: this may be the segment that leaves the mount, and so may any before it.
             radius = min(radius, own)
-            turned += min(segment.max_bend, segment.max_curvature * segment.length[1])
+            turned += min(segment.max_bend, curvature * segment.length[1])
             reached += segment.length[0]
             if reached > robot.mount:
                 break

@@ -1,6 +1,6 @@
 """The start source for narrow places: routes through free space from the base to a target, and the chain along them."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
-from sinuous.kernels.tables import PROVED_CLOSED, QUERY_WIDTH, ROUTE, SOURCES
+from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_WIDTH, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
@@ -28,15 +28,18 @@ COARSE, FINE = 64, 1000
 ALTERNATIVES = 4
 """Routes to one target that differ."""
 
-SLOTS = (1 << 13, 1 << 15, 1 << 18, 1 << 20)
-"""Sizes of the table of cells."""
+CELLS = (1 << 12, 1 << 14, 1 << 17, 1 << 19)
+"""Most cells of a search."""
+
+CELLS_A_START = 100
+"""Cells that a search may look at for each scattered start that follows it: a descent costs about as much."""
 
 POINTS = 256
 """Most points of a route."""
 
-MEMORY = BufferPool(most=2, largest=memory_size(SLOTS[2]))
-"""What all searches of this process work in. A search takes 46 bytes a slot and 0.2 MB: 12 MB for the last but one
-size of the table, 48 MB for the largest. The largest is not kept after the search; of the others two are."""
+MEMORY = BufferPool(most=2, largest=memory_size(CELLS[2]))
+"""What all searches of this process work in. A search takes 83 bytes a cell and 0.2 MB: 11 MB at most in the last but
+one size, 44 MB in the largest. The largest is not kept after the search; of the others two are."""
 
 
 class Plan(NamedTuple):
@@ -48,12 +51,12 @@ class Plan(NamedTuple):
         Edge of the cells.
     clearance : float
         Distance from the obstacles with which a cell can be passed.
-    slots : int
-        Size of the table of cells; half of it is the most that are looked at.
+    cells : int
+        Most cells that are looked at.
     routes : int
         Most routes to find.
     then : int
-        Scattered starts that come before the next search.
+        Least number of scattered starts that come before the next search; what it costs may ask for more.
     exact : bool
         Whether to ask for exact distances, not for samples.
     prove : bool
@@ -62,7 +65,7 @@ class Plan(NamedTuple):
 
     cell: float
     clearance: float
-    slots: int
+    cells: int
     routes: int
     then: int
     exact: bool
@@ -76,8 +79,6 @@ class Found(NamedTuple):
     ----------
     routes : list of ndarray (K, 3)
         Points from the base to the target, evenly spaced, in the length unit.
-    spacings : list of float
-        Distance between neighbours along every route.
     ended : int
         How the last search ended: FOUND, CLOSED, FULL, TIMED_OUT or PROVED_CLOSED of `sinuous.kernels.tables`.
     cells : int
@@ -85,7 +86,6 @@ class Found(NamedTuple):
     """
 
     routes: list[Floats]
-    spacings: list[float]
     ended: int
     cells: int
 
@@ -119,17 +119,25 @@ class Router:
         problem = question.problem
         query = self.query(problem)
         told: dict[tuple[float, bool], int] = {}
+        too_few: dict[float, int] = {}
         for plan in () if query is None else self.plans:
             seconds = question.seconds_left()
             if query is None or seconds <= 0.0:
                 return
-            began = monotonic()
+            if plan.cells <= too_few.get(plan.cell, 0):
+                continue
             found = self.find(problem, query, plan, seconds)
+            if found.ended == FULL and not found.routes:
+                too_few[plan.cell] = plan.cells
             known = told.get((plan.cell, plan.exact), 0)
             told[plan.cell, plan.exact] = max(known, len(found.routes))
-            initial = self.fit(problem, found, known)
+            initial = self.fit(problem, found, known, question.seconds_left)
             closed = plan.cell if found.ended == PROVED_CLOSED else None
-            yield Batch(self.name, initial, seconds=monotonic() - began, then=plan.then, closed=closed)
+            routes = tuple(found.routes[known:][: len(initial)])
+            for route in routes:
+                route.setflags(write=False)
+            then = max(plan.then, found.cells // CELLS_A_START)
+            yield Batch(self.name, initial, then=then, closed=closed, routes=routes)
             if closed is not None:
                 return
 
@@ -146,28 +154,30 @@ class Router:
             cell=plan.cell,
             clearance=plan.clearance,
             room=max(min(self._robot.radii), 0.5 * plan.cell),
-            slots=plan.slots,
+            most_cells=plan.cells,
             exact=plan.exact,
             prove=plan.prove,
         )
         routes = np.empty((plan.routes, POINTS, 3))
-        counts, spacings = np.zeros(plan.routes, np.int64), np.zeros(plan.routes)
-        with MEMORY.borrow(memory_size(plan.slots)) as memory:
-            found, ended, cells, _ = find_routes(
-                problem.scene._kernel_group, planned, seconds, memory, routes, counts, spacings
-            )
+        counts = np.zeros(plan.routes, np.int64)
+        with MEMORY.borrow(memory_size(plan.cells)) as memory:
+            group = problem.scene._kernel_group
+            found, ended, cells = find_routes(group, planned, seconds, memory, routes, counts)
         lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
-        return Found(lines, spacings[:found].tolist(), ended, cells)
+        return Found(lines, ended, cells)
 
-    def fit(self, problem: Problem, found: Found, known: int = 0) -> Floats:
-        """Return configurations (m, n, 3) along the routes, but for the first `known` ones."""
+    def fit(self, problem: Problem, found: Found, known: int, seconds_left: Callable[[], float]) -> Floats:
+        """Return configurations (m, n, 3) along the routes, but for the first `known` ones, while there is time."""
         robot = self._robot
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
-        workspace = np.empty(fit_workspace_size(*sizes))
+        workspace = np.empty(fit_workspace_size(*sizes, POINTS))
         fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
         groups = self._group, problem.scene._kernel_group, self._settings, problem._rows
-        for route, spacing, q in zip(found.routes[known:], found.spacings[known:], fits, strict=True):
-            fit_route(*groups, route, spacing, workspace, q)
+        for i, (route, q) in enumerate(zip(found.routes[known:], fits, strict=True)):
+            left = seconds_left()
+            if left <= 0.0:
+                return fits[:i]
+            fit_route(*groups, route, left, workspace, q)
         return fits
 
     def load(self) -> float:
@@ -177,8 +187,8 @@ class Router:
         if problem is not None:
             query = self.query(problem)
             if query is not None:
-                self.find(problem, query, self.plans[0]._replace(slots=256), 0.0)
-            self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], [1.0], 0, 0))
+                self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
+            self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], 0, 0), 0, lambda: 1.0)
         return monotonic() - began
 
 
@@ -193,14 +203,14 @@ def _plans(radius: float, length: float) -> tuple[Plan, ...]:
     through = radius - HALF_DIAGONAL * fine
     wide = max(radius - 0.5 * coarse, 0.25 * radius)
     proves = fine <= 0.5 * radius
-    least, few, many, most = SLOTS
+    least, few, many, most = CELLS
     first = [Plan(coarse, wide, least, 1, 0, False, False)] if coarse > fine else []
     second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False, False)] if coarse > fine else []
     return (
         *first,
-        Plan(fine, through, few, 1, 20, False, False),
+        Plan(fine, through, few, 1, 20, False, proves),
         *second,
         Plan(fine, through, few, 1, 40, True, proves),
-        Plan(fine, through, many, ALTERNATIVES, 160, False, False),
+        Plan(fine, through, many, ALTERNATIVES, 160, False, proves),
         Plan(fine, through, most, ALTERNATIVES, 0, True, proves),
     )

@@ -1,8 +1,8 @@
 """One solve under way: what was found, what it cost, and whether it goes on. Two rules say when it stops."""
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
+from time import monotonic
 
 import numpy as np
 
@@ -10,18 +10,20 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, OUT_OF_REACH, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.solving.sources import Batch
 
-SLICE = 0.1
-"""Seconds after which a method should return to Python, so that an interrupt is seen."""
-
 UNDECIDED = (FAILED, UNPROVED)
 """How a call ends after which a search goes on."""
 
 Follow = Callable[[Batch, float], Outcome]
 """Follows the starts of a batch, for at most so many seconds, until one is solved."""
 
+Clock = Callable[[], float]
+"""Seconds since any moment."""
+
 
 class Search(ABC):
     """Counts starts, iterations and seconds; a stopping rule is what subclasses add.
+
+    The budget is one of time on the wall, from when the search is made: what happens between two calls is in it.
 
     Parameters
     ----------
@@ -29,12 +31,13 @@ class Search(ABC):
         Most starts.
     seconds : float
         Budget.
+    clock : callable
     """
 
-    def __init__(self, max_starts: int, seconds: float) -> None:
-        self._max_starts, self._budget = max_starts, seconds
+    def __init__(self, max_starts: int, seconds: float, clock: Clock = monotonic) -> None:
+        self._max_starts, self._budget, self._clock = max_starts, seconds, clock
         self._starts = self._iterations = 0
-        self._used = 0.0
+        self._began = clock()
 
     @property
     @abstractmethod
@@ -61,13 +64,17 @@ class Search(ABC):
     @property
     def seconds_left(self) -> float:
         """What is left of the budget."""
-        return self._budget - self._used
+        return self._budget - self.seconds_used
+
+    @property
+    def seconds_used(self) -> float:
+        """What is used of the budget."""
+        return self._clock() - self._began
 
     def take(self, found: Outcome) -> None:
         """Count what came of one call, and look at it."""
         self._starts += found.starts
         self._iterations += found.iterations
-        self._used += found.seconds
         self.keep(found)
 
     def pursue(self, batches: Iterator[Batch], follow: Follow) -> None:
@@ -76,7 +83,6 @@ class Search(ABC):
             batch = next(batches, None)
             if batch is None:
                 return
-            self._used += batch.seconds
             if batch.closed is not None:
                 self.close(batch.closed)
             for part in batch.parts(self.chunk):
@@ -84,7 +90,8 @@ class Search(ABC):
                     return
                 found = follow(part, self.seconds_left)
                 if batch.source == SOURCES[ROUTE]:
-                    found = found._replace(source=ROUTE)
+                    solved = found.code == SOLVED and len(part.routes) > 0
+                    found = found._replace(source=ROUTE, route=part.routes[found.starts - 1] if solved else None)
                 self.take(found)
                 if found.starts == 0:  # the method has no more of its own
                     break
@@ -96,13 +103,14 @@ class FirstSolved(Search):
     Parameters
     ----------
     first : Outcome
-        Of the first call.
-    max_starts, seconds
+        Of the first call, whose seconds are off the budget.
+    max_starts, seconds, clock
         See `Search`.
     """
 
-    def __init__(self, first: Outcome, max_starts: int, seconds: float) -> None:
-        super().__init__(max_starts, seconds)
+    def __init__(self, first: Outcome, max_starts: int, seconds: float, clock: Clock = monotonic) -> None:
+        super().__init__(max_starts, seconds, clock)
+        self._began -= first.seconds
         self._best = first
         self.take(first)
 
@@ -112,9 +120,8 @@ class FirstSolved(Search):
         return self._best.code in UNDECIDED and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
-        """As many as before, if that takes no longer than `SLICE`."""
-        quick = math.floor(SLICE * self._starts / max(self._used, 1e-9))
-        return min(self.starts_left, max(1, min(self._starts, quick)))
+        """As many as before."""
+        return min(self.starts_left, max(1, self._starts))
 
     def keep(self, found: Outcome) -> None:
         """Keep it if it is better: solved, or met as far as could be seen, or nearer to that."""
@@ -133,7 +140,13 @@ class FirstSolved(Search):
         best = self._best
         if best.code == FAILED and self.seconds_left <= 0.0:
             best = best._replace(code=LATE)
-        return best._replace(starts=self._starts, iterations=self._iterations, seconds=self._used)
+        return best._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
+
+
+def _apart(shapes: Floats, shape: Floats) -> Floats:
+    """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
+    distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
+    return distances
 
 
 def _rank(outcome: Outcome) -> tuple[int, float]:
@@ -152,7 +165,7 @@ class Distinct(Search):
         Two solutions are the same when no point of the backbone is farther from its counterpart, in the length unit.
     shape : callable
         Points (k, 3) of the backbone of a configuration (n, 3).
-    max_starts, seconds
+    max_starts, seconds, clock
         See `Search`.
 
     Attributes
@@ -162,9 +175,15 @@ class Distinct(Search):
     """
 
     def __init__(
-        self, count: int, apart: float, shape: Callable[[Floats], Floats], max_starts: int, seconds: float
+        self,
+        count: int,
+        apart: float,
+        shape: Callable[[Floats], Floats],
+        max_starts: int,
+        seconds: float,
+        clock: Clock = monotonic,
     ) -> None:
-        super().__init__(max_starts, seconds)
+        super().__init__(max_starts, seconds, clock)
         self._count, self._apart, self._shape = count, apart, shape
         self._shapes: list[Floats] = []
         self._impossible = False
@@ -186,9 +205,10 @@ class Distinct(Search):
         if found.code != SOLVED:
             return
         shape = self._shape(found.q)
-        if all(np.linalg.norm(shape - other, axis=-1).max() > self._apart for other in self._shapes):
+        if not self._shapes or (_apart(np.array(self._shapes), shape) > self._apart).all():
             self._shapes.append(shape)
-            self.found.append(found._replace(starts=self._starts, iterations=self._iterations, seconds=self._used))
+            found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
+            self.found.append(found)
 
     def close(self, cell: float) -> None:
         """End it: no route leads to the target, so there are no more solutions."""

@@ -2,7 +2,7 @@
 
 import time as clock
 from collections.abc import Iterable
-from typing import Any, ClassVar, Never
+from typing import Any, ClassVar, Never, Self
 
 import numpy as np
 
@@ -13,11 +13,13 @@ from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Call
 from sinuous.problem.problem import Problem, check_sizes
+from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
+from sinuous.solving.again import Again
 from sinuous.solving.base import base_blocked
 from sinuous.solving.options import SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
@@ -29,7 +31,7 @@ CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
 TOGETHER = 256
-"""Most problems that `solve_many` hands over in one call, so that an interrupt is seen."""
+"""Most problems that `solve_many` hands over in one call."""
 
 
 class Solver:
@@ -61,11 +63,21 @@ class Solver:
     def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
-        self.robot = robot
-        self.scene: Scene = as_scene(scene)
-        check_sizes(robot, self.scene)
-        chosen = SolveOptions.of(options)
-        self.options = chosen
+        place, chosen = as_scene(scene), SolveOptions.of(options)
+        check_sizes(robot, place)
+        warn_of(suspicions(robot, place.snapshot()))
+        self._prepare(robot, place, chosen)
+
+    @classmethod
+    def prepared(cls, robot: Robot, scene: Scene, options: SolveOptions) -> Self:
+        """Prepare one of what was checked before; nothing is warned of twice."""
+        solver = object.__new__(cls)
+        solver._prepare(robot, scene, options)
+        return solver
+
+    def _prepare(self, robot: Robot, scene: Scene, chosen: SolveOptions) -> None:
+        """Get ready, with arguments that are checked."""
+        self.robot, self.scene, self.options = robot, scene, chosen
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
@@ -74,7 +86,7 @@ class Solver:
         if self._router is not None and self._ahead:
             self._router.load()
         self._portfolio = Portfolio(chosen.max_starts, self._router)
-        self._seed = chosen.seed
+        self._again = Again(OneSolve.prepared, chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._no_initial: Floats = np.empty((0, len(robot), 3))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
@@ -107,18 +119,21 @@ class Solver:
         if renamed:
             refuse_renamed(renamed)
         scene, blocked = self._place
-        if scene is not self.scene.snapshot():
+        looked = scene is not self.scene.snapshot()
+        if looked:
             scene, blocked = self._look_at_base()
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given = self._no_initial if initial is None else self._given("initial", initial)
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
+        if looked:  # which is in the budget, too
+            budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
             if self._router is not None and outcome.code in UNDECIDED:
                 began += self._router.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self.method, self._seed)
+        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
 
     def build(self, target: Targets, initial: "Solution | Any" = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
@@ -179,8 +194,8 @@ class Solver:
             for i, outcome in enumerate(found)
         ]
         return [
-            Solution(problem, outcome, outcome.seconds, self.method, self.options.seed)
-            for problem, outcome in zip(problems, best, strict=True)
+            Solution(problem, outcome, outcome.seconds, self._again, own)
+            for problem, outcome, own in zip(problems, best, given, strict=True)
         ]
 
     def solve_all(
@@ -230,19 +245,21 @@ class Solver:
         given = self._no_initial if initial is None else self._given("initial", initial)
         if blocked:
             return []
-        search = Distinct(
-            CANDIDATES * wanted, separation, lambda q: self.robot.backbone(q, 8), self.options.max_starts, seconds
-        )
+
+        def shape(q: Floats) -> Floats:
+            return self.robot.backbone(q, 8)
+
+        shape(np.zeros((len(self.robot), 3)))  # loads the kernel, before the time begins
+        search = Distinct(CANDIDATES * wanted, separation, shape, self.options.max_starts, seconds)
         question = Question(problem, given, lambda: search.seconds_left)
         search.pursue(self._portfolio.batches(question), self._follow(problem, given))
         reference = None if initial is None else given[0]
-        best = sorted(search.found, key=lambda outcome: self._dislike(outcome.q, reference))
-        return [
-            Solution(problem, outcome, outcome.seconds, self.method, self.options.seed) for outcome in best[:wanted]
-        ]
+        order = np.argsort(self._dislike([outcome.q for outcome in search.found], reference), kind="stable")
+        best = [search.found[i] for i in order[:wanted]]
+        return [Solution(problem, outcome, outcome.seconds, self._again, given) for outcome in best]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuilt, (self.robot, self.scene, self.options)
+        return type(self).prepared, (self.robot, self.scene, self.options)
 
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
@@ -283,12 +300,13 @@ class Solver:
 
         return follow
 
-    def _dislike(self, q: Floats, reference: Floats | None) -> float:
-        """By what `solve_all` orders."""
+    def _dislike(self, found: list[Floats], reference: Floats | None) -> Floats:
+        """By what `solve_all` orders: a number (m,) for each of m configurations (n, 3)."""
+        q = np.array(found).reshape(-1, len(self.robot), 3)
         if reference is None:
-            return float((q[:, :2] ** 2).sum())
+            return np.asarray((q[..., :2] ** 2).sum(axis=(1, 2)))
         unit = self.robot.mean_length / len(self.robot)
-        return float((((q - reference) / [1.0, 1.0, unit]) ** 2).sum())
+        return np.asarray((((q - reference) / [1.0, 1.0, unit]) ** 2).sum(axis=(1, 2)))
 
     def _given(self, key: str, initial: Any) -> Floats:
         if isinstance(initial, Solution):
@@ -301,11 +319,6 @@ class OneSolve(Solver):
     """A solver for one question: the search for routes is compiled, or loaded, only where the first starts fail."""
 
     _ahead = False
-
-
-def _rebuilt(robot: Robot, scene: Scene, options: SolveOptions) -> Solver:
-    """Prepare a solver again, in the process that it was sent to."""
-    return Solver(robot, scene, **vars(options))
 
 
 def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:

@@ -22,20 +22,20 @@ class Batch:
     own : (int, int)
         Numbers of starts that the method makes by itself in compiled code, after the initial configurations, from the
         first up to, without it, the last: number 0 is the single arc, all others are scattered.
-    seconds : float
-        What it cost to make the batch.
     then : int
         Scattered starts that should come before the next batch of this source: in proportion to what that costs.
     closed : float or None
         Edge of the cells by which it was proved that there is no route; `None` where nothing is proved.
+    routes : tuple of ndarray (k, 3)
+        Of every initial configuration the route that it was laid along; empty where they come from elsewhere.
     """
 
     source: str
     initial: Floats
     own: tuple[int, int] = (0, 0)
-    seconds: float = 0.0
     then: int = 0
     closed: float | None = None
+    routes: tuple[Floats, ...] = ()
 
     @property
     def size(self) -> int:
@@ -47,13 +47,14 @@ class Batch:
         at = 0
         while at < len(self.initial):
             count = most()
-            yield replace(self, initial=self.initial[at : at + count], own=(0, 0))
+            some = slice(at, at + count)
+            yield replace(self, initial=self.initial[some], routes=self.routes[some], own=(0, 0))
             at += count
         first, last = self.own
         nothing = self.initial[:0]
         while first < last:
             end = min(last, first + most())
-            yield replace(self, initial=nothing, own=(first, end))
+            yield replace(self, initial=nothing, routes=(), own=(first, end))
             first = end
 
 

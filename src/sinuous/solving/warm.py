@@ -11,6 +11,7 @@ from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.nearest import least_gap
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solving.solver import OneSolve, Solver
@@ -58,4 +59,6 @@ def _kinematics() -> None:
 
 def _distances() -> None:
     corners = np.vstack([np.zeros(3), np.eye(3)])
-    Scene([Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])]).distance([1.0, 1.0, 1.0])
+    scene = Scene([Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])])
+    scene.distance([1.0, 1.0, 1.0])
+    least_gap(corners, np.zeros(len(corners)), scene.snapshot())

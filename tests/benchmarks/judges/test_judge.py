@@ -122,11 +122,16 @@ def test_limits_are_reached_exactly() -> None:
     assert within_limits(ARM, changed(0, 0, 2.0)).all()
 
 
-def test_actuators_are_not_judged_in_silence() -> None:
-    tendons = sn.Tendons(count=3, radius=0.05, displacement=(-0.01, 0.01))
-    robot = sn.Robot.uniform(2, 1.0, tendons=tendons)
-    with pytest.raises(NotImplementedError):
-        within_limits(robot, np.array([[[0.0, 0.0, 1.0]] * 2]))
+@pytest.mark.parametrize("seed", range(5))
+def test_limits_of_actuators_are_what_the_robot_says(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tendons = sn.Tendons(angles=rng.uniform(-3, 3, 3), radius=0.1, displacement=(-0.1, 0.08))
+    pulled, blown = sn.Segment((0.5, 1.5), tendons=tendons), sn.Chambers(3, 0.1, length=(0.6, 1.4))
+    robot = sn.Robot([pulled, sn.Segment(1.0), pulled, sn.Segment((0.5, 1.5), chambers=blown)])
+    q = problems.random_configurations(robot, 200, rng)
+    q[..., :2] *= rng.random((200, 1, 1))
+    assert within_limits(robot, q).tolist() == [robot.excess(one) <= 1e-9 for one in q]
+    assert 20 < within_limits(robot, q).sum() < 180
 
 
 Z = np.array([0.0, 0.0, 1.0])

@@ -1,17 +1,19 @@
 """Every family: the hidden shape is feasible by an independent check, seeds make places again, all robots occur."""
 
+import math
 from functools import cache
 
 import numpy as np
 import pytest
 import trimesh
 
+import sinuous as sn
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import Flags
 from benchmarks.places import FAMILIES, Place, make, place
-from benchmarks.places.parts.robots import robot_of
+from benchmarks.places.around.spheres import spheres
+from benchmarks.places.parts.robots import long_robot, robot_of, stout_robot, various_robot
 from benchmarks.places.place import Sketch, settle
-from benchmarks.places.spheres import spheres
 from benchmarks.problems import random_configurations
 from sinuous.checks import Floats
 from sinuous.measures.body import arc_poses
@@ -24,17 +26,21 @@ made_once = cache(make)
 """To prepare a place takes seconds: tests that only look at it share it."""
 
 DRAWN = [name for name in FAMILIES if not name.startswith("p")] + ["pipe 1.3", "pipe 1.6 scan", "plates"]
+DRAWN += ["pipe between", "pipe between scan"]
 
 
-def backbone(made: Place) -> tuple[Floats, Floats]:
-    """Points of the hidden shape beyond the mount and the pose of its end, by matrix exponentials."""
-    pose, points, before = made.robot.base, [], 0.0
-    for coordinates in made.hidden_q:
-        poses = pose @ arc_poses(coordinates, 60)
+def backbone(made: Place) -> tuple[Floats, Floats, list[Floats]]:
+    """Points of the hidden shape beyond the mount, radii there, and the poses of all ends, by matrix exponentials."""
+    ends, points, radii, before = [made.robot.base], [], [], 0.0
+    for coordinates, radius in zip(made.hidden_q, made.robot.radii, strict=True):
+        poses = ends[-1] @ arc_poses(coordinates, 60)
         exposed = before + np.linspace(0.0, coordinates[2], 61) >= made.robot.mount
         points.append(poses[exposed, :3, 3])
-        pose, before = poses[-1], before + coordinates[2]
-    return np.concatenate(points), pose
+        radii.append(np.full(exposed.sum(), radius))
+        ends.append(poses[-1])
+        before += coordinates[2]
+    ends[-1] = ends[-1] @ made.robot.tool
+    return np.concatenate(points), np.concatenate(radii), ends
 
 
 def distance(obstacle: Obstacle, points: Floats) -> Floats:
@@ -63,15 +69,17 @@ def inside(solid: trimesh.Trimesh, points: Floats) -> Flags:
 def test_the_hidden_shape_is_feasible(family: str) -> None:
     made = made_once(family, 10)
     robot, q = made.robot, made.hidden_q
-    points, end = backbone(made)
-    some = points[:: max(1, len(points) // 40)]
+    points, radii, ends = backbone(made)
+    some = slice(None, None, max(1, len(points) // 40))
     for obstacle in made.scene.obstacles:
-        assert distance(obstacle, some).min() >= min(robot.radii)
+        assert (distance(obstacle, points[some]) >= radii[some]).all()
     assert robot.excess(q) <= 1e-12
-    assert made.target.position is not None
-    np.testing.assert_allclose(end[:3, 3], made.target.position, atol=1e-9 * robot.mean_length)
-    if made.target.direction is not None:
-        np.testing.assert_allclose(end[:3, 2], made.target.direction, atol=1e-9)
+    for target in made.targets:
+        end = ends[-1 if target.segment is None else target.segment]
+        assert target.position is not None
+        np.testing.assert_allclose(end[:3, 3], target.position, atol=1e-9 * robot.mean_length)
+        if target.direction is not None:
+            np.testing.assert_allclose(end[:3, 2], target.direction, atol=1e-9)
 
 
 @pytest.mark.parametrize("family", ["pipe 2.2", "duct", "pipe 1.6 scan", "duct scan"])
@@ -84,11 +92,12 @@ def test_nobody_gets_out_of_what_is_closed(family: str) -> None:
     assert body.overlaps(made.hidden_q[None]) == [False]
 
 
-@pytest.mark.parametrize("family", ["spheres 12", "drum scan", "duct", "p4 pose"])
+@pytest.mark.parametrize("family", ["spheres 12", "drum scan", "duct", "two doors mesh", "small world", "p4 pose"])
 def test_a_seed_makes_its_place_again(family: str) -> None:
     first, again, other = made_once(family, 10), make(family, 10), made_once(family, 13)
     np.testing.assert_array_equal(first.hidden_q, again.hidden_q)
-    np.testing.assert_array_equal(first.target.table, again.target.table)
+    for one, same_one in zip(first.targets, again.targets, strict=True):
+        np.testing.assert_array_equal(one.table, same_one.table)
     assert first.target.position is not None
     assert other.target.position is not None
     assert not np.array_equal(first.target.position, other.target.position)
@@ -99,7 +108,9 @@ def test_a_seed_makes_its_place_again(family: str) -> None:
             np.testing.assert_array_equal(mine.points, same.points)
 
 
-@pytest.mark.parametrize("family", ["pipe 1.3", "pipe 2.2", "plates", "drum", "duct"])
+@pytest.mark.parametrize(
+    "family", ["pipe 1.3", "pipe 2.2", "plates", "drum", "duct", "open pipe 1.3", "bore", "cells mesh", "cells pipe"]
+)
 @pytest.mark.parametrize("seed", [10, 13])
 def test_meshes_are_solids_without_flaws(family: str, seed: int) -> None:
     for obstacle in made_once(family, seed).scene.obstacles:
@@ -139,6 +150,36 @@ def test_a_shape_that_touches_is_drawn_again() -> None:
     made = settle("spheres 12", 0, draw)
     assert len(tried) == 3
     np.testing.assert_array_equal(made.hidden_q, tried[2].q)
+
+
+def test_a_shape_that_touches_itself_is_drawn_again() -> None:
+    hairpin = np.array([[0.0, 0.0, 1.0], [math.pi, 0.0, 0.3], [0.0, 0.0, 1.0]])
+    tried = list[float]()
+
+    def draw(_seed: int, _rng: np.random.Generator) -> Sketch:
+        tried.append(0.09 if len(tried) == 2 else 0.1)
+        return Sketch(sn.Robot.uniform(3, (0.1, 1.0), radius=tried[-1]), [], hairpin)
+
+    settle("hairpins", 0, draw)
+    assert tried == [0.1, 0.1, 0.09]
+
+
+def test_various_robots_are_various() -> None:
+    made = [various_robot(seed, np.random.default_rng(seed)) for seed in range(60)]
+    slender = [max(robot.radii) / max(segment.length[1] for segment in robot.segments[1:]) for robot in made]
+    assert min(slender) < 0.06
+    assert max(slender) > 0.1
+    assert 15 < sum(min(robot.radii) < max(robot.radii) for robot in made) < 45
+    assert 10 < sum(not np.array_equal(robot.tool, np.eye(4)) for robot in made) < 30
+    assert {len(stout_robot(seed, np.random.default_rng(seed)).segments) for seed in range(20)} == {3, 4, 5, 6, 8, 9}
+    assert {len(long_robot(seed, np.random.default_rng(seed)).segments) for seed in range(8)} == {20, 21}
+
+
+def test_some_are_asked_for_an_elbow() -> None:
+    made = [make("channel", seed) for seed in range(20)]
+    elbows = [place for place in made if len(place.targets) == 2]
+    assert 0 < len(elbows) < len(made)
+    assert all(place.targets[0].segment is not None and place.target.segment is None for place in elbows)
 
 
 def test_a_family_without_room_says_so(monkeypatch: pytest.MonkeyPatch) -> None:

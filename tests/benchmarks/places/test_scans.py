@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from benchmarks.places import _DRAWN, make, scans
+from benchmarks.places import make, scans
+from benchmarks.places.around.spheres import spheres
+from benchmarks.places.families import _DRAWN
 from benchmarks.places.place import Sketch
 from benchmarks.places.scans import scan, triangles
-from benchmarks.places.spheres import spheres
 from sinuous.checks import Floats
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Box, Sphere

@@ -2,6 +2,9 @@
 
 import os
 
+import pytest
+
+from benchmarks.solvers import parallel
 from benchmarks.solvers.parallel import in_processes
 
 
@@ -20,3 +23,14 @@ def test_results_come_in_order() -> None:
 
 def test_processes_keep_to_their_cores() -> None:
     assert set(in_processes(cores_of, range(3))) == {1}
+
+
+def test_processes_end_when_what_gathers_stops() -> None:
+    """As at an interrupt; afterwards there are new ones."""
+    results = in_processes(square, range(1000))
+    assert next(results) == 0
+    before = parallel._pool()
+    results.close()  # type: ignore[attr-defined]
+    with pytest.raises(RuntimeError, match="shutdown"):
+        before.submit(square, 1)
+    assert list(in_processes(square, range(2))) == [0, 1]

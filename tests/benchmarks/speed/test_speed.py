@@ -11,7 +11,7 @@ from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
 from benchmarks.problems import paper_poses
-from benchmarks.speed import cold, endurance, honesty, paper
+from benchmarks.speed import budgets, cold, endurance, honesty, paper
 from benchmarks.speed.experiment import SECTIONS, Speed
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
@@ -50,6 +50,15 @@ def test_a_solver_that_lies_is_found_out(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(Solution, "solved", property(lambda _: True))
     monkeypatch.setattr(honesty, "TARGETS", 20)
     assert any(honesty.examine(seed).false for seed in range(5))
+
+
+def test_budgets_are_asked_of_every_family(monkeypatch: pytest.MonkeyPatch) -> None:
+    chosen = [family for family in budgets.FAMILIES if family[0] in ("free", "along a wall")]
+    monkeypatch.setattr(budgets, "FAMILIES", chosen)
+    lines = list(budgets.measure(Plan(quick=True)))
+    assert [line.what.split(",")[0] for line in lines[::2]] == ["free", "along a wall", "all", "all"]
+    assert "used up their budgets" in lines[2].note
+    assert any(line.reached > 0.0 for line in lines)
 
 
 def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

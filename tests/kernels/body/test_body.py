@@ -9,6 +9,7 @@ import pytest
 from sinuous.kernels.body import proof
 from sinuous.kernels.body.contacts import PER_SEGMENT, SOFTNESS, Body, Look
 from sinuous.kernels.body.contacts import contacts as kernel_contacts
+from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.rows import INNER, SOFT
 from sinuous.kernels.fields.solids import EXACT
@@ -27,6 +28,7 @@ from tests.helpers import (
     random_rotation,
 )
 from tests.kernels.step.test_targets import Case
+from tests.kernels.workspace import NEVER, make_clock
 
 SAMPLES = 200
 SLACK = 0.1
@@ -70,9 +72,11 @@ def sampled(q: Floats, scene: Scene, mount: float = 0.0) -> tuple[float, float]:
     return least, spacing
 
 
-def prove(q: Floats, scene: Scene, mount: float = 0.0, slack: float = SLACK) -> tuple[int, float, int, float, int]:
-    among = np.empty(len(scene), np.int64)
-    return proof.prove(ROBOT.limits, q, frames_of(q), kernel_scene(scene), mount, slack, FINEST, among)
+def prove(
+    q: Floats, scene: Scene, mount: float = 0.0, slack: float = SLACK, deadline: int = NEVER
+) -> tuple[int, float, int, float, int]:
+    scratch = Scratch(np.empty(len(scene), np.int64), make_clock(deadline))
+    return proof.prove(ROBOT.limits, q, frames_of(q), kernel_scene(scene), mount, slack, FINEST, scratch)
 
 
 @pytest.mark.parametrize("reach", [0.7, 2.0, 5.0])
@@ -176,6 +180,21 @@ def test_a_robot_of_no_length_is_a_ball() -> None:
     assert prove(straight(0.0), Scene([Sphere((0, 0, 1), 0.81)]))[0] == TOUCHING
 
 
+def test_a_proof_ends_with_the_time() -> None:
+    """Among a wall that the body grazes all along it takes many looks; what takes few is proved before it is read."""
+    for gap, said in ((0.1, CLEAR), (1e-3, UNDECIDED)):
+        grazed = Scene([HalfSpace((0.2 + gap, 0, 0), (-1, 0, 0))])
+        assert prove(straight(), grazed)[0] == CLEAR
+        assert prove(straight(), grazed, deadline=0)[0] == said
+    assert prove(straight(), Scene([HalfSpace((0.1, 0, 0), (-1, 0, 0))]), deadline=0)[0] == TOUCHING
+
+
+def test_many_obstacles_are_many_looks() -> None:
+    far = Scene([Sphere((50.0, i, 0.0), 1.0) for i in range(300)])
+    assert prove(straight(), far)[0] == CLEAR
+    assert prove(straight(), far, deadline=0)[0] == UNDECIDED
+
+
 def contacts(
     q: Floats,
     frames: Floats,
@@ -186,9 +205,9 @@ def contacts(
     mount: float = 0.0,
 ) -> tuple[Any, int, float]:
     rows: Any = make_rows(len(q), PER_SEGMENT)
-    among = np.empty(len(scene), np.int64)
+    scratch = Scratch(np.empty(len(scene), np.int64), make_clock())
     own = Body(ROBOT.limits, q, frames, 2.0)
-    at, least = kernel_contacts(own, kernel_scene(scene), k, mount, Look(*margins, depth, EXACT), among, rows, 0)
+    at, least = kernel_contacts(own, kernel_scene(scene), k, mount, Look(*margins, depth, EXACT), scratch, rows, 0)
     return rows, at, least
 
 

@@ -10,18 +10,19 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from sinuous.scene.obstacles import Sphere
+from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 
 POINTS = 300
 
 
-def lay(robot: Robot, route: Floats) -> Floats:
-    spacing = float(np.linalg.norm(np.diff(route, axis=0), axis=1).sum()) / (len(route) - 1)
-    problem = Problem(robot, Target(route[-1]))
+def lay(robot: Robot, route: Floats, seconds: float = 60.0, scene: Scene | None = None) -> Floats:
+    problem = Problem(robot, Target(route[-1]), scene or Scene())
     groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
-    workspace = np.full(fit_workspace_size(len(robot), len(robot.actuation), 0, 1), np.nan)
+    workspace = np.full(fit_workspace_size(len(robot), len(robot.actuation), len(problem.scene), 1, len(route)), np.nan)
     out = np.empty((len(robot), 3))
-    fit_route(*groups, problem.rows.copy(), route, spacing, workspace, out)
+    fit_route(*groups, problem.rows.copy(), route, seconds, workspace, out)
     return out
 
 
@@ -76,3 +77,21 @@ def test_a_route_of_two_points_is_enough() -> None:
     found = lay(robot, np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 3.0]]))
     assert np.abs(found[:, :2]).max() < 1e-6
     assert found[:, 2] == pytest.approx(1.0)
+
+
+def test_without_time_a_fit_ends_within_limits() -> None:
+    robot = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4)
+    assert robot.excess(lay(robot, own_route(robot, shape(7, 5, 0.1)), seconds=0.0)) <= 1e-12
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_chain_keeps_off_what_the_route_keeps_off(seed: int) -> None:
+    robot = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
+    q = shape(seed, 5, 0.1)
+    route = own_route(robot, q)
+    away = np.cross(np.gradient(route, axis=0), np.random.default_rng(seed).normal(size=3))
+    balls = [Sphere(p + 0.33 * off / np.linalg.norm(off), 0.2) for p, off in zip(route, away, strict=True)][40::20]
+    scene = Scene([ball for ball in balls if (np.linalg.norm(route - ball.center, axis=1) > 0.32).all()])
+    assert len(scene) > 1
+    body = robot.backbone(lay(robot, route, scene=scene), 50)
+    assert scene.distance(body).min() > 0.1

@@ -8,29 +8,36 @@ import numpy as np
 from sinuous import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.kernels.freespace.cells import HEAP_SHARE, LINE_POINTS, CellTable, Memory, Side
+from sinuous.kernels.freespace.cells import FIRST_SLOTS, LINE_POINTS, CellTable, Memory, Side
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
+from tests.kernels.workspace import NEVER, make_clock
 
 CELL, RADIUS, REACH = 0.2, 0.25, 1.8
 GOAL = (0.8, 0.4, 0.6)
 
 
-def memory(slots: int = 1 << 15) -> Memory:
-    """An empty table, and arrays of their own."""
-    places = HEAP_SHARE * slots
-    side = Side(
-        np.zeros(slots, np.int32),
-        np.zeros(slots),
-        np.zeros(slots, np.float32),
-        np.zeros(slots, np.uint8),
-        np.zeros(places),
-        np.zeros(places, np.int32),
+def memory(most: int = 1 << 14, deadline: int = NEVER) -> Memory:
+    """An empty table, and arrays of their own; the deadline (ns) is that of its clock."""
+    sides = Side(
+        np.zeros((2, most), np.int32),
+        np.zeros((2, most)),
+        np.zeros((2, most), np.float32),
+        np.zeros((2, most), np.uint8),
+        np.zeros((2, most)),
+        np.zeros((2, most), np.int32),
+        np.zeros((2, 1), np.int64),
     )
-    table = CellTable(np.zeros(slots, np.int64), np.zeros(slots), np.zeros(slots, np.uint8))
-    return Memory(table, side, np.zeros((LINE_POINTS, 3)), np.zeros(2, np.int64))
+    table = CellTable(
+        np.zeros(2 * most, np.int32),
+        np.array([0, min(FIRST_SLOTS, 2 * most)]),
+        np.zeros(most, np.int64),
+        np.zeros(most),
+        np.zeros(most, np.uint8),
+    )
+    return Memory(table, sides, np.zeros((LINE_POINTS, 3)), make_clock(deadline))
 
 
 def grid(**changed: Any) -> Grid:
@@ -75,7 +82,7 @@ def query(**changed: Any) -> Floats:
         "cell": 0.05,
         "clearance": 0.1 - HALF_DIAGONAL * 0.05,
         "room": 0.1,
-        "slots": 1 << 15,
+        "most_cells": 1 << 14,
         "exact": True,
         "prove": True,
     }
@@ -85,7 +92,7 @@ def query(**changed: Any) -> Floats:
         out[at : at + np.size(value)] = value
     return packing.plan_search(
         out,
-        **{name: (values | changed)[name] for name in ("cell", "clearance", "room", "slots", "exact", "prove")},
+        **{name: (values | changed)[name] for name in ("cell", "clearance", "room", "most_cells", "exact", "prove")},
     )
 
 

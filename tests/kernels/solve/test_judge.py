@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from benchmarks.problems import clutter, random_configurations
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.problem import Problem as KernelProblem
 from sinuous.kernels.solve import judge as common
 from sinuous.kernels.tables import ARC, CODE, FAILED, MERIT, OUT_OF_REACH, RECORD_WIDTH, SOLVED, SOURCE
@@ -16,6 +17,7 @@ from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution.verification import verify
 from tests.helpers import Floats, kernel_scene
+from tests.kernels.workspace import make_clock
 
 
 def kernel_problem(problem: Problem) -> KernelProblem:
@@ -26,6 +28,7 @@ def kernel_problem(problem: Problem) -> KernelProblem:
         robot.actuation.copy(),
         pose_row(robot.base),
         pose_row(robot.tool),
+        robot.avoids_itself,
         kernel_scene(problem.scene),
         problem.rows.copy(),
         robot.mount,
@@ -42,11 +45,12 @@ def checker(problem: Problem) -> tuple[Any, Any]:
     frames = np.zeros((len(problem.robot) + 1, 12))
     frames[0] = pose_row(problem.robot.base)
     obstacles = np.zeros(len(problem.scene), np.int64)
-    return kernel_problem(problem), common.Check(frames, obstacles, np.zeros(2, np.int64))
+    spans = np.zeros((len(problem.robot) + 1, SPAN_WIDTH))
+    return kernel_problem(problem), common.Check(frames, obstacles, make_clock(), spans)
 
 
-def judged(problem: Problem, q: Floats) -> tuple[int, float, float, float, bool, float]:
-    result: tuple[int, float, float, float, bool, float] = common.finish(*checker(problem), q)
+def judged(problem: Problem, q: Floats) -> tuple[int, float, float, float, float, bool, float]:
+    result: tuple[int, float, float, float, float, bool, float] = common.finish(*checker(problem), q)
     return result
 
 
@@ -62,7 +66,7 @@ def test_the_check_agrees_with_the_independent_one() -> None:
             move = rng.choice([0.0, 0.9, 1.1]) * 1e-4 * robot.mean_length
             target = Target(tip[:3, 3] + [move, 0.0, 0.0], rotation=tip[:3, :3])
             problem = Problem(robot, target, drawn.scene)
-            code, off, turn, clearance, over, merit = judged(problem, wild)
+            code, off, turn, clearance, _, over, merit = judged(problem, wild)
             check = verify(problem, wild)
             assert off == pytest.approx(check.position_error, abs=1e-9 * robot.mean_length)
             assert turn == pytest.approx(check.angle_error, abs=1e-6)
@@ -88,7 +92,7 @@ def test_several_targets_count_by_the_worst() -> None:
         Target(ends[0, :3, 3] + [0.0, 0.2, 0.0], segment=1),
         Target(ends[2, :3, 3], direction=ends[1, :3, 2]),
     ]
-    _, off, turn, clearance, over, _ = judged(Problem(robot, targets), q)
+    _, off, turn, clearance, _, over, _ = judged(Problem(robot, targets), q)
     assert off == pytest.approx(0.2)
     assert turn == pytest.approx(math.hypot(0.3, 0.1), rel=1e-6)
     assert clearance == math.inf

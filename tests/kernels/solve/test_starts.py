@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from sinuous.kernels.solve import starts
 from sinuous.packing import pose_row
+from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from tests.helpers import Floats, configurations, expm_chain, frames_of, random_pose, vec
@@ -80,20 +81,42 @@ def test_every_start_keeps_the_limits(seed: int) -> None:
             assert np.isfinite(q).all()
             assert MIXED.excess(q) <= 1e-12
     q = np.full((len(MIXED), 3), np.nan)
-    starts.scattered(MIXED.limits, int(rng.integers(10**6)), seed, q)
-    assert MIXED.excess(q) <= 1e-12
+    for most in (math.pi, 2.0 * math.pi):
+        starts.scattered(MIXED.limits, int(rng.integers(10**6)), seed, most, q)
+        assert MIXED.excess(q) <= 1e-12
 
 
-def sequence(seed: int, count: int) -> Floats:
-    out = np.empty((count, len(MIXED), 3))
+def sequence(seed: int, count: int, robot: Robot = MIXED, most: float = math.pi) -> Floats:
+    out = np.empty((count, len(robot), 3))
     for i in range(count):
-        starts.scattered(MIXED.limits, i, seed, out[i])
+        starts.scattered(robot.limits, i, seed, most, out[i])
     return out
 
 
 def test_shapes_repeat_for_a_seed_and_differ_between_seeds() -> None:
     np.testing.assert_array_equal(sequence(3, 20), sequence(3, 20))
     assert len(np.unique(np.concatenate([sequence(seed, 20)[:, 0, 0] for seed in range(20)]))) == 400
+
+
+def test_every_other_start_may_bend_beyond_half_a_turn() -> None:
+    assert [starts.widest(number) for number in range(1, 6)] == [math.pi, 2.0 * math.pi] * 2 + [math.pi]
+
+
+@pytest.mark.parametrize("most", [math.pi, 2.0 * math.pi])
+def test_shapes_bend_as_far_as_they_may_and_no_farther(most: float) -> None:
+    """The squares of bends are even up to the smaller of limit and cap."""
+    robot = Robot([Segment(1.0, 20.0), Segment(1.0, 5.0), Segment(1.0, 2.0)])
+    bends = np.hypot(*np.moveaxis(sequence(1, 3000, robot, most)[..., :2], -1, 0))
+    for k, limit in enumerate((20.0, 5.0, 2.0)):
+        cap = min(limit, most)
+        assert bends[:, k].max() <= cap
+        quantiles = np.linspace(0.05, 0.95, 19)
+        np.testing.assert_allclose(np.quantile((bends[:, k] / cap) ** 2, quantiles), quantiles, atol=0.04)
+
+
+def test_robots_that_bend_by_half_a_turn_at_most_have_the_same_starts_under_both_caps() -> None:
+    robot = Robot.uniform(4, (0.5, 1.5), max_bend=math.pi, max_curvature=4.0)
+    np.testing.assert_array_equal(sequence(5, 200, robot), sequence(5, 200, robot, 2.0 * math.pi))
 
 
 def test_shapes_cover_the_limits_evenly() -> None:
@@ -109,20 +132,52 @@ def test_shapes_cover_the_limits_evenly() -> None:
     np.testing.assert_allclose(np.corrcoef(columns), np.eye(len(columns)), atol=0.06)
 
 
+def faced(q: Floats, base: Floats, tool: Floats, targets: list[Target]) -> Floats:
+    turned = q.copy()
+    table = np.concatenate([target.table for target in targets])
+    starts.face(table, frames_of(np.zeros((len(q), 3)), base), pose_row(tool), turned)
+    return turned
+
+
+def beside(frame: Floats, place: Floats, goal: Floats) -> tuple[float, float]:
+    """Across and along the direction that a goal lies in beside a frame's z axis: where a place lies beside it."""
+    local, aim = (frame[:3, :3].T @ (point - frame[:3, 3]) for point in (place, goal))
+    aim = aim[:2] / np.linalg.norm(aim[:2])
+    return float(local[0] * aim[1] - local[1] * aim[0]), float(local[:2] @ aim)
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_face_turns_the_end_to_the_side_of_the_goal(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    q = configurations(seed, 4, 1)[0] + [0.3, 0.1, 0.5]
+    before = configurations(seed, 4, 1)[0] + [0.3, 0.1, 0.5]
     base, tool, goal = random_pose(rng), random_pose(rng, 0.1), rng.normal(size=3)
-    before = q.copy()
     tip = int(rng.integers(0, 4))
-    starts.face(frames_of(np.zeros((4, 3)), base), pose_row(tool), tip, vec(goal), q)
+    q = faced(before, base, tool, [Target(goal, segment=tip + 1)])
     np.testing.assert_allclose(np.hypot(q[:, 0], q[:, 1]), np.hypot(before[:, 0], before[:, 1]))
     np.testing.assert_array_equal(q[:, 2], before[:, 2])
-    end = expm_chain(q, base)[tip + 1]
-    # A tool turns about the base's tangent with the tip only as far as it lies along the tip's frame.
-    place = (end @ tool)[:3, 3] if tip == 3 else end[:3, 3]
-    local, aim = base[:3, :3].T @ (place - base[:3, 3]), base[:3, :3].T @ (goal - base[:3, 3])
-    if tip < 3:
-        assert abs(local[0] * aim[1] - local[1] * aim[0]) < 1e-9 * np.linalg.norm(aim) * (1 + np.linalg.norm(local))
-        assert local[0] * aim[0] + local[1] * aim[1] > 0
+    if tip < 3:  # a tool turns about the base's tangent with the tip only as far as it lies along the tip's frame
+        across, along = beside(base, expm_chain(q, base)[tip + 1][:3, 3], goal)
+        assert abs(across) < 1e-9
+        assert along > 0.0
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_face_turns_every_stage_to_the_side_of_its_goal(seed: int) -> None:
+    """Whatever the order in which the targets are listed; what is asked without a position turns nothing."""
+    rng = np.random.default_rng(seed)
+    before = configurations(seed, 6, 1)[0] + [0.3, 0.1, 0.5]
+    base, goals = random_pose(rng), rng.normal(size=(3, 3))
+    ends = sorted(rng.choice(6, 3, replace=False))
+    targets = [Target(goal, segment=int(end) + 1) for end, goal in zip(ends, goals, strict=True)]
+    targets.append(Target(direction=(0.0, 0.0, 1.0), segment=int(rng.integers(1, 7))))
+    q = faced(before, base, np.eye(4), [targets[i] for i in rng.permutation(4)])
+    frames = expm_chain(q, base)
+    for first, end, goal in zip([0, *(end + 1 for end in ends)], ends, goals, strict=False):
+        across, along = beside(frames[first], frames[end + 1][:3, 3], goal)
+        assert abs(across) < 1e-9
+        assert along > 0.0
+
+
+def test_without_a_position_face_turns_nothing() -> None:
+    q = configurations(0, 4, 1)[0]
+    np.testing.assert_array_equal(faced(q, np.eye(4), np.eye(4), [Target(direction=(1.0, 0.0, 0.0))]), q)

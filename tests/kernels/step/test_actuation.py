@@ -34,17 +34,8 @@ N = len(ROBOT)
 
 def excess(q: Floats) -> float:
     """By how much a line is outside its limits, from the lengths of the lines themselves."""
-    worst = 0.0
-    for segment, pulled, chambers in zip(
-        ROBOT.segments, ROBOT.tendon_displacements(q), ROBOT.chamber_lengths(q), strict=True
-    ):
-        if segment.tendons is not None:
-            low, high = segment.tendons.displacement
-            worst = max(worst, (low - pulled).max(), (pulled - high).max())
-        if segment.chambers is not None:
-            low, high = segment.chambers.length
-            worst = max(worst, (low - chambers).max(), (chambers - high).max())
-    return float(worst)
+    values, limits = ROBOT.to_actuators(q), np.array([each.limits for each in ROBOT.actuators])
+    return max(0.0, float(np.maximum(limits[:, 0] - values, values - limits[:, 1]).max()))
 
 
 def draw(rng: np.random.Generator, size: float) -> Floats:
@@ -128,8 +119,7 @@ def test_every_limit_gets_an_idle_row_on_its_last_segment() -> None:
     total = np.cumsum(q, axis=0)
     last = np.repeat([0, 1, 3, 4], [3, 3, 4, 2])
     seen = (rows.inner * q[last]).sum(axis=1) + (rows.total * total[last]).sum(axis=1)
-    pulled, chambers = ROBOT.tendon_displacements(q), ROBOT.chamber_lengths(q)
-    np.testing.assert_allclose(seen, np.concatenate([pulled[0], chambers[1], pulled[3], pulled[4]]), atol=1e-14)
+    np.testing.assert_allclose(seen, ROBOT.to_actuators(q), atol=1e-14)
 
 
 @pytest.mark.parametrize("seed", range(20))

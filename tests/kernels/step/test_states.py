@@ -32,6 +32,7 @@ def fill(robot: Array, scene: Array, settings: Array, targets: Array, buffer: Ar
     rows.innovation[:] = 12.0
     work.root[:], work.mean[:], work.step[:], work.solved[:] = 13.0, 14.0, 15.0, 16.0
     work.bound[:], work.among[:], work.clock[:] = 17, 18, 19
+    work.rest[:] = 20.0
 
 
 @entry
@@ -90,7 +91,8 @@ def test_no_array_is_in_the_place_of_another(problem: Problem) -> None:
 @pytest.mark.parametrize("problem", problems(), ids=range(4))
 def test_a_state_is_picked_whole_and_alone(problem: Problem) -> None:
     states = make_states(kernel_form(problem))
-    one = sum(array[0].size for array in (states.q, states.frames, states.columns, states.norms, *states.rows))
+    arrays = states.q, states.frames, states.columns, states.norms, *states.rows
+    one = sum(array[0].size for array in arrays)
     touched = []
     for i in range(STATES):
         buffer = np.full(size_of(problem), -1.0)

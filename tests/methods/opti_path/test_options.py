@@ -16,6 +16,7 @@ from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, refused, vec
+from tests.kernels.workspace import make_clock
 from tests.methods.opti_path.test_path import make_path
 
 EXACT = sn.Tolerance(1e-9, 0.0175)
@@ -79,7 +80,9 @@ def lengths_after(target: sn.Target, iterations: int, exponent: str) -> Floats:
         paths.trace(path)
         seen.append(path.arcs[:, 14].max())
         weights = Weights(chosen.length_weight, chosen.orientation_weight, 0.0, 0.0)
-        path_gradient.gradient_backwards(kernel_scene(Scene()), nothing, setting, weights, aim, path, False)
+        path_gradient.gradient_backwards(
+            kernel_scene(Scene()), nothing, setting, weights, aim, path, False, make_clock()
+        )
         path_steps.move(setting, path, 57.5)
     return np.array(seen)
 

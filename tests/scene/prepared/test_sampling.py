@@ -1,27 +1,29 @@
 """Samples about an obstacle: where, how many, exact, and not computed twice."""
 
 import math
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sinuous.kernels.fields import solids
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.prepared import kept, parts, sampling, trees
 from sinuous.scene.scene import Scene
-from tests.helpers import refused
+from tests.helpers import Floats, refused
 from tests.scene import shapes
 
 
 @pytest.mark.parametrize("extent", [(1.0, 1.0, 1.0), (100.0, 1.0, 0.01), (0.0, 0.0, 5.0), (1e-6, 3e-6, 2e-6)])
 @pytest.mark.parametrize("most", [1000, 50_000])
-def test_a_lattice_holds_the_box_and_its_cells_are_as_small_as_allowed(
+def test_a_grid_holds_the_box_and_its_cells_are_as_small_as_allowed(
     extent: tuple[float, float, float], most: int
 ) -> None:
     low = np.array([1.0, -2.0, 0.5])
     high = low + extent
-    first, spacing, shape = sampling.lattice(low, high, most)
+    first, spacing, shape = sampling.sampling_grid(low, high, most)
     last = first + spacing * (np.array(shape) - 1)
     assert math.prod(shape) <= most
     assert (first <= low - sampling.PAD * spacing * (1 - 1e-9)).all()
@@ -34,7 +36,7 @@ def test_samples_are_exact_distances() -> None:
     mesh = Mesh(*shapes.ball(3))
     part = parts.prepare(mesh, "ball")
     pieces = trees.triangles(mesh)
-    low, spacing, shape = sampling.lattice(pieces.low, pieces.high, sampling.LEAST)
+    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.LEAST)
     index = np.random.default_rng(0).integers(0, shape, (300, 3))
     values = part.store[-math.prod(shape) :].reshape(shape)
     expected = Scene([mesh]).distance(low + spacing * index)
@@ -48,6 +50,22 @@ def test_progress_goes_from_nothing_to_all() -> None:
     shares = [share for _, share in seen]
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
+
+
+def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    computed: list[int] = []
+
+    def slab(table: Floats, store: Floats, discs: Floats, first: int, last: int, out: Floats) -> None:
+        computed.append(first)
+        threading.Event().wait(0.01)
+
+    def interrupted(_name: str, _share: float) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(solids, "sample", slab)
+    with pytest.raises(KeyboardInterrupt):
+        Scene([Mesh(*shapes.ball(2))]).prepare(interrupted)
+    assert len(computed) < sampling.SLABS // 2
 
 
 def test_the_same_obstacle_is_computed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

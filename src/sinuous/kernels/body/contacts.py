@@ -3,12 +3,13 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.body.pieces import closest, following, free_part, near
+from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, near, price_among
 from sinuous.kernels.body.rows import INNER, SOFT, Place, Rows, put_body_row
 from sinuous.kernels.chain.kinematics import body_point
+from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, slope
-from sinuous.kernels.maths.vectors import Array, scale
+from sinuous.kernels.maths.vectors import scale
 from sinuous.kernels.tables import RADIUS
 
 PER_SEGMENT = 32
@@ -27,26 +28,28 @@ segment is halved where it may be too near, and the mode of the distances, STEP 
 
 @kernel
 def contacts(
-    body: Body, scene: Scene, k: int, mount: float, look: Look, among: Array, rows: Rows, at: int
+    body: Body, scene: Scene, k: int, mount: float, look: Look, scratch: Scratch, rows: Rows, at: int
 ) -> tuple[int, float]:
     """Write a row for every place of segment `k` that is closer than `look.margin` to an obstacle, from row `at` on.
 
     Between `look.margin` and `look.wish` the row is SOFT. `mount` is what is left of the mount where the segment
-    begins; `among` (m,) int64 is scratch. Returns the next free row and the least clearance that was seen at a place
-    (infinite: none was looked at closely).
+    begins. Returns the next free row and the least clearance that was seen at a place (infinite: none was looked at
+    closely). When the time of the clock in `scratch` is over, rows are missing.
     """
     q, frames = body.q, body.frames
     start, length, radius = free_part(q, k, mount), q[k, 2], body.limits[k, RADIUS]
     part = 1.0 - start
     least = math.inf
-    if part <= 0.0:
+    among, clock = scratch.among, scratch.clock
+    if part <= 0.0 or spend(clock, scene.table.shape[0]):
         return at, least
     half = 0.5 * length * part
     needed, wished = radius + look.margin, radius + max(look.margin, look.wish)
     count, _ = near(scene, body_point(q, frames, k, start + 0.5 * part), wished + half, among)
     last = at + PER_SEGMENT
+    looks = price_among(scene, among, count)
     level, piece = 0, 0
-    while count > 0 and piece < 1 << level:
+    while count > 0 and piece < 1 << level and not spend(clock, looks):
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)

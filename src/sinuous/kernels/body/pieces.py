@@ -1,11 +1,15 @@
 """Pieces of segments, and the obstacles that may be near them: what contacts and the proof have in common."""
 
 import math
+from collections import namedtuple
 
 from sinuous.kernels.compile import inline, kernel
-from sinuous.kernels.fields.distances import Scene, look
+from sinuous.kernels.fields.distances import Scene, look, price_of
 from sinuous.kernels.fields.solids import BOUND
 from sinuous.kernels.maths.vectors import Array, Vec
+
+Scratch = namedtuple("Scratch", ["among", "clock"])
+"""What looking at obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
 
 look_here = inline(look)
 
@@ -32,6 +36,15 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
         elif d < rest:
             rest = d
     return count, rest
+
+
+@kernel
+def price_among(scene: Scene, among: Array, count: int) -> int:
+    """Looks that the distance to the first `count` obstacles costs that `among` lists."""
+    looks = 0
+    for j in range(count):
+        looks += price_of(scene, among[j])
+    return looks
 
 
 @kernel

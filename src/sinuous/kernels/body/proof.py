@@ -9,8 +9,9 @@ where that bound is what keeps a piece from being decided.
 
 import math
 
-from sinuous.kernels.body.pieces import closest, following, free_part, near
+from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, near, price_among
 from sinuous.kernels.chain.kinematics import body_point, frame
+from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.solids import BOUND, EXACT
@@ -35,13 +36,14 @@ def _decided(sure: float, least: float, slack: float) -> bool:
 
 @kernel
 def prove(
-    limits: Array, q: Array, frames: Array, scene: Scene, mount: float, slack: float, finest: float, among: Array
+    limits: Array, q: Array, frames: Array, scene: Scene, mount: float, slack: float, finest: float, scratch: Scratch
 ) -> tuple[int, float, int, float, int]:
     """Prove that the whole body is clear of every obstacle, or find where it is not.
 
     Returns the verdict (CLEAR, TOUCHING, UNDECIDED), the clearance, and where the worst was seen: segment, fraction,
     obstacle. With CLEAR the clearance is a lower bound, at most `slack` of it below the truth; otherwise it is the
-    least one that was seen. Pieces shorter than `finest` are not halved any more.
+    least one that was seen. Pieces shorter than `finest` are not halved any more. When the time of the clock in
+    `scratch` is over, the verdict is UNDECIDED.
     """
     bound = least = math.inf
     where, fraction, which = -1, 0.0, -1
@@ -50,18 +52,24 @@ def prove(
     for k in range(q.shape[0]):
         rounding += q[k, 2]
     rounding *= ROUNDING
+    among, clock = scratch.among, scratch.clock
     for k in range(q.shape[0]):
         start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
         mount -= length
         part = 1.0 - start
         if part <= 0.0:
             continue
+        if spend(clock, scene.table.shape[0]):
+            return UNDECIDED, least, where, fraction, which
         # Whoever is farther than the best clearance so far cannot matter to any piece of this segment.
         reach = 0.5 * length * part + radius + rounding
         count, rest = near(scene, body_point(q, frames, k, start + 0.5 * part), reach + max(0.0, least), among)
         bound = min(bound, rest - reach)
+        looks = price_among(scene, among, count)
         level, piece = 0, 0
         while count > 0 and piece < 1 << level:
+            if spend(clock, looks):
+                return UNDECIDED, least, where, fraction, which
             width = part / (1 << level)
             s = start + (piece + 0.5) * width
             half = 0.5 * length * width

@@ -15,7 +15,8 @@ Rows = namedtuple("Rows", ["start", "kind", "twist", "inner", "total", "value", 
 (these come last in it); INNER, within the body; SOFT, the same but a wish; HARD, met exactly whatever `mu`; IDLE,
 left out. `twist` (m, 6) is `a`, seen from the end of the segment; `inner` (m, 3) is `b` in the coordinates of `q_k`,
 for INNER and HARD; `total` (m, 3) weighs the sum of all `dq` up to this segment, for HARD: actuators that run through
-several segments see no more than that. `value` (m,). The sweeps fill `gain` (m, 12) and `innovation` (m,).
+several segments see no more than that. `value` (m,). The sweeps fill `gain` (m, 13), whose
+last is the inverse of the variance, and `innovation` (m,).
 """
 
 END, INNER, HARD, IDLE, SOFT = 0, 1, 2, 3, 4
@@ -27,7 +28,7 @@ Place = tuple[int, float, Vec]
 @kernel
 def rows_size(segments: int, capacity: int) -> int:
     """Numbers that one set of rows takes from a buffer."""
-    return segments + 1 + 27 * capacity
+    return segments + 1 + 28 * capacity
 
 
 @kernel
@@ -42,8 +43,8 @@ def carve_rows(buffer: Array, count: int, segments: int, capacity: int) -> Rows:
         buffer[at + c * 7 * m : at + c * 10 * m].reshape((c, m, 3)),
         buffer[at + c * 10 * m : at + c * 13 * m].reshape((c, m, 3)),
         buffer[at + c * 13 * m : at + c * 14 * m].reshape((c, m)),
-        buffer[at + c * 14 * m : at + c * 26 * m].reshape((c, m, 12)),
-        buffer[at + c * 26 * m : at + c * 27 * m].reshape((c, m)),
+        buffer[at + c * 14 * m : at + c * 27 * m].reshape((c, m, 13)),
+        buffer[at + c * 27 * m : at + c * 28 * m].reshape((c, m)),
     )
 
 

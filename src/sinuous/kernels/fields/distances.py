@@ -6,6 +6,7 @@ A primitive is in its row (see `primitives`); meshes, clouds and grids keep thei
 import math
 from collections import namedtuple
 
+from sinuous.kernels.clock import TREE_LOOKS
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.primitives import primitive
@@ -82,6 +83,21 @@ def coarseness(scene: Scene) -> float:
 
 
 @kernel
+def price_of(scene: Scene, i: int) -> int:
+    """Looks that the distance to obstacle `i` costs, see `kernels.clock`."""
+    return TREE_LOOKS if scene.table[i, KIND] >= TREE else 1
+
+
+@kernel
+def price(scene: Scene) -> int:
+    """Looks that the distance to the scene costs."""
+    looks = 0
+    for i in range(scene.table.shape[0]):
+        looks += price_of(scene, i)
+    return looks
+
+
+@kernel
 def closest(scene: Scene, p: Vec, reach: float, mode: int) -> tuple[float, int]:
     """Least signed distance of the point `p` to the scene, and the obstacle that it is to (-1: there is none).
 
@@ -128,3 +144,28 @@ def many(
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = g
         else:
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = 0.0, 0.0, 0.0
+
+
+@entry
+def least_gap(table: Array, store: Array, points: Array, radii: Array, above: bool) -> tuple[float, int, int]:
+    """Find the least of `distance - radius` over `points` (m, 3) with `radii` (m,): the value, the point, the obstacle.
+
+    `above`: of upper bounds, which differ for samples alone. Without obstacles or points inf, -1 and -1. Points that
+    are sure to be farther, because the one looked at last is far enough away, are passed over; samples alone promise
+    nothing of the next point.
+    """
+    scene = Scene(table, store)
+    sure = True
+    for i in range(table.shape[0]):
+        sure = sure and table[i, KIND] != SAMPLES
+    least, place, which = math.inf, -1, -1
+    seen, there = -math.inf, (0.0, 0.0, 0.0)
+    for j in range(points.shape[0]):
+        p = get_vec(points, j, 0)
+        if sure and seen - norm(sub(p, there)) - radii[j] >= least:
+            continue
+        d, nearest_one = closest(scene, p, math.inf, ABOVE if above else EXACT)
+        seen, there = d, p
+        if d - radii[j] < least:
+            least, place, which = d - radii[j], j, nearest_one
+    return least, place, which

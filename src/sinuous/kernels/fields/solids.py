@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields import grids, triangles
+from sinuous.kernels.fields import discs, grids, triangles
 from sinuous.kernels.fields.grids import Grid
 from sinuous.kernels.fields.primitives import box
 from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, lift, unlift
@@ -225,10 +225,17 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -
 
 
 @entry
-def sample(table: Array, store: Array, first: int, last: int, out: Array) -> None:
+def enclose(table: Array, store: Array, own: Array) -> None:
+    """Fill the discs `own` (2 << levels, 8) of the one obstacle, a mesh, see `discs`."""
+    discs.enclose(store, tree_of(table, 0), own)
+
+
+@entry
+def sample(table: Array, store: Array, own: Array, first: int, last: int, out: Array) -> None:
     """Fill slabs `first` up to, without it, `last` of `out` (nx, ny, nz) with exact distances to the one obstacle.
 
-    What was closest to the neighbour is nearly the closest here, too: hardly anything has to be looked at again.
+    What was closest to the neighbour is nearly the closest here, too: hardly anything has to be looked at again. Of a
+    mesh `own` (2 << levels, 8) are the discs, else (0, 8).
     """
     tree, grid = tree_of(table, 0), grid_of(table, 0)
     h = grid.spacing
@@ -240,7 +247,10 @@ def sample(table: Array, store: Array, first: int, last: int, out: Array) -> Non
                 if k == 0:
                     at = at_slab if j == 0 else at_row
                 near = item_distance(store, tree, at, p, math.inf) if at >= 0 else math.inf
-                item, _ = closest(store, tree, p, near)
+                if at >= 0 and own.shape[0] > 0:
+                    item = discs.closest(store, tree, own, p, near)
+                else:
+                    item, _ = closest(store, tree, p, near)
                 at = item if item >= 0 else at
                 out[i, j, k], _ = at_item(table, store, 0, at, p)
                 if k == 0:

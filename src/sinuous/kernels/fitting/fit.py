@@ -1,16 +1,18 @@
-"""The chain laid along a route: segment after segment, the body is drawn to it by Newton steps."""
+"""The chain laid along a route: segment after segment, the body is drawn to it by Newton steps, then off the walls."""
 
 from sinuous.kernels.body.rows import INNER, put_body_row
 from sinuous.kernels.chain.kinematics import body_point, forward_with_columns
+from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fitting.curve import Curve, closest_on, length_of, point_at
+from sinuous.kernels.fitting.clearing import clear
+from sinuous.kernels.fitting.curve import Curve, along_of, closest_on, curve_through, length_of, make_room, point_at
 from sinuous.kernels.maths.vectors import Array, Vec, across, copy, dot, put_vec, scale, sub
 from sinuous.kernels.problem import Problem, read_problem
 from sinuous.kernels.step import actuation
 from sinuous.kernels.step.newton import add_targets, close, move, project_to_limits, rest, step
 from sinuous.kernels.step.states import State, Work, carve_for, pick, workspace_size
 from sinuous.kernels.step.targets import X, Y, Z
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH, RADIUS
 
 SAMPLES = 4
 """Places on every segment that are drawn to the route."""
@@ -30,9 +32,9 @@ Stretch = tuple[float, float, float]
 unit."""
 
 
-def fit_workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
-    """Numbers (float64) that laying a chain needs as workspace: there are rows along the body in any scene."""
-    return workspace_size(segments, actuators, max(1, obstacles), targets)
+def fit_workspace_size(segments: int, actuators: int, obstacles: int, targets: int, points: int) -> int:
+    """Numbers (float64) that laying a chain needs as workspace, along routes of at most so many points."""
+    return points + workspace_size(segments, actuators, max(1, obstacles), targets)  # rows along the body in any scene
 
 
 @kernel
@@ -58,7 +60,7 @@ def _draw_segment(
     for j in range(SAMPLES):
         s = (j + 1.0) / SAMPLES
         p = body_point(state.q, state.frames, k, s)
-        along = length * (begin + s * own) / total
+        along = along_of(curve, (begin + s * own) / total)
         if sliding:
             foot, tangent = closest_on(curve, p, along, WINDOW * length)
             a, b = across(tangent)
@@ -107,7 +109,7 @@ def _pull(problem: Problem, states: State, at: int, work: Work, curve: Curve, gr
 
 @kernel
 def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
-    """Fit the chain to the route, growing from the base; returns the state that holds the fit."""
+    """Fit the chain to the route, growing from the base, as far as the time allows; returns the state with the fit."""
     length = length_of(curve)
     low = high = 0.0
     n = problem.limits.shape[0]
@@ -115,6 +117,7 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
         low += problem.limits[k, MIN_LENGTH]
         high += problem.limits[k, MAX_LENGTH]
     share = min(1.0, max(0.0, (length - low) / (high - low))) if high > low else 0.0
+    make_room(curve, problem.scene, problem.limits[n - 1, RADIUS], low)
     at = 0
     q = pick(states, at).q
     for k in range(n):
@@ -123,10 +126,14 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
     project_to_limits(problem, pick(states, at), work)
     for grown in range(1, n + 1):
         for _ in range(ROUNDS):
+            if spend(work.clock, SEGMENT_LOOKS * n):
+                return at
             at = _pull(problem, states, at, work, curve, grown, False)
     for _ in range(LAST_ROUNDS):
+        if spend(work.clock, SEGMENT_LOOKS * n):
+            return at
         at = _pull(problem, states, at, work, curve, n, True)
-    return at
+    return clear(problem, states, at, work, curve)
 
 
 @entry
@@ -136,7 +143,7 @@ def fit_route(
     settings: Array,
     targets: Array,
     route: Array,
-    spacing: float,
+    seconds: float,
     workspace: Array,
     q: Array,
 ) -> None:
@@ -147,17 +154,20 @@ def fit_route(
     robot, scene, settings : ndarray
         Groups, laid out as `sinuous.kernels.tables` says.
     targets : ndarray (t, 15)
-        Met by the last steps, as far as the route lets them.
+        Met by the last steps, as far as route and obstacles let them.
     route : ndarray (K, 3)
         At least two points from the base on, evenly spaced, in the length unit.
-    spacing : float
-        Distance between neighbours along the route.
+    seconds : float
+        Budget.
     workspace : ndarray (w,)
         Scratch, see `fit_workspace_size`.
     q : ndarray (n, 3)
         Filled with the configuration.
     """
     problem = read_problem(robot, scene, settings, targets)
-    states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
-    at = lay(problem, states, work, Curve(route, spacing))
+    chain, rest_of_it = workspace[: route.shape[0]], workspace[route.shape[0] :]
+    states, work = carve_for(rest_of_it, problem, max(1, problem.scene.table.shape[0]))
+    begin(work.clock)
+    allow(work.clock, seconds)
+    at = lay(problem, states, work, curve_through(route, chain))
     copy(pick(states, at).q, q)

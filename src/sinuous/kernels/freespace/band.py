@@ -2,9 +2,11 @@
 
 import math
 
+from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, closest, obstacle
+from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
 from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.freespace.cells import Memory
 from sinuous.kernels.freespace.grid import Grid
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
@@ -56,18 +58,19 @@ def _push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
 
 
 @kernel
-def tighten(scene: Scene, grid: Grid, route: Array, spare: Array, count: int) -> float:
-    """Draw the first `count` points of `route` (m, 3) tight and away from obstacles; returns their spacing.
+def tighten(scene: Scene, grid: Grid, route: Array, memory: Memory, count: int) -> None:
+    """Draw the first `count` points of `route` (m, 3) tight and away from obstacles, as far as the time allows.
 
-    The first two points stay, and the last; so does the last but one when the goal has a tangent. The spacing is the
-    distance between neighbours along the line, before its corners are cut. `spare` is scratch of the same shape.
+    The first two points stay, and the last; so does the last but one when the goal has a tangent.
     """
     wanted = grid.radius + grid.room
     last = count - 1 if norm(grid.back) == 0.0 else count - 2
-    spacing = span(route, count) / (count - 1)
+    spare, looks = memory.points, price(scene)
     for sweep in range(SWEEPS):
         most = grid.cell * (0.5 - 0.4 * sweep / SWEEPS)
         for i in range(2, last):
+            if spend(memory.clock, looks):
+                return
             p = get_vec(route, i, 0)
             between = scale(0.5, add(get_vec(route, i - 1, 0), get_vec(route, i + 1, 0)))
             pull = sub(between, p)
@@ -75,10 +78,9 @@ def tighten(scene: Scene, grid: Grid, route: Array, spare: Array, count: int) ->
             p = add_scaled(p, min(0.7, most / size) if size > 0.0 else 0.0, pull)
             put_vec(route, i, 0, _push_off(scene, p, wanted, most))
         if sweep % 8 == 7:
-            spacing = respace(route, count, spare, count)
+            respace(route, count, spare, count)
             for i in range(count):
                 put_vec(route, i, 0, get_vec(spare, i, 0))
-    return spacing
 
 
 @kernel

@@ -1,12 +1,12 @@
 """The door: routes of a ball through free space, from one place to another, and the proof that there are none."""
 
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
-from sinuous.kernels.freespace.cells import Memory, carve, clear, restart
+from sinuous.kernels.freespace.cells import NONE, Memory, carve, clear, restart
 from sinuous.kernels.freespace.grid import Grid, middle
-from sinuous.kernels.freespace.grid_astar import explore, penalize
+from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore, penalize
 from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid, straight_length
 from sinuous.kernels.maths.vectors import Array, put_vec
 from sinuous.kernels.tables import CLOSED, FOUND, PROVED_CLOSED
@@ -16,86 +16,106 @@ APART = 2
 
 
 @kernel
-def _trace(memory: Memory, grid: Grid, slot: int, query: Query) -> int:
-    """Write the line of a route to `memory.points`: both straight pieces, and middles of cells between them.
+def _chain(memory: Memory, which: int, met: int) -> int:
+    """How many cells lead from the one where both sides met to the end of a side; that one is not counted."""
+    count, cell = 0, int(memory.sides.before[which, met])
+    while cell != NONE:
+        count, cell = count + 1, int(memory.sides.before[which, cell])
+    return count
 
-    `slot` is the one that it begins with. Returns the number of points; 0 when there is no place for them.
+
+@kernel
+def _trace(memory: Memory, grid: Grid, met: int, query: Query) -> int:
+    """Write the line of the route through the cell `met` to `memory.points`; returns the number of its points.
+
+    It has both straight pieces, and middles of cells between them, but for those that both ends lie in. Returns 0 when
+    there is no place for it.
     """
-    points = memory.points
+    points, table, before = memory.points, memory.table, memory.sides.before
+    behind, ahead = _chain(memory, FROM_START, met), _chain(memory, FROM_GOAL, met)
+    if behind + ahead + 5 > points.shape[0]:
+        return 0
+    first = 1  # the place of the cell that the start lies in: the next one writes over it
+    at, cell = first + behind, met
+    while cell != NONE:
+        put_vec(points, at, 0, middle(grid, table.keys[cell]))
+        at, cell = at - 1, int(before[FROM_START, cell])
+    at, cell = first + behind + 1, int(before[FROM_GOAL, met])
+    while cell != NONE:
+        put_vec(points, at, 0, middle(grid, table.keys[cell]))
+        at, cell = at + 1, int(before[FROM_GOAL, cell])
     put_vec(points, 0, 0, query.origin)
     put_vec(points, 1, 0, grid.start)
-    count = 2
-    slot = memory.side.before[slot]
-    while slot >= 0:
-        if count + 2 >= points.shape[0]:
-            return 0
-        put_vec(points, count, 0, middle(grid, memory.table.keys[slot]))
-        count += 1
-        slot = memory.side.before[slot]
-    if count > 2:
-        count -= 1  # the cell that the goal lies in
+    count = max(2, at - 1)
     put_vec(points, count, 0, grid.goal)
     put_vec(points, count + 1, 0, query.goal)
     return count + 2
 
 
 @kernel
-def _smooth(memory: Memory, grid: Grid, scene: Scene, slot: int, query: Query, route: Array) -> tuple[int, float]:
-    """Fill `route` (K, 3) with the one that begins with `slot`: how many points (0: too many cells), their spacing."""
-    traced = _trace(memory, grid, slot, query)
+def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, route: Array) -> int:
+    """Fill `route` (K, 3) with the one through the cell `met`; returns how many points it has (0: too many cells)."""
+    traced = _trace(memory, grid, met, query)
     if traced == 0:
-        return 0, 0.0
+        return 0
     wanted = points_wanted(span(memory.points, traced), grid.cell, route.shape[0])
     respace(memory.points, traced, route, wanted)
-    return wanted, tighten(scene, grid, route, memory.points, wanted)
+    tighten(scene, grid, route, memory, wanted)
+    return wanted
 
 
 @kernel
-def _find(
-    memory: Memory, scene: Scene, query: Query, deadline: float, routes: Array, counts: Array, spacings: Array
-) -> tuple[int, int, int]:
-    """Fill `routes`: how many, how the last search ended, how many cells it looked at.
+def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
+    """Prove that there is no route for any body of this radius, whatever its tangents."""
+    clear(memory)
+    ended, _ = explore(memory, proof_grid(query), scene)
+    return ended == CLOSED
+
+
+@kernel
+def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Array) -> tuple[int, int]:
+    """Fill `routes`: how many, and how the last search ended.
 
     The first search does not know how long the route is, and so how far it leaves straight: when it leaves straight for
     longer than nothing, the search is done again with that length. A search that nothing may pass behind the ends of is
-    done again without that condition when it is closed.
+    done again without that condition when it is closed, unless that proves that there is no route.
     """
     straight, barred, again = 0.0, True, True
     grid = route_grid(query, scene, straight, barred)
-    clear(memory.table)
-    count = cells = 0
-    ended = FOUND
+    clear(memory)
+    count, ended = 0, FOUND
     while count < routes.shape[0]:
-        ended, slot, cells = explore(memory, grid, scene, deadline, cells)
+        ended, met = explore(memory, grid, scene)
         if ended == CLOSED and count == 0 and barred:
+            if query.prove and _proved_closed(memory, query, scene):
+                return 0, PROVED_CLOSED
             barred = False
             grid = route_grid(query, scene, straight, barred)
-            clear(memory.table)
-            cells = 0
+            clear(memory)
             continue
         if ended != FOUND:
             break
-        points, spacing = _smooth(memory, grid, scene, slot, query, routes[count])
+        points = _smooth(memory, grid, scene, met, query, routes[count])
         if points == 0:
             break
-        ahead = straight_length(query, spacing * (points - 1))
+        ahead = straight_length(query, span(routes[count], points))
         if again and ahead > query.free_length:
             again, straight = False, ahead
             grid = route_grid(query, scene, straight, barred)
-            clear(memory.table)
-            cells = 0
+            clear(memory)
             continue
-        counts[count], spacings[count] = points, spacing
+        counts[count] = points
         count += 1
-        penalize(memory.table, memory.side, slot, APART)
-        restart(memory.table, memory.side)
-    return count, ended, cells
+        if count < routes.shape[0]:
+            penalize(memory, met, APART)
+            restart(memory)
+    return count, ended
 
 
 @entry
 def find_routes(
-    scene: Array, query: Array, seconds: float, buffer: Array, routes: Array, counts: Array, spacings: Array
-) -> tuple[int, int, int, float]:
+    scene: Array, query: Array, seconds: float, buffer: Array, routes: Array, counts: Array
+) -> tuple[int, int, int]:
     """Find up to m routes that differ.
 
     Parameters
@@ -110,23 +130,16 @@ def find_routes(
         Filled with points from origin to goal, evenly spaced, at most K a route, in the length unit.
     counts : ndarray (m,) int64
         Filled with the number of points of every route.
-    spacings : ndarray (m,)
-        Filled with the distance between neighbours along every route.
 
     Returns
     -------
-    (int, int, int, float)
-        How many routes; how the last search ended: FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED; how many cells it
-        looked at; and the seconds that all took.
+    (int, int, int)
+        How many routes; how the last search ended: FOUND, CLOSED, FULL, TIMED_OUT, PROVED_CLOSED; and how many cells it
+        looked at.
     """
     obstacles, asked = read_scene(scene), read_query(query)
-    memory = carve(buffer, asked.slots)
-    began = now(memory.clock)
-    deadline = began + seconds
-    count, ended, cells = _find(memory, obstacles, asked, deadline, routes, counts, spacings)
-    if ended == CLOSED and count == 0 and asked.prove:
-        clear(memory.table)
-        ended, _, cells = explore(memory, proof_grid(asked), obstacles, deadline, 0)
-        if ended == CLOSED:
-            ended = PROVED_CLOSED
-    return count, ended, cells, now(memory.clock) - began
+    memory = carve(buffer, asked.most_cells)
+    begin(memory.clock)
+    allow(memory.clock, seconds)
+    count, ended = _find(memory, obstacles, asked, routes, counts)
+    return count, ended, int(memory.table.size[0])

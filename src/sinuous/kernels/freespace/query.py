@@ -19,12 +19,12 @@ from sinuous.kernels.tables import (
     QUERY_GOAL_RADIUS,
     QUERY_GOAL_SLACK,
     QUERY_LONGEST,
+    QUERY_MOST_CELLS,
     QUERY_ORIGIN,
     QUERY_OTHER_LENGTH,
     QUERY_PROVE,
     QUERY_RADIUS,
     QUERY_ROOM,
-    QUERY_SLOTS,
     QUERY_STRAIGHT_MAX,
     QUERY_STRAIGHT_MIN,
     QUERY_TURN,
@@ -32,6 +32,9 @@ from sinuous.kernels.tables import (
 
 INFLATION = 2.0
 """See `grid.Grid`: among obstacles a route costs more than its length, and an exact search looks at far more cells."""
+
+GREEDY = 1e6
+"""The inflation of a proof: it asks whether there is a route, whatever that costs."""
 
 CLEARANCE_WEIGHT = 0.2
 """See `grid.Grid`: little, because with more the search looks at all the room around a narrow place first."""
@@ -58,7 +61,7 @@ Query = namedtuple(
         "cell",
         "clearance",
         "room",
-        "slots",
+        "most_cells",
         "exact",
         "prove",
     ],
@@ -91,7 +94,7 @@ def read_query(query: Array) -> Query:
         query[QUERY_CELL],
         query[QUERY_CLEARANCE],
         query[QUERY_ROOM],
-        int(query[QUERY_SLOTS]),
+        int(query[QUERY_MOST_CELLS]),
         query[QUERY_EXACT] != 0.0,
         query[QUERY_PROVE] != 0.0,
     )
@@ -167,8 +170,8 @@ def proof_grid(query: Query) -> Grid:
         query.goal_radius + query.goal_slack,
         ZERO,
         0.0,
-        1.0,
-        1.0,
+        GREEDY,
+        0.0,
         math.inf,
         ABOVE,
     )

@@ -13,12 +13,12 @@ from collections import namedtuple
 from collections.abc import Callable
 from typing import Any
 
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import allow, begin, now, over
 from sinuous.kernels.compile import closure, kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.judge import Answer, Check, carve_check, finish
-from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
+from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.tables import (
     ANGLE_ERROR,
@@ -36,14 +36,15 @@ from sinuous.kernels.tables import (
     POSITION_ERROR,
     RANDOM,
     SECONDS,
+    SELF_CLEARANCE,
     STARTS,
     Budget,
 )
 
-Start = namedtuple("Start", ["initial", "index", "first", "seed", "deadline"])
+Start = namedtuple("Start", ["initial", "index", "first", "seed"])
 """One start of a search: the initial configurations (g, n, 3; rad and length unit); its place among all starts, of
-which these are the first; the number of the method's own start that comes after them; the seed of those that are
-random; and when the search has to end (s)."""
+which these are the first; the number of the method's own start that comes after them; and the seed of those that are
+random."""
 
 NO_START = -1
 """Iterations of a start that does not exist: the search ends."""
@@ -77,32 +78,32 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
     if number == 0 and tip >= 0:
         single_arc(problem.limits, check.frames, tip, goal, q)
         return ARC
-    scattered(problem.limits, number, seed, q)
-    if tip >= 0:
-        face(check.frames, problem.tool, tip, goal, q)
+    scattered(problem.limits, number, seed, widest(number), q)
+    face(problem.targets, check.frames, problem.tool, q)
     return RANDOM
 
 
 @kernel
-def open_record(problem: Problem, check: Check, given: int, budget: Budget, answer: Answer) -> tuple[float, int]:
-    """Open the record of a search; returns when it has to end (s), and the number of its starts.
+def open_record(problem: Problem, check: Check, given: int, budget: Budget, answer: Answer) -> int:
+    """Open the record and the time of a search; returns the number of its starts.
 
     They are `given` initial configurations and the method's own of the `budget`. What is proved
     impossible is tried from the initial configurations and once more.
     """
     first, last, _, seconds = budget
     record = answer.record
-    began = now(check.clock)
+    began = allow(check.clock, seconds)
     impossible = verdict_of(problem)
     for j in range(record.shape[0]):
         record[j] = 0.0
     record[CODE] = FAILED if impossible == POSSIBLE else impossible
-    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[CLEARANCE] = record[MERIT] = math.inf
+    record[POSITION_ERROR] = record[ANGLE_ERROR] = record[MERIT] = math.inf
+    record[CLEARANCE] = record[SELF_CLEARANCE] = math.inf
     record[SECONDS] = began
     for k in range(answer.best.shape[0]):
         put_vec(answer.best, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
     own = last - first if impossible == POSSIBLE else min(last - first, 1)
-    return began + seconds, given + own
+    return given + own
 
 
 @kernel
@@ -110,8 +111,9 @@ def close_record(problem: Problem, check: Check, iterations: int, starts: int, l
     """Close the record of a search; where nothing could be kept, the best is the straight robot, and FAILED."""
     record = answer.record
     if record[MERIT] == math.inf:
-        _, off, turn, clearance, _, merit = finish(problem, check, answer.best)
-        record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE], record[MERIT] = off, turn, clearance, merit
+        _, off, turn, clearance, self_clearance, _, merit = finish(problem, check, answer.best)
+        record[POSITION_ERROR], record[ANGLE_ERROR], record[MERIT] = off, turn, merit
+        record[CLEARANCE], record[SELF_CLEARANCE] = clearance, self_clearance
     if late and record[CODE] == FAILED:
         record[CODE] = LATE
     record[ITERATIONS], record[STARTS] = iterations, starts
@@ -135,16 +137,16 @@ def driver(follow: Follow) -> Drive:
         answer: Answer,
     ) -> None:
         """Follow the starts of one problem until one is solved, there are no more, or time is over."""
-        deadline, count = open_record(problem, check, initial.shape[0], budget, answer)
+        count = open_record(problem, check, initial.shape[0], budget, answer)
         total, index, late, solved = 0, 0, False, False
         while index < count and not late and not solved:
-            start = Start(initial, index, budget[0], budget[2], deadline)
+            start = Start(initial, index, budget[0], budget[2])
             used, solved = follow(problem, check, work, options, start, answer)
             if used < 0:
                 break
             total += used
             index += 1
-            late = not solved and now(check.clock) > deadline
+            late = not solved and over(check.clock)
         close_record(problem, check, total, index, late, answer)
 
     @closure
@@ -160,7 +162,7 @@ def driver(follow: Follow) -> Drive:
         """Solve m problems.
 
         `groups` are robot, scene and settings, laid out as `tables` says; `targets` (m, t, 15); `initial` (m, g, n, 3).
-        `scratch` (at least `judge.check_size`) is what the check works on. Fills `answers` (m, 10 + 3 n): record and
+        `scratch` (at least `judge.check_size`) is what the check works on. Fills `answers` (m, 11 + 3 n): record and
         configuration of each.
         """
         robot, scene, settings = groups
@@ -168,6 +170,8 @@ def driver(follow: Follow) -> Drive:
         for i in range(targets.shape[0]):
             problem = read_problem(robot, scene, settings, targets[i])
             check = carve_check(scratch, problem)
+            if i == 0:
+                begin(check.clock)
             best, record = answer_of(answers, i, n)
             search(problem, check, work, options, initial[i], budget, Answer(best, record))
 

@@ -1,7 +1,7 @@
 """The check of every answer, the same for all methods but our own, which does it while it works.
 
 A method works as it likes; `offer` alone takes its answers. It recomputes everything from the configuration: `solved`
-is what it finds within tolerance, within all limits, and proved clear.
+is what it finds within tolerance, within all limits, and proved clear of obstacles and of itself.
 """
 
 import math
@@ -9,8 +9,12 @@ from collections import namedtuple
 
 import numpy as np
 
-from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
+from sinuous.kernels.body.pieces import Scratch
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, prove
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
+from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, frame, put_frame
+from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     ZERO,
@@ -48,6 +52,7 @@ from sinuous.kernels.tables import (
     OUT_OF_REACH,
     POSITION_ERROR,
     ROTATION,
+    SELF_CLEARANCE,
     SOLVED,
     SOURCE,
     TARGET_POSITION,
@@ -64,17 +69,17 @@ FINEST = 1e-7
 ROUNDING = 1e-11
 """By how much a limit may be exceeded, rad or robot lengths: what arithmetic rounds."""
 
-Check = namedtuple("Check", ["frames", "among", "clock"])
-"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); and what
-reads the clock (2,)."""
+Check = namedtuple("Check", ["frames", "among", "clock", "spans"])
+"""Scratch of the check: frames (n + 1, 12), whose first row is the base; numbers of the m obstacles (m,); the
+clock, see `kernels.clock`; and `spans` (n + 1, 5) of `self_pairs`."""
 
 Answer = namedtuple("Answer", ["best", "record"])
-"""What a search fills: the best configuration (n, 3; rad and length unit), and its record (10,; see `tables`)."""
+"""What a search fills: the best configuration (n, 3; rad and length unit), and its record (11,; see `tables`)."""
 
 
 def check_size(segments: int, obstacles: int) -> int:
     """Numbers (float64) that `carve_check` takes from a buffer."""
-    return 12 * (segments + 1) + obstacles + 2
+    return (12 + SPAN_WIDTH) * (segments + 1) + obstacles + CLOCK_SIZE
 
 
 @kernel
@@ -85,7 +90,9 @@ def carve_check(buffer: Array, problem: Problem) -> Check:
     rotation, position = frame(problem.base, 0)
     put_frame(frames, 0, rotation, position)
     rest = buffer[12 * (n + 1) :]
-    return Check(frames, rest[:m].view(np.int64), rest[m : m + 2].view(np.int64))
+    clock = rest[m : m + CLOCK_SIZE].view(np.int64)
+    spans = rest[m + CLOCK_SIZE : m + CLOCK_SIZE + SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH))
+    return Check(frames, rest[:m].view(np.int64), clock, spans)
 
 
 @kernel
@@ -141,15 +148,15 @@ def excess(problem: Problem, q: Array) -> tuple[float, float]:
 
 
 @kernel
-def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float, float, bool, float]:
+def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float, float, float, bool, float]:
     """The check of an answer `q` (n, 3), the same for all methods.
 
-    Returns SOLVED, UNPROVED or FAILED; largest distance and angle to the targets; clearance, proved when solved, else
-    the least that was seen; whether a limit is exceeded; and the merit: all that is wrong, squared, in robot lengths
-    and rad.
+    Returns SOLVED, UNPROVED or FAILED; largest distance and angle to the targets; clearance and self-clearance, proved
+    when solved, else the least that was seen; whether a limit is exceeded; and the merit: all that is wrong, squared,
+    in robot lengths and rad.
     """
     if not finite(q):  # comparisons with NaN are false, also those that should find something wrong
-        return FAILED, math.inf, math.inf, math.inf, True, math.inf
+        return FAILED, math.inf, math.inf, math.inf, math.inf, True, math.inf
     forward(q, check.frames)
     off, turn = target_errors(problem, check.frames)
     length, bend = excess(problem, q)
@@ -164,19 +171,23 @@ def finish(problem: Problem, check: Check, q: Array) -> tuple[int, float, float,
             problem.mount,
             SLACK,
             FINEST * problem.unit,
-            check.among,
+            Scratch(check.among, check.clock),
         )
+    own, self_clearance = CLEAR, math.inf
+    if problem.avoids_itself:
+        shape = Shape(problem.limits, q, check.frames, check.spans)
+        own, self_clearance, _ = prove_self(shape, FINEST * problem.unit, check.clock)
     overlap = max(0.0, -clearance) if verdict == TOUCHING else 0.0
-    merit = (
-        (off * off + length * length + overlap * overlap) / (problem.unit * problem.unit) + turn * turn + bend * bend
-    )
+    crossing = max(0.0, -self_clearance) if own == TOUCHING else 0.0
+    lengths = off * off + length * length + overlap * overlap + crossing * crossing
+    merit = lengths / (problem.unit * problem.unit) + turn * turn + bend * bend
     code = FAILED
     if off <= problem.position_tolerance and turn <= problem.angle_tolerance and not bound:
-        if verdict == CLEAR:
+        if verdict == CLEAR and own == CLEAR:
             code = SOLVED
-        elif verdict == UNDECIDED:
+        elif TOUCHING not in (verdict, own):
             code = UNPROVED
-    return code, off, turn, clearance, bound, merit
+    return code, off, turn, clearance, self_clearance, bound, merit
 
 
 @kernel
@@ -186,7 +197,7 @@ def offer(problem: Problem, check: Check, q: Array, source: int, answer: Answer)
     `source` says where its start came from. Shapes with a number that is not finite are passed over.
     """
     record = answer.record
-    code, off, turn, clearance, bound, merit = finish(problem, check, q)
+    code, off, turn, clearance, self_clearance, bound, merit = finish(problem, check, q)
     if record[CODE] == SOLVED and code != SOLVED:
         return False
     if not finite(q) or not (code == SOLVED or merit < record[MERIT]):
@@ -195,5 +206,5 @@ def offer(problem: Problem, check: Check, q: Array, source: int, answer: Answer)
     if record[CODE] < OUT_OF_REACH or code == SOLVED:
         record[CODE] = code
     record[SOURCE], record[POSITION_ERROR], record[ANGLE_ERROR], record[CLEARANCE] = source, off, turn, clearance
-    record[BOUND], record[MERIT] = 1.0 if bound else 0.0, merit
+    record[SELF_CLEARANCE], record[BOUND], record[MERIT] = self_clearance, 1.0 if bound else 0.0, merit
     return code == SOLVED

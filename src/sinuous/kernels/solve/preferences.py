@@ -8,17 +8,20 @@ the sweeps; rows of the targets and contacts, met exactly, take out of it what f
 from collections import namedtuple
 
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import allow, begin, late, now, over
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec, scale
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, step
+from sinuous.kernels.step.newton import EXACT, linearise, met, move, proof, rest, self_proof, step
 from sinuous.kernels.step.states import ANGLE, POSITION, WISH, State, Work, carve, pick
 from sinuous.kernels.tables import BENDS_WEIGHT, INITIAL_WEIGHT, LENGTH_SCALE, MAX_ITERATIONS, WISHED_CLEARANCE
 
 Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
 """Weights of staying at `reference` (n, 3) and of small bends; clearance wished for."""
+
+IMPROVING = 0.8
+"""Share of the time for what is better; the rest is for its proof."""
 
 CORRECTIONS = 3
 """Most Newton steps back to the targets after a step towards what is preferred."""
@@ -61,28 +64,26 @@ def _correct(problem: Problem, states: State, at: int, spare: int, work: Work, d
         if met(problem, state, 0.0):
             return at
         rest(work)
-        linearise(problem, state, work, depth, solids.EXACT, 0.0)
+        linearise(problem, state, work, depth, solids.EXACT, 0.0, problem.avoids_itself)
         step(problem, state, work, EXACT)
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, solids.EXACT, wish)
+        linearise(problem, trial, work, depth, solids.EXACT, wish, problem.avoids_itself)
         at, spare = spare, at
     return at
 
 
 @kernel
-def improve(
-    problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int, deadline: float
-) -> int:
-    """Lower the cost of the solved `best`, keeping it solved. Returns the iterations."""
+def improve(problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int) -> int:
+    """Lower the cost of the solved `best`, keeping it solved, while there is time. Returns the iterations."""
     depth = problem.step_depth + 2
     at, free, spare = 0, 1, 2
     start = pick(states, at)
     copy(best, start.q)
-    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance)
+    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, problem.avoids_itself)
     least = cost(problem, start, wishes)
     share = 1.0
     for iteration in range(most):
-        if share < 0.05 or now(work.clock) > deadline:
+        if share < 0.05 or over(work.clock):
             return iteration
         state, trial = pick(states, at), pick(states, free)
         _pull(state, work, wishes, share)
@@ -91,10 +92,12 @@ def improve(
             for k in range(state.q.shape[0]):
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance)
+        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance, problem.avoids_itself)
         found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance)
         free, spare = found_at, free + spare - found_at
         found = pick(states, free)
+        if late(work.clock):  # contacts are missing
+            return iteration
         better = cost(problem, found, wishes)
         if met(problem, found, 0.0) and better < least:
             gained = least - better
@@ -116,27 +119,30 @@ def prefer(
     settings: Array,
     targets: Array,
     reference: Array,
-    proved: tuple[float, float, float, float],
+    proved: tuple[float, float, float, float, float],
     workspace: Array,
     best: Array,
-) -> tuple[int, float, float, float]:
+) -> tuple[int, float, float, float, float, float]:
     """Improve the solved `best` (n, 3) and prove it again; what is not proved is not taken.
 
-    `reference` (n, 3) is the configuration to stay close to; `proved` holds position error, angle error and proved
-    clearance of `best`, and the seconds that may be spent; for the rest see `search.search`. Returns the iterations,
-    and the first three of `proved` for what `best` holds then.
+    `reference` (n, 3) is the configuration to stay close to; `proved` holds position error, angle error, proved
+    clearance and self-clearance of `best`, and the seconds that may be spent; for the rest see `search.search`. Returns
+    the iterations, the first four of `proved` for what `best` holds then, and the seconds that were spent.
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
     wishes = Wishes(settings[INITIAL_WEIGHT], settings[BENDS_WEIGHT], settings[WISHED_CLEARANCE], reference)
     copy(best, work.solved)
-    deadline = now(work.clock) + proved[3]
-    used = improve(problem, states, work, wishes, best, int(settings[MAX_ITERATIONS]), deadline)
+    begin(work.clock)
+    began = allow(work.clock, IMPROVING * proved[4])
+    used = improve(problem, states, work, wishes, best, int(settings[MAX_ITERATIONS]))
+    allow(work.clock, began + proved[4] - now(work.clock))
     state = pick(states, 0)
     copy(best, state.q)
-    linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0)
+    linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0, False)
+    own, self_clearance = self_proof(problem, state, work)
     verdict, clearance = proof(problem, state, work)
-    if verdict == CLEAR and met(problem, state, 0.0):
-        return used, state.norms[POSITION], state.norms[ANGLE], clearance
+    if own == CLEAR and verdict == CLEAR and met(problem, state, 0.0):
+        return used, state.norms[POSITION], state.norms[ANGLE], clearance, self_clearance, now(work.clock) - began
     copy(work.solved, best)
-    return used, proved[0], proved[1], proved[2]
+    return used, proved[0], proved[1], proved[2], proved[3], now(work.clock) - began

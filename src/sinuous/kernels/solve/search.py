@@ -5,15 +5,15 @@ import math
 import numpy as np
 
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import allow, begin, late, now, over
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc
+from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
-from sinuous.kernels.step.newton import MISSED, descend, linearise
-from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, State, Work, carve, pick
+from sinuous.kernels.step.newton import descend, linearise
+from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, State, Work, carve, pick
 from sinuous.kernels.tables import (
     ANGLE_ERROR,
     ARC,
@@ -28,6 +28,7 @@ from sinuous.kernels.tables import (
     POSITION_ERROR,
     RANDOM,
     SECONDS,
+    SELF_CLEARANCE,
     SOLVED,
     SOURCE,
     STARTS,
@@ -36,7 +37,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.kernels.tables import MERIT as RECORD_MERIT
 
-Numbers = tuple[int, int, int, int, float, float, float, bool, float, float]
+Numbers = tuple[int, int, int, int, float, float, float, float, bool, float, float]
 """The record of one search, see `sinuous.kernels.tables`."""
 
 DRAWS = 4
@@ -57,10 +58,11 @@ def _begin(
         return ARC
     least = math.inf
     for draw in range(DRAWS):
-        scattered(problem.limits, DRAWS * number + draw, seed, trial.q)
-        if tip >= 0:
-            face(trial.frames, problem.tool, tip, goal, trial.q)
-        linearise(problem, trial, work, problem.look_depth, solids.STEP, 0.0)
+        scattered(problem.limits, DRAWS * number + draw, seed, widest(number), trial.q)
+        face(problem.targets, trial.frames, problem.tool, trial.q)
+        linearise(problem, trial, work, problem.look_depth, solids.STEP, 0.0, False)
+        if late(work.clock) and draw > 0:
+            break
         if draw == 0 or trial.norms[MERIT] < least:
             least = trial.norms[MERIT]
             copy(trial.q, state.q)
@@ -79,14 +81,13 @@ def _solve(
 ) -> Numbers:
     """Solve one problem; fills `best` (n, 3) and returns the record."""
     first, last, seed, seconds = budget
-    began = now(work.clock)
-    deadline = began + seconds
+    began = allow(work.clock, seconds)
     tip, goal = most_distal(problem)
     impossible = verdict_of(problem)
     own = last - first if impossible == POSSIBLE else min(last - first, 1)
     g = initial.shape[0]
     status, total, source, least = FAILED, 0, GIVEN, math.inf
-    off = turn = clearance = math.inf
+    off = turn = clearance = self_clearance = math.inf
     stopped = False
     at, index = int(np.int64(0)), 0  # a mere 0 would have everything compiled once more, for it
     while index < g + own:
@@ -96,27 +97,27 @@ def _solve(
         else:
             kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
         index += 1
-        at, verdict, used, seen, bound = descend(problem, states, at, work, iterations, deadline)
+        at, verdict, used, seen, self_seen, bound = descend(problem, states, at, work, iterations)
         total += used
         state = pick(states, at)
-        if verdict == CLEAR or state.norms[MERIT] < least:
+        if verdict == CLEAR or state.norms[MERIT] < least or index == 1:
             copy(state.q, best)
             least, off, turn = state.norms[MERIT], state.norms[POSITION], state.norms[ANGLE]
-            clearance = state.norms[SEEN] if verdict == MISSED else seen
+            clearance, self_clearance = seen, self_seen
             status, source, stopped = FAILED, kind, bound
             if verdict == CLEAR:
                 status = SOLVED
                 break
             if verdict == UNDECIDED:
                 status = UNPROVED
-        if now(work.clock) > deadline:
+        if over(work.clock):
             if status == FAILED:
                 status = LATE
             break
     if impossible != POSSIBLE and status != SOLVED:
         status = impossible
     spent = now(work.clock) - began
-    return status, total, index, source, off, turn, clearance, stopped, least, spent
+    return status, total, index, source, off, turn, clearance, self_clearance, stopped, least, spent
 
 
 @entry
@@ -138,6 +139,7 @@ def search(
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
+    begin(work.clock)
     return _solve(problem, states, work, initial, budget, int(settings[MAX_ITERATIONS]), best)
 
 
@@ -154,12 +156,14 @@ def search_many(
 ) -> None:
     """Solve m problems as `search` does one.
 
-    `targets` (m, t, 15), `initial` (m, g, n, 3); fills `answers` (m, 10 + 3 n): record and configuration of each.
+    `targets` (m, t, 15), `initial` (m, g, n, 3); fills `answers` (m, 11 + 3 n): record and configuration of each.
     """
     states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
+    begin(work.clock)
     for i in range(targets.shape[0]):
         problem = read_problem(robot, scene, settings, targets[i])
         best, record = answer_of(answers, i, problem.limits.shape[0])
         found = _solve(problem, states, work, initial[i], budget, int(settings[MAX_ITERATIONS]), best)
         record[CODE], record[ITERATIONS], record[STARTS], record[SOURCE], record[POSITION_ERROR] = found[:5]
-        record[ANGLE_ERROR], record[CLEARANCE], record[BOUND], record[RECORD_MERIT], record[SECONDS] = found[5:]
+        record[ANGLE_ERROR], record[CLEARANCE], record[SELF_CLEARANCE], record[BOUND] = found[5:9]
+        record[RECORD_MERIT], record[SECONDS] = found[9:]

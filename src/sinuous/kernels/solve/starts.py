@@ -11,7 +11,7 @@ from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec, sub, vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.step.targets import distal_target, end_pose, end_segment
-from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
+from sinuous.kernels.tables import HAS_POSITION, MAX_BEND, MAX_LENGTH, MIN_LENGTH, TARGET_POSITION
 
 WIDEST = 3.0
 """Half the bend of a single arc from which on it counts as too long, in rad."""
@@ -71,6 +71,16 @@ def single_arc(limits: Array, frames: Array, tip: int, goal: Vec, q: Array) -> N
 
 
 @kernel
+def widest(start: int) -> float:
+    """Most bend (rad) that is drawn for scattered start `start`: half a turn if it is odd, a full turn if it is even.
+
+    What continues an arc beyond pi leads back to the other side. Shapes that were drawn below pi are turned to the
+    wrong side of such a target by `face`, and by symmetry no descent comes round from there.
+    """
+    return math.pi if start % 2 == 1 else 2.0 * math.pi
+
+
+@kernel
 def _uniform(key: np.uint64) -> float:
     """A number in [0, 1) for every key (Steele et al. 2014, splitmix64)."""
     z = key * np.uint64(0x9E3779B97F4A7C15)
@@ -80,8 +90,8 @@ def _uniform(key: np.uint64) -> float:
 
 
 @kernel
-def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
-    """Shape number `index` of the sequence `seed`: bends evenly over their discs, lengths over their ranges.
+def scattered(limits: Array, index: int, seed: int, most: float, q: Array) -> None:
+    """Shape number `index` of the sequence `seed`: bends up to `most` even over their discs, lengths over their ranges.
 
     Hashed, not low-discrepancy: in the 3 n dimensions of a robot an additive recurrence puts long runs of shapes into
     the same few directions, and hard poses waited for their turn.
@@ -89,21 +99,35 @@ def scattered(limits: Array, index: int, seed: int, q: Array) -> None:
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):
         length = limits[k, MIN_LENGTH] + _uniform(key) * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
-        bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], math.pi)
+        bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], most)
         angle = 2.0 * math.pi * _uniform(key + np.uint64(2))
         key += np.uint64(3)
         put_vec(q, k, 0, project_segment(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))
 
 
 @kernel
-def face(frames: Array, tool: Array, tip: int, goal: Vec, q: Array) -> None:
-    """Turn the whole shape about the base's tangent until its end lies on the goal's side."""
+def _turn(frames: Array, tool: Array, first: int, last: int, goal: Vec, q: Array) -> None:
+    """Turn segments `first` and beyond about the tangent there until the end of `last` lies on the goal's side."""
     forward(q, frames)
-    rotation, base = frame(frames, 0)
-    end = vec_mat(sub(end_pose(frames, tool, tip)[1], base), rotation)
-    aim = vec_mat(sub(goal, base), rotation)
+    rotation, place = frame(frames, first)
+    end = vec_mat(sub(end_pose(frames, tool, last)[1], place), rotation)
+    aim = vec_mat(sub(goal, place), rotation)
     angle = math.atan2(aim[1], aim[0]) - math.atan2(end[1], end[0])
     cosine, sine = math.cos(angle), math.sin(angle)
-    for k in range(q.shape[0]):
+    for k in range(first, q.shape[0]):
         x, y = q[k, 0], q[k, 1]
         q[k, 0], q[k, 1] = cosine * x - sine * y, sine * x + cosine * y
+
+
+@kernel
+def face(targets: Array, frames: Array, tool: Array, q: Array) -> None:
+    """Turn the shape towards the positions that are asked for, one after the other from the base on.
+
+    What lies beyond a position that is asked for turns about the tangent there, so that all stay on their sides.
+    """
+    first, n = int(np.int64(0)), q.shape[0]
+    for k in range(n):
+        for i in range(targets.shape[0]):
+            if first <= k and targets[i, HAS_POSITION] != 0.0 and end_segment(targets, i, n) == k:
+                _turn(frames, tool, first, k, get_vec(targets, i, TARGET_POSITION), q)
+                first = k + 1

@@ -3,17 +3,34 @@
 import math
 
 from sinuous.kernels.body.contacts import SOFTNESS, Body, Look, contacts
+from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.rows import SOFT
+from sinuous.kernels.body.self_contacts import VALUE, self_contacts
+from sinuous.kernels.body.self_pairs import Shape
+from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import coarseness
 from sinuous.kernels.maths.vectors import ZERO, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
-from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN, WISH, State, Work, pick
+from sinuous.kernels.step.coupling import couple
+from sinuous.kernels.step.states import (
+    ANGLE,
+    MERIT,
+    PAIRS,
+    POSITION,
+    SEEN,
+    SELF_SEEN,
+    WISH,
+    State,
+    Work,
+    coupling_of,
+    pick,
+)
 from sinuous.kernels.step.targets import add_rows, end_segment
 
 MISSED = -1
@@ -25,6 +42,10 @@ less would cost exact distances everywhere."""
 
 FINEST = 1e-7
 """Length of backbone, in robot lengths, below which a proof gives up."""
+
+SELF_MARGIN = 10.0
+"""Self-clearance that steps aim for where they look at it, as a multiple of the margin from obstacles: which places are
+closest to each other changes more in a step than which are closest to an obstacle."""
 
 EXACT = 1e-10
 """Least damping, with which rows are met exactly."""
@@ -55,7 +76,7 @@ def add_targets(problem: Problem, state: State, k: int, at: int) -> tuple[int, f
 
 @kernel
 def close(state: State, count: int) -> None:
-    """Finish a linearisation with `count` rows: where they end, and the norms of their values."""
+    """Finish a linearisation with `count` rows and no self-contact: where rows end, and the norms of their values."""
     rows = state.rows
     rows.start[state.q.shape[0]] = count
     merit = wished = 0.0
@@ -67,16 +88,29 @@ def close(state: State, count: int) -> None:
             merit += square
     state.norms[MERIT] = merit
     state.norms[WISH] = wished / (SOFTNESS * SOFTNESS)
+    state.norms[SELF_SEEN], state.norms[PAIRS] = math.inf, 0.0
+
+
+@kernel
+def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
+    """Add the self-contacts to a linearisation that `close` has finished."""
+    own = coupling_of(state, work)
+    shape, pairs = Shape(problem.limits, state.q, state.frames, own.spans), own.pairs
+    count, low = self_contacts(shape, state.columns, SELF_MARGIN * problem.margin, problem.unit, pairs)
+    for a in range(count):
+        state.norms[MERIT] += pairs[a, VALUE] * pairs[a, VALUE]
+    state.norms[SELF_SEEN], state.norms[PAIRS] = low, count
 
 
 add_targets_here, close_here = inline(add_targets), inline(close)
 
 
 @kernel
-def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float) -> None:
+def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float, with_self: bool) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
 
-    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`).
+    Contacts are looked for as deep as `depth` and as exactly as `mode` says (see `contacts.Look`), self-contacts only
+    `with_self`. When the time is over, some are missing.
     """
     q, frames, rows = state.q, state.frames, state.rows
     forward_with_columns(q, frames, state.columns)
@@ -85,18 +119,21 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     mount = problem.mount
     body = Body(problem.limits, q, frames, problem.unit)
     look = Look(problem.margin, wish, depth, mode)
+    scratch = Scratch(work.among, work.clock)
     at = actuator = 0
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
         if problem.scene.table.shape[0] > 0:
-            at, least = contacts(body, problem.scene, k, mount, look, work.among, rows, at)
+            at, least = contacts(body, problem.scene, k, mount, look, scratch, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
         at, miss, angle = add_targets_here(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
     close_here(state, at)
     state.norms[POSITION], state.norms[ANGLE], state.norms[SEEN] = off, turn, seen
+    if with_self:
+        add_self_contacts(problem, state, work)
 
 
 @kernel
@@ -113,6 +150,8 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
     for _ in range(ROUNDS):
         sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
         sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
+        if state.norms[PAIRS] > 0.0:
+            couple(state, work, mu, coupled)
         count = limits.bind(problem.limits, state.q, work.step, work.root, work.mean, work.bound)
         if coupled:
             count += actuation.bind(problem.actuation, state.q, work.step, state.rows)
@@ -147,12 +186,13 @@ def project_to_limits(problem: Problem, state: State, work: Work) -> None:
 
 @kernel
 def met(problem: Problem, state: State, loose: float) -> bool:
-    """Targets within tolerance, and no overlap seen that is more than `loose`."""
+    """Targets within tolerance, and no overlap seen that is more than `loose`, none at all of the body with itself."""
     norms = state.norms
     return bool(
         norms[POSITION] <= problem.position_tolerance
         and norms[ANGLE] <= problem.angle_tolerance
         and norms[SEEN] >= -loose
+        and norms[SELF_SEEN] >= 0.0
     )
 
 
@@ -169,10 +209,31 @@ def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
         return CLEAR, math.inf
     slack = SAMPLED_SLACK if coarseness(problem.scene) > 0.0 else SLACK
     finest = FINEST * problem.unit
+    scratch = Scratch(work.among, work.clock)
     verdict, clearance, _, _, _ = prove(
-        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, work.among
+        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, scratch
     )
     return verdict, clearance
+
+
+@kernel
+def self_proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
+    """Verdict and self-clearance of the body at `state`; see `self_proof.prove_self`."""
+    if not problem.avoids_itself:
+        return CLEAR, math.inf
+    shape = Shape(problem.limits, state.q, state.frames, coupling_of(state, work).spans)
+    verdict, clearance, _ = prove_self(shape, FINEST * problem.unit, work.clock)
+    return verdict, clearance
+
+
+@kernel
+def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int, float]:
+    """Count steps in a row that gain little, and adapt how much the damping is eased; `merit` is the best so far."""
+    if found >= merit:
+        return slow + 1, 10.0 * easing
+    if merit == math.inf:
+        return slow, easing
+    return slow + 1 if found > 0.8 * merit else 0, max(1e-6, 0.3 * easing)
 
 
 linearise_here, step_here = inline(linearise), inline(step)
@@ -180,15 +241,17 @@ linearise_here, step_here = inline(linearise), inline(step)
 
 @kernel
 def descend(
-    problem: Problem, states: State, at: int, work: Work, most: int, deadline: float
-) -> tuple[int, int, int, float, bool]:
+    problem: Problem, states: State, at: int, work: Work, most: int
+) -> tuple[int, int, int, float, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
 
     Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
-    when it fails again, contacts are looked for more closely.
+    when it fails again, contacts are looked for more closely. Self-contacts are looked for from the first failed proof
+    that the body does not run through itself on: most shapes never come near themselves.
 
-    Returns which is the best, the verdict of the proof (MISSED: the targets were not met), the number of iterations,
-    the clearance that the proof saw, and whether limits bound the last step.
+    Returns which is the best, the verdict of the proofs (MISSED: the targets were not met), the number of iterations,
+    the clearances from obstacles and from itself that were seen, and whether limits bound the last step. Of a state
+    that was never linearised whole, for lack of time, the merit is infinite.
     """
     project_to_limits(problem, pick(states, at), work)
     depth, looked_at, merit, easing = problem.step_depth, at, math.inf, 1.0
@@ -196,24 +259,30 @@ def descend(
     loose = coarseness(problem.scene)
     mode = solids.STEP if loose > 0.0 else solids.EXACT
     slow = iteration = 0
-    bound = False
+    bound = with_self = False
     while True:
         looked = pick(states, looked_at)
-        linearise_here(problem, looked, work, depth, mode, 0.0)
+        linearise_here(problem, looked, work, depth, mode, 0.0, with_self)
+        if late(work.clock):
+            if merit == math.inf:
+                at, looked.norms[MERIT] = looked_at, math.inf
+            state = pick(states, at)
+            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         found = looked.norms[MERIT]
+        slow, easing = _progress(found, merit, slow, easing)
         if found < merit:
-            if merit < math.inf:
-                slow = slow + 1 if found > 0.8 * merit else 0
-                easing = max(1e-6, 0.3 * easing)
             at, merit = looked_at, found
-        else:
-            slow += 1
-            easing *= 10.0
         state = pick(states, at)
         if met(problem, state, loose):
+            verdict, self_clearance = self_proof(problem, state, work)
+            if verdict != CLEAR:
+                if with_self:
+                    return at, verdict, iteration, state.norms[SEEN], self_clearance, bound
+                with_self, looked_at, merit, slow, easing = True, at, math.inf, 0, 1.0
+                continue
             verdict, clearance = proof(problem, state, work)
-            if verdict == CLEAR or depth >= problem.step_depth + 6:
-                return at, verdict, iteration, clearance, bound
+            if verdict == CLEAR or depth >= problem.step_depth + 6 or late(work.clock):
+                return at, verdict, iteration, clearance, self_clearance, bound
             if mode == solids.STEP:
                 mode, loose = solids.EXACT, 0.0
             else:
@@ -224,8 +293,8 @@ def descend(
             mode, loose = solids.EXACT, 0.0
             looked_at, merit, slow, easing = at, math.inf, 0, 1.0
             continue
-        if iteration >= most or slow >= PATIENCE or (iteration % 4 == 3 and now(work.clock) > deadline):
-            return at, MISSED, iteration, 0.0, bound
+        if iteration >= most or slow >= PATIENCE or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0]):
+            return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         iteration += 1
         rest(work)
         bound = step_here(problem, state, work, max(EXACT, 0.01 * easing * merit))

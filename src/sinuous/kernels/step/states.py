@@ -6,28 +6,42 @@ import numpy as np
 
 from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import carve_rows, pick_rows, rows_size
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, pair_width
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
+from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
 
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
-least clearance seen, and how far wishes for clearance are from met."""
+least clearance seen, how far wishes for clearance are from met, a lower bound of the self-clearance (infinite: it was
+not looked at), and the number of self-contacts; then these, see `coupling_of`."""
 
-Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock"])
-"""Scratch of one solve."""
+Work = namedtuple("Work", ["root", "mean", "step", "solved", "bound", "among", "clock", "rest"])
+"""Scratch of one solve; `clock`: see `kernels.clock`. `rest` holds what few solves need, in one array: each array costs
+time whenever a kernel is called. See `coupling_of`."""
+
+Coupling = namedtuple("Coupling", ["pairs", "spans", "pull", "replies", "system"])
+"""What serves self-contacts: those of a state, up to m (m, 1 + 3 n); spans of the body (n + 1, 5), see `self_pairs`; a
+motion (n, 3); what each of them moves (m, n, 3); and a system of equations (m, m + 1)."""
 
 STATES = 3
 """States in a workspace: two take turns in a descent, a third serves corrections."""
 
-MERIT, POSITION, ANGLE, SEEN, WISH = 0, 1, 2, 3, 4
+MERIT, POSITION, ANGLE, SEEN, WISH, SELF_SEEN, PAIRS = range(7)
+
+NORMS = 7
 
 
 def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) -> int:
     """Numbers (float64) that a solve needs as workspace."""
     capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
-    return STATES * (33 * segments + 18 + 27 * capacity + segments) + 19 * segments + obstacles + 2
+    rows, pairs = segments + 1 + 28 * capacity, MOST_PAIRS * (1 + 3 * segments)
+    state = 33 * segments + 12 + NORMS + rows + pairs
+    coupling = 3 * segments * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
+    return STATES * state + 19 * segments + obstacles + CLOCK_SIZE + SPAN_WIDTH * (segments + 1) + coupling
 
 
 @kernel
@@ -41,7 +55,8 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
     """Lay out workspace as for so many obstacles: with one there is a place for rows along the body."""
     n, m, c = problem.limits.shape[0], obstacles, STATES
     capacity = 6 * problem.targets.shape[0] + problem.actuation.shape[0] + (n * PER_SEGMENT if m > 0 else 0)
-    size = c * (33 * n + 17)
+    width = NORMS + MOST_PAIRS * pair_width(n)
+    size = c * (33 * n + 12 + width)
     frames = buffer[3 * n * c : (15 * n + 12) * c].reshape((c, n + 1, 12))
     rotation, position = frame(problem.base, 0)
     for i in range(c):
@@ -51,9 +66,11 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         frames,
         buffer[(15 * n + 12) * c : (33 * n + 12) * c].reshape((c, n, 18)),
         carve_rows(buffer[size:], c, n, capacity),
-        buffer[(33 * n + 12) * c : size].reshape((c, 5)),
+        buffer[(33 * n + 12) * c : size].reshape((c, width)),
     )
     rest = buffer[size + c * rows_size(n, capacity) :]
+    coupling = 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
+    own = 19 * n + m + CLOCK_SIZE
     work = Work(
         rest[: 9 * n].reshape((n, 9)),
         rest[9 * n : 12 * n].reshape((n, 3)),
@@ -61,7 +78,8 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         rest[15 * n : 18 * n].reshape((n, 3)),
         rest[18 * n : 19 * n].view(np.int64),
         rest[19 * n : 19 * n + m].view(np.int64),
-        rest[19 * n + m : 19 * n + m + 2].view(np.int64),
+        rest[19 * n + m : own].view(np.int64),
+        rest[own : own + SPAN_WIDTH * (n + 1) + coupling],
     )
     return states, work
 
@@ -70,3 +88,18 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
 def pick(states: State, i: int) -> State:
     """State number `i` of several."""
     return State(states.q[i], states.frames[i], states.columns[i], pick_rows(states.rows, i), states.norms[i])
+
+
+@kernel
+def coupling_of(state: State, work: Work) -> Coupling:
+    """Lay out what serves self-contacts of a state."""
+    n, m = work.step.shape[0], MOST_PAIRS
+    pull = work.rest[SPAN_WIDTH * (n + 1) :]
+    replies, system = pull[3 * n :], pull[3 * n * (1 + m) :]
+    return Coupling(
+        state.norms[NORMS:].reshape((m, pair_width(n))),
+        work.rest[: SPAN_WIDTH * (n + 1)].reshape((n + 1, SPAN_WIDTH)),
+        pull[: 3 * n].reshape((n, 3)),
+        replies[: 3 * n * m].reshape((m, n, 3)),
+        system[: m * (m + 1)].reshape((m, m + 1)),
+    )

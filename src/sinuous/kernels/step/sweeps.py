@@ -50,6 +50,10 @@ HARD_SHARE = 1e-10
 """Variance of HARD rows, relative to their weights: small, yet enough for two that say the same."""
 
 
+INVERSE = 12
+"""Column of the gains that holds the inverse of the variance of what a row sees."""
+
+
 @kernel
 def _mix(weights: Vec, x: Vec, y: Vec, z: Vec) -> Vec:
     return add_scaled(add_scaled(scale(weights[0], x), weights[1], y), weights[2], z)
@@ -87,6 +91,7 @@ def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
     gain_turn, gain_move = scale(f, turn), scale(f, move)
     put_vec(rows.gain, i, 0, gain_turn)
     put_vec(rows.gain, i, 3, gain_move)
+    rows.gain[i, INVERSE] = f
     rows.innovation[i] = f * nu
     return (
         _sub_outer(A, gain_turn, turn),
@@ -122,6 +127,7 @@ def _within(
     put_vec(rows.gain, i, 3, gain_move)
     put_vec(rows.gain, i, 6, gain_used)
     put_vec(rows.gain, i, 9, gain_total)
+    rows.gain[i, INVERSE] = f
     rows.innovation[i] = f * nu
     return (
         (
@@ -172,6 +178,37 @@ def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, cou
                 reach = _at_end(reach, rows, i, mu)
             elif rows.kind[i] != IDLE:
                 reach, own, sums = _within(reach, own, sums, L, m, rows, i, mu)
+
+
+@kernel
+def forward_again(columns: Array, root: Array, mean: Array, rows: Rows, coupled: bool) -> None:
+    """Filter another `mean` while every row asks for 0; fill `rows.innovation`.
+
+    `forward` has filled the gains, which are the same for any mean and any values, so means alone are carried.
+    """
+    turned, moved, summed = ZERO, ZERO, ZERO
+    for k in range(columns.shape[0]):
+        L, m = get_mat(root, k, 0), get_vec(mean, k, 0)
+        turned = add(turned, _mix(m, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
+        moved = add(moved, _mix(m, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
+        summed = add(summed, m)
+        z = ZERO
+        for i in range(rows.start[k], rows.start[k + 1]):
+            kind = rows.kind[i]
+            if kind == IDLE:
+                continue
+            nu = -dot(get_vec(rows.twist, i, 0), turned) - dot(get_vec(rows.twist, i, 3), moved)
+            if kind != END:
+                nu -= dot(get_vec(rows.inner, i, 0), add(m, mat_vec(L, z)))
+            if kind == HARD and coupled:
+                nu -= dot(get_vec(rows.total, i, 0), summed)
+            rows.innovation[i] = rows.gain[i, INVERSE] * nu
+            turned = add_scaled(turned, nu, get_vec(rows.gain, i, 0))
+            moved = add_scaled(moved, nu, get_vec(rows.gain, i, 3))
+            if kind != END:
+                z = add_scaled(z, nu, get_vec(rows.gain, i, 6))
+            if coupled:
+                summed = add_scaled(summed, nu, get_vec(rows.gain, i, 9))
 
 
 @kernel

@@ -11,7 +11,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.rows import Rows, carve_rows, pick_rows
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem
@@ -126,9 +126,7 @@ def step(problem: Problem, work: Work, count: int, damping: float, clamp: float)
 
 
 @kernel
-def descend(
-    problem: Problem, check: Check, work: Work, most: int, damping: float, clamp: float, deadline: float
-) -> int:
+def descend(problem: Problem, check: Check, work: Work, most: int, damping: float, clamp: float) -> int:
     """Step until the target is met, nothing is gained any more, or time is over.
 
     Begins at `work.q`; fills `work.kept` with the best and returns the number of steps.
@@ -146,7 +144,7 @@ def descend(
             least = wrong
             copy(work.q, work.kept)
         met = off <= problem.position_tolerance and turn <= problem.angle_tolerance
-        if met or slow >= PATIENCE or iteration >= most or (iteration % 16 == 15 and now(check.clock) > deadline):
+        if met or slow >= PATIENCE or iteration >= most or spend(check.clock, SEGMENT_LOOKS * work.q.shape[0]):
             return iteration
         step(problem, work, count, damping, clamp)
         iteration += 1
@@ -162,7 +160,7 @@ def follow(
     lengths and rad) of one step.
     """
     source = begin_from(problem, check, start, work.q)
-    used = descend(problem, check, work, int(options[0]), options[1], options[2], start.deadline)
+    used = descend(problem, check, work, int(options[0]), options[1], options[2])
     return used, offer(problem, check, work.kept, source, answer)
 
 

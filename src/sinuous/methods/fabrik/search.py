@@ -10,7 +10,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem
@@ -59,7 +59,7 @@ def reach(problem: Problem, chain: Chain, frames: Array, q: Array) -> None:
 
 
 @kernel
-def descend(problem: Problem, check: Check, work: Work, most: int, deadline: float) -> int:
+def descend(problem: Problem, check: Check, work: Work, most: int) -> int:
     """Reach back and out until the target is met, nothing is gained any more, or time is over.
 
     Begins at `work.chain`; fills `work.kept` with the best and returns the number of iterations.
@@ -75,7 +75,7 @@ def descend(problem: Problem, check: Check, work: Work, most: int, deadline: flo
             least = wrong
             copy(work.q, work.kept)
         met = off <= problem.position_tolerance and turn <= problem.angle_tolerance
-        if met or slow >= PATIENCE or (iteration % 16 == 15 and now(check.clock) > deadline):
+        if met or slow >= PATIENCE or spend(check.clock, SEGMENT_LOOKS * work.q.shape[0]):
             return iteration + 1
     return most
 
@@ -90,7 +90,7 @@ def follow(
     """
     source = begin_from(problem, check, start, work.q)
     fold(problem.limits, work.chain, check.frames, options[3] != 0.0, work.q)
-    used = descend(problem, check, work, int(options[0]), start.deadline)
+    used = descend(problem, check, work, int(options[0]))
     return used, offer(problem, check, work.kept, source, answer)
 
 

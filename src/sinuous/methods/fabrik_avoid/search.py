@@ -12,9 +12,9 @@ import math
 
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields.distances import obstacle
+from sinuous.kernels.fields.distances import obstacle, price
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.solve.driver import Start, begin_from, driver
@@ -30,18 +30,21 @@ PATIENCE = 40
 
 @kernel
 def push_away(
-    problem: Problem, chain: Chain, frames: Array, q: Array, looks: int, strength: float, margin: float
+    problem: Problem, check: Check, chain: Chain, q: Array, looks: int, strength: float, margin: float
 ) -> float:
     """Move the joints of segments that overlap; returns the deepest overlap that was seen.
 
-    `q` (n, 3) is the configuration, `frames` (n + 1, 12) what follows from it; `looks` places of every segment are
-    looked at. A joint is moved by `strength` times what is missing to the clearance `margin`.
+    `q` (n, 3) is the configuration, the frames of `check` what follows from it; `looks` places of every segment are
+    looked at, while there is time. A joint is moved by `strength` times what is missing to the clearance `margin`.
     """
     if not has_obstacles(problem):
         return 0.0
     overlap = travel = 0.0
+    cost = looks * price(problem.scene)
     for k in range(q.shape[0]):
-        rotation, position = frame(frames, k)
+        if spend(check.clock, cost):
+            break
+        rotation, position = frame(check.frames, k)
         clearance, which, place = deepest(problem, rotation, position, get_vec(q, k, 0), k, travel, looks)
         travel += q[k, 2]
         overlap = max(overlap, -clearance)
@@ -56,7 +59,7 @@ def push_away(
 
 @kernel
 def descend(
-    problem: Problem, check: Check, work: Work, options: Array, deadline: float, source: int, answer: Answer
+    problem: Problem, check: Check, work: Work, options: Array, source: int, answer: Answer
 ) -> tuple[int, bool]:
     """Reach and step aside until an answer is solved, nothing is gained any more, or time is over.
 
@@ -69,7 +72,7 @@ def descend(
     for iteration in range(most):
         reach(problem, work.chain, check.frames, work.q)
         off, turn = target_errors(problem, check.frames)
-        overlap = push_away(problem, work.chain, check.frames, work.q, looks, strength, margin)
+        overlap = push_away(problem, check, work.chain, work.q, looks, strength, margin)
         wrong = (off + overlap) / problem.unit + turn
         slow = 0 if wrong < 0.99 * least else slow + 1
         if wrong < least:
@@ -79,7 +82,7 @@ def descend(
             if offer(problem, check, work.q, source, answer):
                 return iteration + 1, True
             margin *= 2.0
-        if slow >= PATIENCE or (iteration % 16 == 15 and now(check.clock) > deadline):
+        if slow >= PATIENCE or spend(check.clock, SEGMENT_LOOKS * work.q.shape[0]):
             return iteration + 1, offer(problem, check, work.kept, source, answer)
     return most, offer(problem, check, work.kept, source, answer)
 
@@ -95,7 +98,7 @@ def follow(
     """
     source = begin_from(problem, check, start, work.q)
     fold(problem.limits, work.chain, check.frames, options[4] != 0.0, work.q)
-    return descend(problem, check, work, options, start.deadline, source, answer)
+    return descend(problem, check, work, options, source, answer)
 
 
 drive = driver(follow)

@@ -15,8 +15,9 @@ import numpy as np
 
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import forward, frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
 from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.solve.driver import Start, begin_from, driver
@@ -115,7 +116,7 @@ def judge(problem: Problem, check: Check, q: Array, margin: float, enough: float
 
 @kernel
 def descend(
-    problem: Problem, check: Check, work: Work, options: Array, deadline: float, source: int, answer: Answer
+    problem: Problem, check: Check, work: Work, options: Array, source: int, answer: Answer
 ) -> tuple[int, bool]:
     """Draw in rounds until an answer is solved, the range is used up, or time is over.
 
@@ -124,6 +125,7 @@ def descend(
     share = NEAR_GIVEN if source == GIVEN else 1.0
     rounds, samples, shrink = int(options[0]), int(options[1]), options[2]
     margin = 0.0
+    cost = work.q.shape[0] * (SEGMENT_LOOKS + LOOKS * price(problem.scene))
     least, met = judge(problem, check, work.q, margin, math.inf)
     for done in range(rounds + 1):
         if met:
@@ -131,10 +133,12 @@ def descend(
                 return done, True
             margin = max(2.0 * margin, MARGIN * problem.unit)
             least, met = judge(problem, check, work.q, margin, math.inf)
-        if done == rounds or share < FINEST or now(check.clock) > deadline:
+        if done == rounds or share < FINEST or over(check.clock):
             return done, offer(problem, check, work.q, source, answer)
         before = least
         for _ in range(samples):
+            if spend(check.clock, cost):
+                break
             scatter(problem, work, share)
             wrong, found = judge(problem, check, work.trial, margin, least)
             if wrong < least or (found and not met):
@@ -159,7 +163,7 @@ def follow(
     work.state[0] = np.uint64(start.seed) * np.uint64(0x100000000) + np.uint64(start.first + start.index)
     source = begin_from(problem, check, start, work.q)
     project_to_limits(problem, work.q, work.straight)
-    return descend(problem, check, work, options, start.deadline, source, answer)
+    return descend(problem, check, work, options, source, answer)
 
 
 drive = driver(follow)

@@ -4,8 +4,9 @@ The update of point i sums `alpha^k dF_j / dp_i` over the arcs j from i on (see 
 the paper, or what is here called adjacent: max(0, j - i - 1), so that both arcs that meet in the point count in full.
 """
 
+from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene
+from sinuous.kernels.fields.distances import Scene, price
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add, add_scaled, get_vec, put_vec, scale, sub
 from sinuous.methods.opti_path.bezier import arc_between, end_tangent, pull_tangent
 from sinuous.methods.opti_path.costs import (
@@ -42,10 +43,25 @@ def _collect(out: Array, k: int, own: Vec, place: Vec, turned: Vec, factors: tup
 
 
 @kernel
+def arc_price(scene: Scene, setting: Setting, obstacles: bool) -> int:
+    """Looks that the costs of an arc cost, see `kernels.clock`."""
+    return SEGMENT_LOOKS + (int(setting.samples) * price(scene) if obstacles else 0)
+
+
+@kernel
 def gradient_backwards(
-    scene: Scene, potential: Potential, setting: Setting, weights: Weights, aim: Aim, path: Path, obstacles: bool
+    scene: Scene,
+    potential: Potential,
+    setting: Setting,
+    weights: Weights,
+    aim: Aim,
+    path: Path,
+    obstacles: bool,
+    clock: Array,
 ) -> None:
-    """Fill `update` and `avoid` in one sweep from the last arc to the first: exact, and linear in their number.
+    """Fill `update` and `avoid` in one sweep from the last arc to the first, or till the time of the clock is over.
+
+    The sweep is exact, and linear in the number of arcs.
 
     The attenuated sums are as easy as the true gradient: what later arcs pull at a tangent is multiplied by alpha
     once for each arc that it is carried back over.
@@ -56,7 +72,10 @@ def gradient_backwards(
         put_vec(path.update, k, 0, ZERO)
         put_vec(path.avoid, k, 0, ZERO)
     later = later_avoid = ZERO
+    looks = arc_price(scene, setting, obstacles)
     for k in range(n - 1, -1, -1):
+        if spend(clock, looks):
+            break
         arc = get_arc(path.arcs, k)
         own, on_tangent = shape_pull(setting, weights, aim, path, k, arc)
         turned, carried = pull_tangent(arc, later)
@@ -106,13 +125,26 @@ def _costs_from(
 
 @kernel
 def gradient_by_differences(
-    scene: Scene, potential: Potential, setting: Setting, weights: Weights, aim: Aim, path: Path, obstacles: bool
+    scene: Scene,
+    potential: Potential,
+    setting: Setting,
+    weights: Weights,
+    aim: Aim,
+    path: Path,
+    obstacles: bool,
+    clock: Array,
 ) -> None:
-    """Fill `update` and `avoid` by central differences: every coordinate of every point, both ways, all later arcs."""
+    """Fill `update` and `avoid` by central differences: every coordinate of every point, both ways, all later arcs.
+
+    It ends when the time of the clock is over.
+    """
     step = setting.disturbance * aim.unit
+    looks = 2 * arc_price(scene, setting, obstacles)
     for i in range(1, path.arcs.shape[0]):
         p = get_vec(path.points, i, 0)
         for c in range(3):
+            if spend(clock, looks * (path.arcs.shape[0] - i + 1)):
+                return
             shift = (step if c == 0 else 0.0, step if c == 1 else 0.0, step if c == 2 else 0.0)
             more = _costs_from(scene, potential, setting, weights, aim, path, obstacles, (i, add(p, shift)))
             less = _costs_from(scene, potential, setting, weights, aim, path, obstacles, (i, sub(p, shift)))

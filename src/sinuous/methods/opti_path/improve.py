@@ -2,7 +2,7 @@
 
 import math
 
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import copy, get_vec, norm
 from sinuous.kernels.problem import Problem
@@ -14,9 +14,6 @@ from sinuous.methods.opti_path.costs import ADJOINT, Weights
 from sinuous.methods.opti_path.gradient import gradient_backwards, gradient_by_differences
 from sinuous.methods.opti_path.path import Aim, Path, Work, trace
 from sinuous.methods.opti_path.steps import move, project, scheduled
-
-MANY = 20
-"""Segments from which on the clock is read after every iteration, not after every eighth."""
 
 STILL = 1e-9
 """A move, in lengths of a segment, after which nothing is expected any more."""
@@ -34,13 +31,13 @@ def look(problem: Problem, aim: Aim, path: Path) -> tuple[float, float]:
 
 
 @kernel
-def descend(problem: Problem, work: Work, weights: Weights, aim: Aim, obstacles: bool) -> float:
+def descend(problem: Problem, check: Check, work: Work, weights: Weights, aim: Aim, obstacles: bool) -> float:
     """Move the points of a traced path one step down; how far the most moved."""
     path, _, setting, potential = work
     if setting.gradient == ADJOINT:
-        gradient_backwards(problem.scene, potential, setting, weights, aim, path, obstacles)
+        gradient_backwards(problem.scene, potential, setting, weights, aim, path, obstacles, check.clock)
     else:
-        gradient_by_differences(problem.scene, potential, setting, weights, aim, path, obstacles)
+        gradient_by_differences(problem.scene, potential, setting, weights, aim, path, obstacles, check.clock)
     if obstacles and setting.project != 0.0:
         project(path)
     return move(setting, path, aim.unit)
@@ -56,7 +53,9 @@ def settle(problem: Problem, check: Check, work: Work, aim: Aim, source: int, an
     weights = scheduled(setting, 0, True, True)
     count = int(setting.settle)
     for _ in range(count):
-        descend(problem, work, weights, aim, True)
+        if late(check.clock):
+            break
+        descend(problem, check, work, weights, aim, True)
         trace(path)
     configuration_of(path.points, check.frames, q)
     offer(problem, check, q, source, answer)
@@ -64,9 +63,7 @@ def settle(problem: Problem, check: Check, work: Work, aim: Aim, source: int, an
 
 
 @kernel
-def improve(
-    problem: Problem, check: Check, work: Work, aim: Aim, deadline: float, source: int, answer: Answer
-) -> tuple[int, bool]:
+def improve(problem: Problem, check: Check, work: Work, aim: Aim, source: int, answer: Answer) -> tuple[int, bool]:
     """Improve a path until it is solved, does not move any more, or its iterations or the time are over.
 
     Returns the number of iterations and whether it is solved. Of paths that are not, the one whose lengths and
@@ -94,11 +91,11 @@ def improve(
             copy(path.points, path.kept)
         if iteration >= setting.iterations:
             break
-        if (iteration % 8 == 7 or q.shape[0] >= MANY) and now(check.clock) > deadline:
+        if spend(check.clock, SEGMENT_LOOKS * q.shape[0]):
             break
         weights = scheduled(setting, iteration, long > 0.0, turn > problem.angle_tolerance)
         iteration += 1
-        far = descend(problem, work, weights, aim, obstacles)
+        far = descend(problem, check, work, weights, aim, obstacles)
         if not far > STILL * aim.unit or not math.isfinite(far):
             break
     if 0.0 <= least < math.inf:

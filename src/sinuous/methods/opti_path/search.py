@@ -70,7 +70,7 @@ def follow(
     source = begin_path(problem, check, work, aim, start)
     if source < 0:
         return NO_START, False
-    return improve(problem, check, work, aim, start.deadline, source, answer)
+    return improve(problem, check, work, aim, source, answer)
 
 
 drive = driver(follow)

@@ -13,8 +13,9 @@ from collections import namedtuple
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
-from sinuous.kernels.clock import now
+from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
 from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem, read_robot
@@ -45,6 +46,9 @@ Search = namedtuple("Search", ["tree", "work", "sums"])
 
 Goal = namedtuple("Goal", ["place", "tangent", "aimed"])
 """Where the end of the backbone is wanted, its tangent there, and whether that is asked for."""
+
+Growth = namedtuple("Growth", ["bends", "directions", "lengths", "weight"])
+"""Primitives of a segment, as bends, directions and lengths; and the weight of what a node may still cost."""
 
 
 def workspace_size(segments: int, obstacles: int, nodes: int) -> int:
@@ -101,24 +105,21 @@ def arc_from(frames: Array, first: int, goal: Vec, q: Array) -> None:
 @kernel
 def expand(
     problem: Problem,
+    check: Check,
     scratch: Search,
     node: int,
     size: int,
     open_nodes: int,
     goal: Goal,
-    counts: tuple[int, int, int],
-    weight: float,
+    growth: Growth,
 ) -> tuple[int, int]:
-    """Give a node its children, as far as there is room; returns how many nodes there are, and how many are open.
-
-    `counts`: primitives of a segment, as bends, directions and lengths; `weight`: of what a node may still cost.
-    """
+    """Give a node its children, as far as there is room and time; returns how many nodes there are, how many open."""
     tree = scratch.tree
     k = tree.depth[node]
     rotation, position = frame(tree.frames, node)
-    number = 0
-    while size < tree.parent.shape[0]:
-        q, there = primitive(problem.limits, k, number, counts[0], counts[1], counts[2])
+    number, looks = 0, SEGMENT_LOOKS + LOOKS * price(problem.scene)
+    while size < tree.parent.shape[0] and not spend(check.clock, looks):
+        q, there = primitive(problem.limits, k, number, growth.bends, growth.directions, growth.lengths)
         if not there:
             break
         number += 1
@@ -132,7 +133,7 @@ def expand(
         tree.travel[size] = tree.travel[node] + q[2]
         tree.effort[size] = tree.effort[node] + q[0] * q[0] + q[1] * q[1]
         ahead = outlook(problem.limits, scratch.sums, k + 1, place, axis_of(to), goal.place, goal.tangent, goal.aimed)
-        cost = tree.effort[size] + weight * ahead
+        cost = tree.effort[size] + growth.weight * ahead
         open_nodes = heap.push(tree.priority, tree.open, open_nodes, cost, size)
         size += 1
     return size, open_nodes
@@ -140,7 +141,7 @@ def expand(
 
 @kernel
 def grow(
-    problem: Problem, check: Check, scratch: Search, options: Array, level: int, deadline: float, answer: Answer
+    problem: Problem, check: Check, scratch: Search, options: Array, level: int, answer: Answer
 ) -> tuple[int, bool]:
     """Grow one tree until an answer is solved, nothing is open, or time is over.
 
@@ -148,7 +149,7 @@ def grow(
     `follow`; every `level` has more primitives.
     """
     tree, work, n = scratch.tree, scratch.work, problem.limits.shape[0]
-    counts = (int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level)
+    growth = Growth(int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level, options[5])
     for k in range(n):
         put_vec(work.q, k, 0, (0.0, 0.0, 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])))
     forward(work.q, check.frames)
@@ -165,15 +166,15 @@ def grow(
         node, open_nodes = heap.pop(tree.priority, tree.open, open_nodes)
         looked += 1
         if tree.depth[node] < first:
-            size, open_nodes = expand(problem, scratch, node, size, open_nodes, goal, counts, options[5])
+            size, open_nodes = expand(problem, check, scratch, node, size, open_nodes, goal, growth)
         else:
             lay_up(tree, node, check.frames, work.q)
             arc_from(check.frames, first, goal.place, work.q)
             fold(problem.limits, work.chain, check.frames, True, work.q)
-            effort += descend(problem, check, work, int(options[0]), deadline)
+            effort += descend(problem, check, work, int(options[0]))
             if offer(problem, check, work.kept, ARC, answer):
                 return looked + effort, True
-        if now(check.clock) > deadline:
+        if over(check.clock):
             break
     return looked + effort, False
 
@@ -192,7 +193,7 @@ def follow(
         return 0, False
     if level >= LEVELS:
         return NO_START, False
-    return grow(problem, check, scratch, options, level, start.deadline, answer)
+    return grow(problem, check, scratch, options, level, answer)
 
 
 drive = driver(follow)

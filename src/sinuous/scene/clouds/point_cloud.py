@@ -11,6 +11,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
+from sinuous.scene.sources import Source
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -48,6 +49,11 @@ class PointCloud(Obstacle):
         """See `Obstacle.kind`."""
         return "points"
 
+    @property
+    def radius(self) -> float | Floats:
+        """One radius where all balls have the same, or all of them (m,)."""
+        return self.radii if (self.radii != self.radii[0]).any() else float(self.radii[0])
+
     @classmethod
     def load(
         cls,
@@ -57,6 +63,8 @@ class PointCloud(Obstacle):
         position: Any = None,
         rotation: Any = None,
         name: Any = None,
+        *,
+        xyzw: Any = None,
     ) -> "PointCloud":
         """Read a cloud from a PLY (needs the extra `mesh`), PCD, NPY, XYZ, TXT or CSV file.
 
@@ -73,9 +81,11 @@ class PointCloud(Obstacle):
             Length unit of the scene over that of the file.
         position : array_like (3,), optional
             Where the origin of the file lies.
-        rotation : array_like (3, 3) or (4,), optional
+        rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
             A matrix or a quaternion wxyz.
         name : str, optional
+        xyzw : array_like (4,), optional
+            A quaternion in the order of SciPy and ROS, instead of `rotation`.
 
         Raises
         ------
@@ -84,12 +94,14 @@ class PointCloud(Obstacle):
         """
         from sinuous.scene.clouds.cloud_files import read_points  # noqa: PLC0415
 
-        placement = Placement(scale, position, rotation)
+        placement = Placement(scale, position, rotation, xyzw)
         try:
             points = checks.points("points", placement.apply(checks.points("points", read_points(Path(file)))))
         except InputError as error:
             raise error if error.key == "file" else error.in_file(file) from None
-        return cls(points, radius, name=name)
+        cloud = cls(points, radius, name=name)
+        cloud._set(_source=Source.of(file, **placement.arguments, radius=cloud.radius))
+        return cloud
 
 
 def _radii(radius: Any, count: int) -> Floats:

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -49,6 +49,8 @@ class Field(Obstacle):
         When the box is empty, the grid has more than `MOST` points, or the function returns something else than one
         finite number for each point, or changes faster than the place.
     """
+
+    is_function: ClassVar[bool] = True
 
     function: Callable[[Floats], Any]
     low: Floats

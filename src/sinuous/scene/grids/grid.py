@@ -12,6 +12,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.grids.samples import check_lipschitz
 from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.sources import Source
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -74,9 +75,11 @@ class Grid(Obstacle):
 
         arrays = read_arrays(Path(file))
         try:
-            return cls(arrays["values"], arrays["origin"], arrays["spacing"].item(), name=name)
+            grid = cls(arrays["values"], arrays["origin"], arrays["spacing"].item(), name=name)
         except InputError as error:
             raise error if error.key == "name" else error.in_file(file) from None
+        grid._set(_source=Source.of(file))
+        return grid
 
 
 def _checked(key: str, values: Any, spacing: float) -> NDArray[Any]:

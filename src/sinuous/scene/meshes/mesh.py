@@ -14,6 +14,7 @@ from sinuous.scene.meshes.mending import mend
 from sinuous.scene.meshes.topology import Integers
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
+from sinuous.scene.sources import Source
 
 ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
@@ -106,6 +107,8 @@ class Mesh(Obstacle):
         thickness: Any = 0.0,
         inside: Any = False,
         name: Any = None,
+        *,
+        xyzw: Any = None,
     ) -> "Mesh":
         """Read a mesh from an STL, PLY, OBJ or GLB file; needs the extra `mesh`.
 
@@ -120,10 +123,12 @@ class Mesh(Obstacle):
             do not say it.
         position : array_like (3,), optional
             Where the origin of the file lies.
-        rotation : array_like (3, 3) or (4,), optional
+        rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
             A matrix or a quaternion wxyz.
         thickness, inside, name
             See `Mesh`.
+        xyzw : array_like (4,), optional
+            A quaternion in the order of SciPy and ROS, instead of `rotation`.
 
         Raises
         ------
@@ -132,14 +137,15 @@ class Mesh(Obstacle):
         """
         from sinuous.scene.meshes.mesh_files import read_mesh  # noqa: PLC0415
 
-        placement = Placement(scale, position, rotation)
+        placement = Placement(scale, position, rotation, xyzw)
         vertices, faces = read_mesh(Path(file))
         try:
             moved = placement.apply(checks.points("vertices", vertices))
             mesh = cls(moved, faces, thickness=thickness, inside=inside, name=name)
         except InputError as error:
             raise error.in_file(file) if error.key.startswith(("vertices", "faces")) else error from None
-        mesh._keep(name, scale=placement.scale)
+        source = Source.of(file, **placement.arguments, thickness=mesh.thickness or None, inside=mesh.inside or None)
+        mesh._keep(name, scale=placement.scale, _source=source)
         return mesh
 
     def bodies(self) -> "tuple[Mesh, ...]":
@@ -153,9 +159,22 @@ class Mesh(Obstacle):
         if len(groups) < 2:
             return (self,)
         parts = tuple(Mesh(self.vertices, faces, name=self.name) for faces in groups)
+        own = super().source
+        source = None if own is None else own._replace(parts=len(parts))
         for i, part in enumerate(parts):
-            part._keep(self.name, defects=() if i else self.defects, extent=self.extent, scale=self.scale)
+            defects = () if i else self.defects
+            part._keep(self.name, defects=defects, extent=self.extent, scale=self.scale, _source=source)
         return parts
+
+    @property
+    def source(self) -> Source | None:
+        """See `Obstacle.source`; None for a mesh that its file, read again, would be divided from."""
+        own = super().source
+        return None if own is not None and own.parts == 1 and len(self.bodies()) > 1 else own
+
+    def _content(self) -> dict[str, Any]:
+        """What it is, without what is told of where it came from."""
+        return {name: value for name, value in super()._content().items() if name not in ("defects", "extent", "scale")}
 
     def check_size(self, length: float) -> None:
         """Refuse a mesh that no robot of this length can be meant to meet: its unit must be another one.

@@ -147,7 +147,7 @@ def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
     if not len(pieces.items):
         return part
     wanted = min(max(sampling.PER_PIECE * len(pieces.items), sampling.LEAST), sampling.MOST)
-    low, spacing, shape = sampling.lattice(pieces.low, pieces.high, wanted)
+    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, wanted)
     row = _with_grid(part.row, -1, shape, low, spacing)
     values = sampling.sample(row, part.store, low, spacing, shape, progress)
     return Part(

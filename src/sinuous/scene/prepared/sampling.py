@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels.tables import ITEM_KIND, LEVELS, TRIANGLES
 from sinuous.scene.prepared import kept
 
 Progress = Callable[[float], None]
@@ -30,6 +31,9 @@ PAD = 3
 """Cells around the box of the obstacle."""
 
 THREADS = 2
+
+SLABS = 64
+"""Parts that the threads share."""
 
 WORTH_KEEPING = 0.1
 """Seconds of computing from which samples are kept on disk."""
@@ -54,7 +58,7 @@ class Samples:
     spacing: float
 
 
-def lattice(low: Floats, high: Floats, most: int) -> tuple[Floats, float, tuple[int, int, int]]:
+def sampling_grid(low: Floats, high: Floats, most: int) -> tuple[Floats, float, tuple[int, int, int]]:
     """First point, spacing and shape of the finest grid of at most `most` points about a box, with `PAD` around it."""
     extent = high - low
 
@@ -96,18 +100,30 @@ def sample(
 
 
 def _compute(row: Floats, store: Floats, shape: tuple[int, int, int], progress: Progress | None) -> Floats:
-    """Sample by slabs, in threads: the kernel runs without the interpreter's lock."""
+    """Sample by slabs, in threads: the kernel runs without the interpreter's lock.
+
+    An interrupt waits for the slabs that are under way, and not for the others.
+    """
     from sinuous.kernels.fields import solids  # noqa: PLC0415
+    from sinuous.kernels.fields.discs import DISC_SIZE  # noqa: PLC0415
 
     values = np.empty(shape)
     table = row.reshape(1, -1).copy()
-    cuts = np.unique(np.linspace(0, shape[0], 33).astype(int)).tolist()
+    discs = np.empty((2 << int(row[LEVELS]) if row[ITEM_KIND] == TRIANGLES else 0, DISC_SIZE))
+    if len(discs):
+        solids.enclose(table, store, discs)
+    cuts = np.unique(np.linspace(0, shape[0], SLABS + 1).astype(int)).tolist()
     with ThreadPoolExecutor(min(THREADS, os.cpu_count() or 1)) as threads:
         slabs = [
-            threads.submit(solids.sample, table, store, first, last, values) for first, last in itertools.pairwise(cuts)
+            threads.submit(solids.sample, table, store, discs, first, last, values)
+            for first, last in itertools.pairwise(cuts)
         ]
-        for done, slab in enumerate(slabs):
-            slab.result()
-            if progress is not None:
-                progress((done + 1) / len(slabs))
+        try:
+            for done, slab in enumerate(slabs):
+                slab.result()
+                if progress is not None:
+                    progress((done + 1) / len(slabs))
+        except BaseException:
+            threads.shutdown(wait=False, cancel_futures=True)
+            raise
     return values

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from benchmarks.places.parts.shapes import arc
-from benchmarks.places.parts.surfaces import Surface, joined, loft, plate, tube
+from benchmarks.places.parts.surfaces import Surface, blind_bore, joined, loft, open_tube, plate, tube
 from sinuous.checks import Floats
 
 
@@ -40,6 +40,23 @@ def test_what_is_turned_is_a_hollow() -> None:
     assert wall.volume == pytest.approx(
         as_trimesh(tube(curve(), 0.4)).volume - as_trimesh(tube(curve(), 0.3)).volume, rel=1e-9
     )
+
+
+@pytest.mark.parametrize("bottom", [False, True])
+def test_an_open_tube_is_a_wall_with_a_mouth(bottom: bool) -> None:
+    poses = arc(np.eye(4), np.array([0.0, 0.0, 2.0]), 10)
+    solid = as_trimesh(open_tube(poses, 0.3, 0.4, bottom, sides=80))
+    assert solid.is_watertight
+    assert solid.euler_number == (2 if bottom else 0)
+    floor = math.pi * 0.4**2 * 0.1 if bottom else 0.0
+    assert solid.volume == pytest.approx(math.pi * (0.4**2 - 0.3**2) * 2.0 + floor, rel=0.01)
+
+
+def test_a_blind_bore_has_one_mouth() -> None:
+    solid = as_trimesh(blind_bore(curve()[20], 0.3, 2.0, 1.0, 0.5, sides=80))
+    assert solid.is_watertight
+    assert solid.euler_number == 2
+    assert solid.volume == pytest.approx(4.0 * 2.5 - math.pi * 0.3**2 * 2.0, rel=0.01)
 
 
 def test_a_plate_has_a_hole() -> None:

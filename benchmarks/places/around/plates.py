@@ -7,8 +7,7 @@ from numpy.random import Generator
 
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import Curve, curve_of, draw_shape
-from benchmarks.places.parts.surfaces import plate
-from benchmarks.places.pipes import solid
+from benchmarks.places.parts.surfaces import plate, solid
 from benchmarks.places.place import Sketch
 from sinuous.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh

@@ -8,9 +8,8 @@ from numpy.random import Generator
 from scipy.spatial import cKDTree
 
 from benchmarks.places.parts.robots import robot_of
-from benchmarks.places.parts.shapes import arc, curve_of, draw_shape
-from benchmarks.places.parts.surfaces import Faces, Surface, joined
-from benchmarks.places.pipes import lengthened, solid
+from benchmarks.places.parts.shapes import arc, curve_of, draw_shape, lengthened
+from benchmarks.places.parts.surfaces import Faces, Surface, joined, solid
 from benchmarks.places.place import Sketch
 from sinuous.checks import Floats
 

@@ -7,8 +7,7 @@ from numpy.random import Generator
 
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import curve_of, draw_shape
-from benchmarks.places.parts.surfaces import Surface, joined, loft
-from benchmarks.places.pipes import solid
+from benchmarks.places.parts.surfaces import Surface, joined, loft, solid
 from benchmarks.places.place import Sketch
 from sinuous.checks import Floats
 from sinuous.scene.obstacles import Cylinder, Obstacle

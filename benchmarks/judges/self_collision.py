@@ -1,0 +1,132 @@
+"""Does the body run through itself? Centre lines sampled densely wherever they come near, in plain NumPy.
+
+Two places of the backbone whose distance along it is at least pi times the larger of their radii must be farther apart
+than the sum of their radii. The *gap* of such a pair is its distance less both radii.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.judges.kinematics import arc_ends, segment_ends
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot
+
+Indices = NDArray[np.signedinteger]
+Flags = NDArray[np.bool_]
+
+FINEST = 0.05
+"""How far a place may be from the nearest sample at last, both places of a pair together, as a share of the smaller of
+their radii: the least gap that was seen is that much above the true one at most."""
+
+MOST_HALVINGS = 14
+
+KINK = 1e100
+"""Curvature of a segment that bends without any length."""
+
+
+class Seen(NamedTuple):
+    """What sampling found of m configurations.
+
+    Attributes
+    ----------
+    least : ndarray (m,)
+        Least gap that was seen: never below the true one. Infinite where no pair counts.
+    doubtful : ndarray (m,) of bool
+        Whether a gap below what was asked for, or below `least`, may lie between the finest samples.
+    """
+
+    least: Floats
+    doubtful: Flags
+
+
+class _Arcs(NamedTuple):
+    """Pairs of arcs of one configuration each, all the same fraction of their segments.
+
+    Attributes
+    ----------
+    shape, first, second : ndarray (p,) of int
+        Which configuration, and the segments that the arcs are of.
+    a, b : ndarray (p,)
+        Where the middles of the arcs lie, from 0 to 1 on their segments.
+    """
+
+    shape: Indices
+    first: Indices
+    second: Indices
+    a: Floats
+    b: Floats
+
+    def only(self, chosen: Flags) -> "_Arcs":
+        return _Arcs(self.shape[chosen], self.first[chosen], self.second[chosen], self.a[chosen], self.b[chosen])
+
+    def halved(self, part: float) -> "_Arcs":
+        """Every pair as four; the halves are so large a `part` of their segments."""
+        aside = np.tile(0.5 * part * np.array([[-1.0, -1.0, 1.0, 1.0], [-1.0, 1.0, -1.0, 1.0]]), len(self.a))
+        shape, first, second = (np.repeat(which, 4) for which in self[:3])
+        return _Arcs(shape, first, second, np.repeat(self.a, 4) + aside[0], np.repeat(self.b, 4) + aside[1])
+
+
+def look(robot: Robot, q: Floats, below: float = math.inf) -> Seen:
+    """Look for the least gaps of configurations (m, n, 3), where they are less than `below`.
+
+    All pairs of segments are halved as long as a smaller gap than seen, less than `below`, may lie between the samples:
+    a place of an arc is no farther from its middle than half the arc is long. Where a stretch between two places turns
+    by less than half a turn, its chord is no shorter than that of a circle of its largest curvature (Schur 1921).
+    """
+    found = Seen(np.full(len(q), math.inf), np.zeros(len(q), bool))
+    radii, starts = np.array(robot.radii), segment_ends(robot, q)[:, :-1]
+    before = np.cumsum(q[..., 2], axis=1) - q[..., 2]
+    i, j = np.triu_indices(len(robot))
+    thick = (radii[i] > 0.0) & (radii[j] > 0.0)
+    i, j, count = np.tile(i[thick], len(q)), np.tile(j[thick], len(q)), int(thick.sum())
+    curvature = _curvatures(q)
+    middles = np.full(len(i), 0.5)
+    arcs, part = _Arcs(np.repeat(np.arange(len(q)), count), i, j, middles, middles), 1.0
+    for _ in range(MOST_HALVINGS):
+        shape, first, second, a, b = arcs
+        l_a, l_b = q[shape, first, 2], q[shape, second, 2]
+        along = np.abs(before[shape, second] + b * l_b - before[shape, first] - a * l_a)
+        loose = 0.5 * part * (l_a + l_b)
+        apart = np.linalg.norm(_places(q, starts, shape, first, a) - _places(q, starts, shape, second, b), axis=-1)
+        gap = apart - radii[first] - radii[second]
+        counted = math.pi * np.maximum(radii[first], radii[second])
+        np.minimum.at(found.least, shape, np.where(along >= counted, gap, math.inf))
+        wanted = np.minimum(found.least[shape], below)
+        going = (along + loose >= counted) & (gap - loose < wanted)
+        most = curvature[shape, first, second]
+        nearest = 0.5 * np.maximum(along - loose, counted)
+        chord = 2.0 * nearest * np.sinc(np.minimum(most * nearest / math.pi, 1.0))
+        going &= (most * (along + loose) > math.pi) | (chord - radii[first] - radii[second] < wanted)
+        fine = loose <= FINEST * np.minimum(radii[first], radii[second])
+        found.doubtful[shape[going & fine]] = True
+        part *= 0.5
+        arcs = arcs.only(going & ~fine).halved(part)
+        if len(arcs.a) == 0:
+            return found
+    found.doubtful[arcs.shape] = True
+    return found
+
+
+def _curvatures(q: Floats) -> Floats:
+    """Largest curvature (m, n, n) between the beginning of one segment and the end of another."""
+    bends = np.hypot(q[..., 0], q[..., 1])
+    own = np.divide(bends, q[..., 2], out=np.where(bends > 0.0, KINK, 0.0), where=q[..., 2] > 0.0)
+    upwards = np.triu(np.broadcast_to(own[:, None], (*own.shape, own.shape[1])))
+    return np.asarray(np.maximum.accumulate(upwards, axis=2))
+
+
+def surely_clear(robot: Robot, q: Floats) -> Flags:
+    """Say of configurations (m, n, 3) whether it is certain that no pair of places is too near; false also in doubt."""
+    seen = look(robot, q, 0.0)
+    return np.asarray((seen.least > 0.0) & ~seen.doubtful)
+
+
+def _places(q: Floats, starts: Floats, shape: Indices, segment: Indices, fraction: Floats) -> Floats:
+    """Points (p, 3) of the backbone."""
+    parts = q[shape, segment] * fraction[:, None]
+    local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
+    start = starts[shape, segment]
+    return np.asarray(np.einsum("pij,pj->pi", start[:, :3, :3], local) + start[:, :3, 3])

@@ -1,0 +1,137 @@
+"""All families of places, what each is, and for which robots it is drawn."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from benchmarks.places import polyhedra
+from benchmarks.places.around.drum import drum
+from benchmarks.places.around.duct import duct
+from benchmarks.places.around.pipes import pipe
+from benchmarks.places.around.plates import plates
+from benchmarks.places.around.shelf import shelf
+from benchmarks.places.around.spheres import spheres
+from benchmarks.places.meshed import meshed
+from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
+from benchmarks.places.place import Draw, Place, Trap, settle, trapped
+from benchmarks.places.scans import scan
+from benchmarks.places.traps import bores, corridors, doors, pipes, worlds
+
+
+@dataclass(frozen=True)
+class Family:
+    """Places of one kind.
+
+    Attributes
+    ----------
+    make : callable
+        From a seed to a place.
+    words : str
+        What it is.
+    published : bool
+        Whether it repeats what others were measured on.
+    trap : bool
+        Whether it is narrow where a search begins or ends.
+    """
+
+    make: Callable[[int], Place]
+    words: str
+    published: bool = False
+    trap: bool = False
+
+
+_DRAWN: dict[str, tuple[Draw, str]] = {
+    "spheres 12": (partial(spheres, 12), "12 balls beside the hidden shape"),
+    "spheres 40": (partial(spheres, 40), "40 balls beside the hidden shape"),
+    "spheres 100": (partial(spheres, 100), "100 balls beside the hidden shape"),
+    "pipe 2.2": (partial(pipe, 2.2), "closed curved pipe of 2.2 times the body's radius, a mesh"),
+    "pipe 1.6": (partial(pipe, 1.6), "closed curved pipe of 1.6 times the body's radius, a mesh"),
+    "pipe 1.3": (partial(pipe, 1.3), "closed curved pipe of 1.3 times the body's radius, a mesh"),
+    "plates": (plates, "2 to 6 plates with holes of 1.5 times the body's radius, meshes"),
+    "drum": (drum, "rows of blades on a drum, meshes; the target deep between two blades"),
+    "shelf": (shelf, "a shelf of boxes; the target deep in a compartment"),
+    "duct": (duct, "closed duct of 1.7 times the body's radius with 2 to 4 dead ends, a mesh"),
+}
+SCANNED = ("spheres 40", "pipe 1.6", "plates", "drum", "shelf", "duct")
+
+_TRAPS: dict[str, tuple[Trap, str]] = {
+    "open pipe 2.2": (
+        partial(pipes.open_pipe, 2.2),
+        "base in a mouth of a pipe of 2.2 times the body's radius, a mesh",
+    ),
+    "open pipe 1.6": (
+        partial(pipes.open_pipe, 1.6),
+        "base in a mouth of a pipe of 1.6 times the body's radius, a mesh",
+    ),
+    "open pipe 1.3": (
+        partial(pipes.open_pipe, 1.3),
+        "base in a mouth of a pipe of 1.3 times the body's radius, a mesh",
+    ),
+    "pipe between": (partial(pipes.pipe_between, 1.6), "an open pipe between base and target, a mesh"),
+    "guide tube": (pipes.guide_tube, "base in a straight tube that hardly leaves room, a mesh"),
+    "channel": (partial(pipes.open_channel, 1.5), "base in a straight channel of boxes"),
+    "bore": (bores.bore, "target in a blind bore, the base outside, a mesh"),
+    "square bore": (bores.square_bore, "target in a blind square bore, the base outside, boxes"),
+    "door out": (doors.door_out, "base in a cell with one door, the target outside, boxes"),
+    "door in": (doors.door_in, "target in a cell with one door, the base outside, boxes"),
+    "door beside": (doors.door_beside, "base in a cell whose door is beside or behind it, boxes"),
+    "two doors": (doors.two_doors, "two cells, and between them a door and one that is too narrow, boxes"),
+    "cells": (corridors.channel_between_cells, "from cell to cell through a straight channel, boxes"),
+    "cells pipe": (corridors.pipe_between_cells, "from cell to cell through a bent pipe, boxes and a mesh"),
+}
+_LONG: dict[str, tuple[Trap, str]] = {"folded": (doors.folded, "20 segments folded in a cell before its door, boxes")}
+SCANNED_TRAPS = (
+    *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
+    *("door out", "door in", "door beside", "two doors", "cells", "cells pipe"),
+)
+MESHED = ("square bore", "door out", "door in", "door beside", "two doors", "cells", "folded")
+
+_PUBLISHED: dict[str, tuple[Callable[[int], Place], str]] = {
+    "p3": (polyhedra.fixed, "four scenes of balls, 3 inextensible segments, position and rotation"),
+    "p4 direction": (
+        partial(polyhedra.extensible, whole=False),
+        "four scenes of balls, 3 to 6 extensible segments, position and direction",
+    ),
+    "p4 pose": (
+        partial(polyhedra.extensible, whole=True),
+        "four scenes of balls, 3 to 6 extensible segments, position and rotation",
+    ),
+}
+
+
+_THIN: dict[str, tuple[Trap, str]] = {"hall": (doors.hall, "base in a hall of 1000 radii with one door, boxes")}
+_SMALL: dict[str, tuple[Draw, str]] = {
+    "small world": (worlds.small_world, "any robot and shape, a door that it goes through, and boxes, quickly made")
+}
+
+
+def _traps() -> dict[str, tuple[Draw, str]]:
+    """Traps as they are drawn, as meshes, and as scans, each for its robots."""
+    as_drawn: dict[str, tuple[Draw, str]] = {}
+    as_drawn |= {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _TRAPS.items()}
+    as_drawn |= {name: (partial(trapped, trap, long_robot), words) for name, (trap, words) in _LONG.items()}
+    as_drawn |= {name: (partial(trapped, trap, thin_robot), words) for name, (trap, words) in _THIN.items()}
+    to_scan = {name: partial(trapped, _TRAPS[name][0], stout_robot) for name in SCANNED_TRAPS}
+    to_scan |= {name: partial(trapped, trap, partial(long_robot, stout=True)) for name, (trap, _) in _LONG.items()}
+    meshes = {f"{name} mesh": (partial(meshed, as_drawn[name][0]), f"a mesh of {name}") for name in MESHED}
+    scans: dict[str, tuple[Draw, str]] = {
+        f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, draw in to_scan.items()
+    }
+    return as_drawn | meshes | scans | _SMALL
+
+
+def _families() -> dict[str, Family]:
+    scanned = {f"{name} scan": (partial(scan, _DRAWN[name][0]), f"a scan of {name}, a cloud") for name in SCANNED}
+    traps = _traps()
+    families = {
+        # The name is part of what the draws begin with.
+        name: Family(partial(settle, name, draw=draw), words, trap=name in traps)
+        for name, (draw, words) in (_DRAWN | scanned | traps).items()
+    }
+    for name, (made, words) in _PUBLISHED.items():
+        families[name] = Family(made, words, published=True)
+    return families
+
+
+FAMILIES = _families()
+"""By their names, in the order of the benchmark."""

@@ -1,0 +1,1 @@
+"""Places that are narrow where a search begins or ends: pipes, bores, cells, doors."""

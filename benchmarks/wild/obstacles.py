@@ -1,0 +1,146 @@
+"""Obstacles of every kind about given bodies: some just beside them, some anywhere, now and then a room around all."""
+
+import math
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.judges.kinematics import body_points
+from benchmarks.places.parts.surfaces import loft
+from benchmarks.problems.sets import in_ball
+from sinuous.checks import Floats
+from sinuous.measures.obstacles import measure
+from sinuous.poses import least_rotation
+from sinuous.robot.robot import Robot
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.scene import Scene
+
+COUNTS = ((0, 1), (1, 8), (8, 61))
+"""Ranges of the number of obstacles, each without its end."""
+
+COUNT_SHARES = (0.15, 0.4, 0.45)
+
+KINDS = {"sphere": 0.34, "box": 0.25, "capsule": 0.17, "cylinder": 0.18, "half_space": 0.06}
+
+RICH = 0.02
+"""Share of scenes with a mesh, and of those with a cloud: preparing them takes longer than all the rest."""
+
+SAMPLES = 12
+"""Intervals of a segment at whose ends obstacles are kept off the bodies while a scene is drawn."""
+
+
+def scene_about(robot: Robot, q: Floats, rng: Generator) -> Scene:
+    """Draw a scene in which the bodies of configurations (m, n, 3) are clear, as far as samples of them say."""
+    points, radii = _bodies(robot, q)
+    unit = robot.mean_length
+    low, high = COUNTS[rng.choice(len(COUNTS), p=COUNT_SHARES)]
+    count = int(rng.integers(low, high))
+    drawn: list[Obstacle] = []
+    if count and rng.random() < 0.2:
+        drawn.append(_room(points, radii, unit, rng))
+    kinds = rng.choice(list(KINDS), p=list(KINDS.values()), size=max(0, count - len(drawn)))
+    drawn += [_solid(str(kind), *_place(points, radii, unit, rng), unit, rng) for kind in kinds]
+    if count and rng.random() < RICH:
+        drawn.append(_mesh(_place(points, radii, unit, rng), unit, rng))
+    if count and rng.random() < RICH:
+        cloud = points.mean(axis=0) + unit * np.array([in_ball(rng) for _ in range(100)])
+        drawn.append(PointCloud(_clear_of(points, radii, cloud, 0.02 * unit), 0.01 * unit))
+    return Scene([obstacle for obstacle in drawn if (measure(obstacle, points) > radii).all()])
+
+
+def _bodies(robot: Robot, q: Floats) -> tuple[Floats, Floats]:
+    """Points (k, 3) of all backbones beyond the mount, and the radius (k,) of the body at each."""
+    points, along = body_points(robot, q, SAMPLES)
+    radii = np.broadcast_to(np.array(robot.radii)[:, None], along.shape)
+    exposed = along >= robot.mount
+    if not exposed.any():
+        exposed[..., -1, -1] = True
+    return points[exposed], radii[exposed]
+
+
+def _clear_of(points: Floats, radii: Floats, centers: Floats, room: float) -> Floats:
+    """Those of the centers, or a far one, that leave the bodies some room."""
+    gaps = np.linalg.norm(centers[:, None] - points, axis=-1) - radii
+    kept = centers[gaps.min(axis=1) > room]
+    return np.asarray(kept if len(kept) else points[:1] + 1e3 * (room + np.abs(points - points[0]).max()))
+
+
+def _place(points: Floats, radii: Floats, unit: float, rng: Generator) -> tuple[Floats, Floats, float]:
+    """Draw a place, the direction away from the body, and how far off the backbone an obstacle there has to begin."""
+    i = rng.integers(len(points))
+    away = in_ball(rng)
+    away /= np.linalg.norm(away)
+    gap = unit * (10.0 ** rng.uniform(-4.0, -1.0) if rng.random() < 0.5 else rng.uniform(0.0, 0.8))
+    return points[i], away, float(radii[i]) + gap
+
+
+def _solid(kind: str, at: Floats, away: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
+    """Draw an obstacle that begins `off` from a place: its extent towards it is that of its support."""
+    radius = unit * rng.uniform(0.01, 0.15)
+    if kind == "sphere":
+        return Sphere(at + (off + radius) * away, radius)
+    if kind == "half_space":
+        return HalfSpace(at + off * away, -away)
+    rotation = least_rotation(away) @ _turn(rng)
+    if kind == "box":
+        size = unit * rng.uniform(0.02, 0.5, 3)
+        return Box(at + (off + 0.5 * float(np.abs(away @ rotation) @ size)) * away, size, rotation)
+    half = 0.5 * unit * rng.uniform(0.05, 1.0) * rotation[:, 0]
+    radius *= 0.5
+    middle = at + (off + abs(float(half @ away)) + radius) * away
+    return (Capsule if kind == "capsule" else Cylinder)(middle - half, middle + half, radius)
+
+
+def _turn(rng: Generator) -> Floats:
+    """Draw a rotation; every other one about z alone, which leaves long obstacles across."""
+    return pose_rotation(rng.normal(size=4) * ([1.0, 0.0, 0.0, 1.0] if rng.random() < 0.5 else 1.0))
+
+
+def pose_rotation(quaternion: Floats) -> Floats:
+    """Rotation (3, 3) of a quaternion of any norm."""
+    w, x, y, z = quaternion / np.linalg.norm(quaternion)
+    rotation: Floats = np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+    return rotation
+
+
+def _room(points: Floats, radii: Floats, unit: float, rng: Generator) -> Obstacle:
+    """Draw a room that holds all bodies: a box, a ball, a cylinder, or a box of triangles."""
+    rotation = pose_rotation(rng.normal(size=4))
+    local = points @ rotation
+    low, high = (local - radii[:, None]).min(axis=0), (local + radii[:, None]).max(axis=0)
+    room = unit * 10.0 ** rng.uniform(-3.0, 0.0, 3)
+    middle, half = rotation @ (0.5 * (low + high)), 0.5 * (high - low) + room
+    kind = rng.choice(["box", "ball", "cylinder", "mesh"], p=[0.5, 0.23, 0.23, 0.04])
+    if kind == "box":
+        return Box(middle, 2.0 * half, rotation, inside=True)
+    if kind == "ball":
+        return Sphere(middle, float((np.linalg.norm(points - middle, axis=1) + radii).max() + room[0]), inside=True)
+    if kind == "cylinder":
+        across = local[:, :2] - (rotation.T @ middle)[:2]
+        radius = float((np.linalg.norm(across, axis=1) + radii).max() + room[0])
+        return Cylinder(middle - half[2] * rotation[:, 2], middle + half[2] * rotation[:, 2], radius, inside=True)
+    return _block(middle, half, rotation, inside=True)
+
+
+def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> Mesh:
+    at, away, off = place
+    half = unit * rng.uniform(0.02, 0.2, 3)
+    rotation = pose_rotation(rng.normal(size=4))
+    return _block(at + (off + float(np.abs(away @ rotation) @ half)) * away, half, rotation)
+
+
+def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False) -> Mesh:
+    """Return a box of triangles."""
+    angles = 0.25 * math.pi + 0.5 * math.pi * np.arange(4)
+    square = math.sqrt(2.0) * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    rings = np.stack([np.column_stack([square, np.full(4, height)]) for height in (-1.0, 1.0)])
+    skin = loft(half * rings, half * np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]))
+    return Mesh(skin.vertices @ rotation.T + middle, skin.faces, inside=inside)

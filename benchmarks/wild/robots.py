@@ -1,0 +1,158 @@
+"""Robots of all sorts: fixed and extensible segments, insertion stages, rigid links, tendons, chambers, any scale."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.judges.kinematics import bend_caps
+from benchmarks.judges.self_collision import surely_clear
+from benchmarks.problems.sets import in_ball
+from sinuous.checks import Floats
+from sinuous.poses import pose
+from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+
+SIZES = ((1, 4), (4, 9), (9, 17), (17, 41))
+"""Ranges of the number of segments, each without its end."""
+
+SIZE_SHARES = (0.4, 0.4, 0.13, 0.07)
+
+SCALES = (-6.0, 3.5)
+"""Powers of ten between which a segment is long: micrometres to kilometres."""
+
+TIGHTEST = 0.98
+"""Largest curvature of a hidden shape, of one over its radius: a body that avoids itself bends no tighter than that."""
+
+DRAWS = 16
+"""Times that shapes are drawn, more and more gently bent, until they are clear of themselves."""
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """A segment, before it is known what its actuators have to allow.
+
+    Attributes
+    ----------
+    length : (float, float)
+    max_bend : float
+    max_curvature : float or None
+    radius : float
+    """
+
+    length: tuple[float, float]
+    max_bend: float
+    max_curvature: float | None
+    radius: float
+
+    def segment(self, tendons: Tendons | None = None, chambers: Chambers | None = None) -> Segment:
+        """Make it."""
+        return Segment(self.length, self.max_bend, self.max_curvature, self.radius, tendons, chambers)
+
+
+def robot_with_shapes(count: int, rng: Generator) -> tuple[Robot, Floats]:
+    """Draw a robot, and up to `count` configurations (m, n, 3) within its limits that are clear of themselves."""
+    size = int(rng.integers(*SIZES[rng.choice(len(SIZES), p=SIZE_SHARES)]))
+    unit = 10.0 ** rng.uniform(*SCALES)
+    sketches = _sketches(size, unit, rng)
+    place: dict[str, Any] = {
+        "mount": rng.uniform(0.0, 0.8) * unit if rng.random() < 0.15 else 0.0,
+        "base": pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)) if rng.random() < 0.7 else None,
+        "tool": pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,
+    }
+    robot = Robot([sketch.segment() for sketch in sketches], **place)
+    q = _shapes(robot, count, rng)
+    if len(q) and rng.random() < 0.15:
+        robot = Robot(_driven(sketches, q, unit, rng), **place)
+    return robot, q
+
+
+def _sketches(size: int, unit: float, rng: Generator) -> list[Sketch]:
+    """Segments all alike, or each of its own sort; at least one can bend."""
+    thin = rng.random() < 0.1
+    radius = 0.0 if thin else unit * 10.0 ** rng.uniform(-3.0, -0.6)
+    widest = rng.choice([math.pi, rng.uniform(0.4, math.pi), rng.uniform(math.pi, 6.0)], p=[0.15, 0.35, 0.5])
+    tapered = not thin and rng.random() < 0.2
+    alike = rng.random() < 0.5
+    first = _bending(unit, widest, radius, rng)
+    drawn = [first if alike else _any(unit, widest, radius, rng) for _ in range(size - 1)] + [first]
+    if size > 1 and rng.random() < 0.15:
+        drawn[0] = Sketch((0.0, unit * rng.uniform(0.5, 3.0)), 0.0, None, radius)  # an insertion stage
+    if not tapered:
+        return drawn
+    return [Sketch(s.length, s.max_bend, s.max_curvature, s.radius * rng.uniform(0.5, 1.0)) for s in drawn]
+
+
+def _any(unit: float, widest: float, radius: float, rng: Generator) -> Sketch:
+    """Draw a segment that bends, a rigid link, or a straight one that stretches."""
+    own = unit * rng.uniform(0.5, 1.5)
+    kind = rng.choice(["bending", "rigid", "straight"], p=[0.82, 0.12, 0.06])
+    if kind == "rigid":
+        return Sketch((own, own), 0.0, None, radius)
+    if kind == "straight":
+        return Sketch((0.3 * own, own), 0.0, None, radius)
+    return _bending(own, widest * rng.uniform(0.5, 1.0), radius, rng)
+
+
+def _bending(own: float, max_bend: float, radius: float, rng: Generator) -> Sketch:
+    low = own * rng.choice([1.0, rng.uniform(0.5, 0.95), 0.0], p=[0.5, 0.42, 0.08])
+    curvature = rng.uniform(1.0, 6.0) / own if rng.random() < 0.25 else None
+    return Sketch((low, own), max_bend, curvature, radius)
+
+
+def _shapes(robot: Robot, count: int, rng: Generator) -> Floats:
+    """Draw shapes that are surely clear of themselves; those that fail are drawn anew, each time more gently bent."""
+    found = np.empty((0, len(robot), 3))
+    most = 1.0
+    for _ in range(DRAWS):
+        drawn = _draw(robot, count - len(found), most, rng)
+        found = np.concatenate([found, drawn[surely_clear(robot, drawn)]])
+        if len(found) == count:
+            break
+        most *= 0.85
+    return found
+
+
+def _draw(robot: Robot, count: int, most: float, rng: Generator) -> Floats:
+    """Draw shapes that use `most` of the bends they may have; a few segments are at the limit of their length."""
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    size = count, len(robot)
+    share = rng.random(size)
+    share = np.where(rng.random(size) < 0.05, np.round(share), share)
+    lengths = low + (high - low) * share
+    radii = np.array(robot.radii)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.where(radii > 0.0, TIGHTEST * lengths / radii, math.inf)
+    norms = most * np.minimum(bend_caps(robot, lengths), own) * np.sqrt(rng.random(size))
+    angles = 2.0 * math.pi * rng.random(size)
+    return np.stack([norms * np.cos(angles), norms * np.sin(angles), lengths], axis=-1)
+
+
+def _driven(sketches: list[Sketch], q: Floats, unit: float, rng: Generator) -> list[Segment]:
+    """Give some segments tendons, or some chambers, with limits that the shapes (m, n, 3) just keep."""
+    by_tendons = rng.random() < 0.6
+    segments = []
+    for k, sketch in enumerate(sketches):
+        if sketch.max_bend == 0.0 or rng.random() < 0.4:
+            segments.append(sketch.segment())
+            continue
+        arm, first, slack = unit * rng.uniform(0.02, 0.2), rng.uniform(0.0, math.pi), rng.uniform(1.0001, 1.5)
+        angles = first + 2.0 * math.pi * np.arange(3) / 3.0
+        arms = arm * np.stack([np.cos(angles), np.sin(angles)])
+        if by_tendons:
+            pulled = q[:, : k + 1, :2].sum(axis=1) @ arms
+            limits = min(0.0, slack * pulled.min()), max(0.0, slack * pulled.max())
+            segments.append(sketch.segment(Tendons(3, arm, first, displacement=limits)))
+        else:
+            lengths = q[:, k, 2:] - q[:, k, :2] @ arms
+            middle = 0.5 * (lengths.min() + lengths.max())
+            extent = slack * 0.5 * (lengths.max() - lengths.min())
+            segments.append(
+                sketch.segment(None, Chambers(3, arm, first, length=(max(0.0, middle - extent), middle + extent)))
+                if lengths.min() >= 0.0
+                else sketch.segment()
+            )
+    return segments

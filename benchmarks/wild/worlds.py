@@ -1,0 +1,90 @@
+"""A wild world: one robot in one scene, and problems that each have a hidden solution there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.judges.clearances import Clearances
+from benchmarks.judges.kinematics import segment_ends
+from benchmarks.wild.obstacles import scene_about
+from benchmarks.wild.robots import robot_with_shapes
+from sinuous.checks import Floats
+from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+
+SHAPES = 8
+"""Hidden solutions of one world, at most, one a problem."""
+
+CLEAR = 1e-6
+"""Least clearance of a hidden solution, of the robot's mean length."""
+
+TOLERANCES = (-8.0, -2.0)
+"""Powers of ten between which tolerances lie: of the robot's mean length, and rad."""
+
+KINDS = {"position": 0.2, "direction": 0.3, "rotation": 0.4, "direction alone": 0.05, "rotation alone": 0.05}
+"""What is asked of the tip, and how often."""
+
+ELBOWS = 0.15
+"""Share of worlds that ask for the place of another segment's end as well."""
+
+
+@dataclass(frozen=True)
+class World:
+    """Problems in one scene.
+
+    Attributes
+    ----------
+    robot : Robot
+    scene : Scene
+    tolerance : Tolerance
+    targets : list of list of Target
+        One list a problem: its targets are to be met at once.
+    hidden : ndarray (m, n, 3)
+        A solution of each, clear of obstacles and of itself.
+    """
+
+    robot: Robot
+    scene: Scene
+    tolerance: Tolerance
+    targets: list[list[Target]]
+    hidden: Floats
+
+
+def make(seed: int, number: int) -> World:
+    """Make world `number` of a seed."""
+    rng = np.random.default_rng([seed, 9, number])
+    while True:
+        robot, q = robot_with_shapes(SHAPES, rng)
+        if len(q) == 0:
+            continue
+        scene = scene_about(robot, q, rng)
+        if len(scene):
+            q = q[Clearances(robot, scene).least(q, 0.0) > CLEAR * robot.mean_length]
+        if len(q):
+            break
+    position, angle = 10.0 ** rng.uniform(*TOLERANCES, 2)
+    return World(robot, scene, Tolerance(position * robot.mean_length, angle), _asked(robot, q, rng), q)
+
+
+def _asked(robot: Robot, q: Floats, rng: Generator) -> list[list[Target]]:
+    """Ask the same kind of question of every shape."""
+    kind = rng.choice(list(KINDS), p=list(KINDS.values()))
+    elbow = int(rng.integers(1, len(robot))) if len(robot) > 1 and rng.random() < ELBOWS else 0
+    asked = []
+    for ends in segment_ends(robot, q):
+        tip = ends[-1] @ robot.tool
+        place = None if kind.endswith("alone") else tip[:3, 3]
+        targets = [
+            Target(
+                place,
+                direction=tip[:3, 2] if kind.startswith("direction") else None,
+                rotation=tip[:3, :3] if kind.startswith("rotation") else None,
+            )
+        ]
+        if elbow:
+            targets.append(Target(ends[elbow][:3, 3], segment=elbow))
+        asked.append(targets)
+    return asked

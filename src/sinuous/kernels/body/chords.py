@@ -1,0 +1,54 @@
+"""Two pieces of a curve: bounds of how near they are to each other.
+
+An arc of length l that bends by u <= pi lies within `l u / 8` of its chord, so two pieces are no nearer than their
+chords less both. And two places of a curve with no more curvature than k between them are no nearer than two places of
+a circle of curvature k that are as far apart along it, up to once around (Schur; Chern 1967).
+"""
+
+import math
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, norm, sub
+
+PARALLEL = 1e-14
+"""Square of the sine of an angle below which two chords count as parallel."""
+
+TINY = 1e-300
+
+
+@kernel
+def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]:
+    """Lower bound of the distance between the straight lines `ab` and `cd`, and the fractions of both where it is.
+
+    Ericson, Real-Time Collision Detection, 5.1.9. The bound is the distance itself but for parallel lines, where it is
+    less by no more than their angle may have made of it.
+    """
+    u, v, w = sub(b, a), sub(d, c), sub(a, c)
+    uu, vv, uv, uw, vw = dot(u, u), dot(v, v), dot(u, v), dot(u, w), dot(v, w)
+    s, loss = 0.5, math.sqrt(PARALLEL * uu)
+    squared_sine = uu * vv - uv * uv
+    if squared_sine > PARALLEL * uu * vv:
+        s, loss = min(max((uv * vw - uw * vv) / squared_sine, 0.0), 1.0), 0.0
+    t = (uv * s + vw) / (vv + TINY)
+    if t < 0.0:
+        t = 0.0
+        s = min(max(-uw / (uu + TINY), 0.0), 1.0)
+    elif t > 1.0:
+        t = 1.0
+        s = min(max((uv - uw) / (uu + TINY), 0.0), 1.0)
+    return norm(add_scaled(add_scaled(w, s, u), -t, v)) - loss, s, t
+
+
+@kernel
+def sag(length: float, bend: float) -> float:
+    """Upper bound of how far an arc that bends by at most half a turn is from its chord."""
+    return 0.125 * length * bend
+
+
+@kernel
+def arc_chord(curvature: float, length: float) -> float:
+    """Distance between the ends of an arc; 0 when that is a whole circle or more."""
+    half = 0.5 * curvature * length
+    if half >= math.pi:
+        return 0.0
+    return length * math.sin(half) / half if half > 1e-9 else length

@@ -1,0 +1,141 @@
+"""Pairs of segments that may touch each other, and the places where such a pair is closest.
+
+Two places of the backbone concern each other when their distance along it is at least pi times the larger of their
+radii. The *gap* between them is their distance less both radii.
+
+In a run of segments of one radius r most of these pairs can be passed over. Curve and chord between two places close to
+a loop that turns by 2 pi or more (Fenchel). So where the tangent turns by less than pi between them, one of them comes
+nearer to the other when it moves towards it along the backbone, and a pair that is pi r apart is nearer. Those are no
+nearer than on a circle of the largest curvature (Schur): one number bounds them all. Where the radius changes between
+two places this does not hold, for moving changes the radii, and all pairs are looked at that concern each other.
+"""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.body.chords import arc_chord
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
+from sinuous.kernels.tables import RADIUS
+
+ALONG, TURNED, CURVATURE, RUN, FIRST = range(5)
+"""Columns of `spans`, a row a segment and one more for the tip: length and turn (rad) of the backbone before the
+segment; its curvature; the number of its run, which is a row of neighbours of the same radius; the first segment, not
+before itself, that it may have to be looked at with."""
+
+SPAN_WIDTH = 5
+
+Shape = namedtuple("Shape", ["limits", "q", "frames", "spans"])
+"""Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
+
+HALF_TURN = math.pi - 1e-9
+"""Turn (rad) from which on places of one run are looked at."""
+
+NO_LENGTH = 1e-300
+
+
+@kernel
+def survey(shape: Shape) -> tuple[float, float]:
+    """Fill `shape.spans`; return the bound of the gaps that are passed over, and the largest radius.
+
+    The bound is infinite where no run is as long as half a circle of its radius.
+    """
+    limits, q, spans = shape.limits, shape.q, shape.spans
+    n = q.shape[0]
+    most, thickest = math.inf, 0.0
+    along = turned = begun = tightest = 0.0
+    run = 0
+    for k in range(n):
+        radius, length = limits[k, RADIUS], q[k, 2]
+        if k > 0 and radius != limits[k - 1, RADIUS]:
+            most = min(most, _least_of_run(limits[k - 1, RADIUS], along - begun, tightest))
+            run, begun, tightest = run + 1, along, 0.0
+        bend = math.sqrt(q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1])
+        curvature = bend / max(length, NO_LENGTH)
+        spans[k, ALONG], spans[k, TURNED], spans[k, CURVATURE], spans[k, RUN] = along, turned, curvature, run
+        along, turned = along + length, turned + bend
+        tightest, thickest = max(tightest, curvature), max(thickest, radius)
+    spans[n, ALONG], spans[n, TURNED], spans[n, CURVATURE], spans[n, RUN] = along, turned, 0.0, run
+    first = 0
+    for k in range(n):
+        if run == 0:
+            while first < n and spans[first + 1, TURNED] - spans[k, TURNED] < HALF_TURN:
+                first += 1
+        spans[k, FIRST] = first if run == 0 else k
+    return min(most, _least_of_run(limits[n - 1, RADIUS], along - begun, tightest)), thickest
+
+
+@kernel
+def _least_of_run(radius: float, length: float, curvature: float) -> float:
+    """Lower bound of the gap of places pi radii apart along a run of this length and of no more than this curvature."""
+    apart = math.pi * radius
+    if radius == 0.0 or length < apart:
+        return math.inf
+    return arc_chord(curvature, apart) - 2.0 * radius
+
+
+@kernel
+def concern(shape: Shape, i: int, j: int) -> tuple[int, float]:
+    """Which column of the spans says whether places of segments i < j are looked at, and how much of it is needed."""
+    if shape.spans[i, RUN] == shape.spans[j, RUN]:
+        return TURNED, HALF_TURN
+    return ALONG, math.pi * max(shape.limits[i, RADIUS], shape.limits[j, RADIUS])
+
+
+@kernel
+def _middle(frames: Array, k: int) -> Vec:
+    """Middle of the chord of segment k, from which no point of it is farther than half its length."""
+    return scale(0.5, add(frame(frames, k)[1], frame(frames, k + 1)[1]))
+
+
+@kernel
+def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tuple[int, int, float]:
+    """The first pair of segments after (i, j), i <= j, that may have a gap below `level`; (n, n): there is none.
+
+    Also returns a lower bound of the gaps of all that were passed over, infinite where there were none. The first pair
+    comes after (-1, n).
+    """
+    limits, q, frames, spans = shape.limits, shape.q, shape.frames, shape.spans
+    n = q.shape[0]
+    low = math.inf
+    while True:
+        j += 1
+        while j >= n:
+            i += 1
+            if i >= n:
+                return n, n, low
+            j = int(spans[i, FIRST])
+        if j == i:
+            if _meets_itself(shape, i):
+                return i, i, low
+            continue
+        needed = limits[i, RADIUS] + limits[j, RADIUS]
+        column, enough = concern(shape, i, j)
+        if needed == 0.0 or spans[j + 1, column] - spans[i, column] < enough:
+            continue
+        sure = norm(sub(_middle(frames, i), _middle(frames, j))) - 0.5 * (q[i, 2] + q[j, 2]) - needed
+        if sure < level:
+            return i, j, low
+        low = level
+        # What follows within this length of backbone is far enough away, too.
+        reached = spans[j + 1, ALONG] + sure - level - (thickest - limits[j, RADIUS])
+        while j + 1 < n and spans[j + 2, ALONG] <= reached:
+            j += 1
+
+
+@kernel
+def _meets_itself(shape: Shape, i: int) -> bool:
+    """Whether segment `i` alone turns far enough to come back to itself."""
+    radius = shape.limits[i, RADIUS]
+    turn = shape.spans[i + 1, TURNED] - shape.spans[i, TURNED]
+    return bool(radius > 0.0 and turn >= HALF_TURN and shape.q[i, 2] >= math.pi * radius)
+
+
+@kernel
+def own_gap(shape: Shape, i: int) -> tuple[float, float]:
+    """Least gap between the beginning of segment `i` and another place of it, and the fraction of that place."""
+    radius, length, curvature = shape.limits[i, RADIUS], shape.q[i, 2], shape.spans[i, CURVATURE]
+    if curvature * radius > 1.0:
+        return arc_chord(curvature, math.pi * radius) - 2.0 * radius, math.pi * radius / length
+    return arc_chord(curvature, length) - 2.0 * radius, min(1.0, 2.0 * math.pi / (curvature * length))

@@ -1,0 +1,68 @@
+"""The proof that the body does not run through itself.
+
+Two places of the backbone whose distance along it is at least pi times the larger of their radii must be farther apart
+than the sum of their radii. For curvatures of at most 1 / radius that is just when the tube does not overlap itself:
+the thickness of a tube (Cantarella, Kusner & Sullivan 2002). `self_pairs` says which pairs of segments are to be looked
+at, and bounds all others; `self_pieces` looks. So the proved self-clearance holds for all places, also for those that
+nobody looked at.
+"""
+
+import math
+
+from sinuous.kernels.body.proof import CLEAR, ROUNDING, TOUCHING, UNDECIDED
+from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
+from sinuous.kernels.body.self_pieces import Aim, closest, wanted
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.clock import late, spend
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, norm
+
+PAIR_LOOKS = 16
+"""What a look at a pair of pieces costs, see `kernels.clock`."""
+
+Meeting = tuple[int, float, int, float]
+"""Two places of the body: segment and fraction of it, segment and fraction; segments are -1 where none are known."""
+
+
+@kernel
+def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, Meeting]:
+    """Prove that the body does not run through itself, or find where it does.
+
+    Returns the verdict (CLEAR, TOUCHING, UNDECIDED), the self-clearance, and the closest places that were seen. With
+    CLEAR the self-clearance is a lower bound of all gaps (infinite: no two places concern each other), else it is the
+    least that was seen. Pieces shorter than `finest` are not halved any more; what is not proved when the time of
+    the `clock` is over is UNDECIDED.
+    """
+    most, thickest = survey(shape)
+    where = (-1, 0.0, -1, 0.0)
+    if thickest == 0.0:
+        return CLEAR, math.inf, where
+    # What the survey bounds needs no better bound; where it bounds nothing, a radius is enough.
+    aim = Aim(most if 0.0 < most < math.inf else thickest, 0.0, finest, True)
+    bound, least = most, math.inf
+    i, j = -1, shape.q.shape[0]
+    while True:
+        i, j, passed = next_pair(shape, i, j, wanted(aim, least), thickest)
+        bound = min(bound, passed)
+        if i == shape.q.shape[0]:
+            break
+        if i == j:
+            s = 0.0
+            gap, t = own_gap(shape, i)
+            low = gap
+        else:
+            low, gap, s, t, looks = closest(shape, i, j, aim, least)
+            spend(clock, PAIR_LOOKS * looks)
+        bound = min(bound, low)
+        if gap < least:
+            least, where = gap, (i, s, j, t)
+        if least < 0.0:
+            return TOUCHING, least, where
+        if late(clock):
+            return UNDECIDED, least, where
+    rounding = norm(frame(shape.frames, 0)[1])
+    for k in range(shape.q.shape[0]):
+        rounding += shape.q[k, 2]
+    if bound > ROUNDING * rounding:
+        return CLEAR, bound - ROUNDING * rounding, where
+    return UNDECIDED, min(least, most), where

@@ -1,0 +1,103 @@
+"""Discs about the nodes of a tree of triangles, which say better than boxes how far a point is at least.
+
+A smooth surface is nearly flat in a small place, but seldom along the axes: there a box is as thick as it is wide,
+while a disc across the mean normal is thin. From far away a surface is nearly as far in many places, and few of the
+discs have to be opened. They are made for sampling alone, because they take more memory than the boxes.
+"""
+
+import math
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.trees import Tree, item_distance
+from sinuous.kernels.fields.triangles import read
+from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
+from sinuous.kernels.tables import NODE_SIZE, TRIANGLE_NORMAL, TRIANGLE_SIZE
+
+CENTER, AXIS, RADIUS, HALF = 0, 3, 6, 7
+"""Columns of a disc: its centre (3), its unit normal (3), its radius, and half its thickness."""
+
+DISC_SIZE = 8
+
+
+@kernel
+def _axis(store: Array, tree: Tree, first: int, last: int) -> Vec:
+    """Mean normal of the triangles `first` up to, without it, `last`: a unit vector."""
+    total = (0.0, 0.0, 0.0)
+    for i in range(first, last):
+        total = add(total, read(store, tree.items + TRIANGLE_SIZE * i + TRIANGLE_NORMAL))
+    size = norm(total)
+    return scale(1.0 / size, total) if size > 0.0 else (0.0, 0.0, 1.0)
+
+
+@kernel
+def enclose(store: Array, tree: Tree, discs: Array) -> None:
+    """Fill `discs` (2 << levels, 8) with one for every node of a tree in the store (s,), lengths in the length unit."""
+    for node in range(1, 2 << tree.levels):
+        level = 0
+        while node >> (level + 1) > 0:
+            level += 1
+        j = node - (1 << level)
+        first, last = (j * tree.count) >> level, ((j + 1) * tree.count) >> level
+        axis = _axis(store, tree, first, last)
+        box = tree.nodes + NODE_SIZE * node
+        center = scale(0.5, add(read(store, box), read(store, box + 3)))
+        low, high, wide = math.inf, -math.inf, 0.0
+        for i in range(first, last):
+            for corner in range(3):
+                away = sub(read(store, tree.items + TRIANGLE_SIZE * i + 3 * corner), center)
+                height = dot(away, axis)
+                low, high = min(low, height), max(high, height)
+                wide = max(wide, norm(add_scaled(away, -height, axis)))
+        if first < last:
+            center = add_scaled(center, 0.5 * (low + high), axis)
+            # What arithmetic may be wrong by is taken off here, once for all points.
+            slack = 1e-12 * (norm(center) + wide + high - low)
+            discs[node, RADIUS], discs[node, HALF] = wide + slack, 0.5 * (high - low) + slack
+        put_vec(discs, node, CENTER, center)
+        put_vec(discs, node, AXIS, axis)
+
+
+@kernel
+def nearer(discs: Array, node: int, p: Vec, best: float) -> bool:
+    """Whether the square of the distance of `p` to a disc is less than `best`; without any root."""
+    away = sub(p, get_vec(discs, node, CENTER))
+    height = dot(away, get_vec(discs, node, AXIS))
+    above = max(0.0, abs(height) - discs[node, HALF])
+    rest = best - above * above
+    if rest <= 0.0:
+        return False
+    # Beside the axis by b, with the radius r: b < r + sqrt(rest).
+    square = discs[node, RADIUS] * discs[node, RADIUS]
+    beyond = dot(away, away) - height * height - square - rest
+    return beyond < 0.0 or beyond * beyond < 4.0 * square * rest
+
+
+@kernel
+def closest(store: Array, tree: Tree, discs: Array, p: Vec, best: float) -> int:
+    """Find the triangle whose square distance to `p` is least, if that is less than `best`: its number, or -1.
+
+    The walk is that of `trees.closest`, but in no order: it is for a `best` that hardly anything is below of.
+    """
+    found = -1
+    node, due = 1, 1
+    first_leaf = 1 << tree.levels
+    while True:
+        if node >= first_leaf:
+            leaf = node - first_leaf
+            for i in range((leaf * tree.count) >> tree.levels, ((leaf + 1) * tree.count) >> tree.levels):
+                d = item_distance(store, tree, i, p, best)
+                if d < best:
+                    found, best = i, d
+        else:
+            left, right = nearer(discs, 2 * node, p, best), nearer(discs, 2 * node + 1, p, best)
+            if left or right:
+                node = 2 * node + (0 if left else 1)
+                due = 2 * due + (1 if left and right else 0)
+                continue
+        while due & 1 == 0:
+            due >>= 1
+            node >>= 1
+        if due == 1:
+            return found
+        due ^= 1
+        node ^= 1

@@ -1,0 +1,65 @@
+"""Self-contacts in the step: rows `c . dq = value` that see two places of the chain, added after the sweeps.
+
+Let H be the matrix of the damped Gauss-Newton step without them, and L the root of its metric. `H^-1 c` comes from the
+same two sweeps, of the mean `L L' c` with no row asking for anything: covariances and gains do not depend on values, so
+the second time means alone are carried. The step with m such rows is then, exactly (Woodbury),
+
+    dq + sum over a of x_a H^-1 c_a,    sum over b of (c_a . H^-1 c_b + mu [a = b]) x_b = value_a - c_a . dq
+"""
+
+from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, add_scaled, dot, get_mat, get_vec, mat_vec, put_vec, vec_mat
+from sinuous.kernels.step import sweeps
+from sinuous.kernels.step.states import PAIRS, State, Work, coupling_of
+
+LEAST = 1e-12
+"""What keeps two self-contacts that say the same from leaving nothing to divide by."""
+
+
+@kernel
+def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
+    """Add to `work.step`, which both sweeps just made, what the self-contacts of `state` ask for."""
+    n, count = state.q.shape[0], int(state.norms[PAIRS])
+    pairs, _, pull, replies, system = coupling_of(state, work)
+    for a in range(count):
+        for k in range(n):
+            L = get_mat(work.root, k, 0)
+            put_vec(pull, k, 0, mat_vec(L, vec_mat(get_vec(pairs, a, WEIGHTS + 3 * k), L)))
+        sweeps.forward_again(state.columns, work.root, pull, state.rows, coupled)
+        sweeps.backward(state.columns, work.root, pull, state.rows, replies[a], coupled)
+        for b in range(a + 1):
+            system[a, b] = system[b, a] = _seen(pairs, b, replies[a])
+        system[a, a] += mu + LEAST
+    for a in range(count):
+        system[a, count] = pairs[a, VALUE] - _seen(pairs, a, work.step)
+    solve_symmetric(system, count)
+    for a in range(count):
+        for k in range(n):
+            put_vec(work.step, k, 0, add_scaled(get_vec(work.step, k, 0), system[a, count], get_vec(replies[a], k, 0)))
+
+
+@kernel
+def _seen(pairs: Array, a: int, step: Array) -> float:
+    """What self-contact `a` sees of a step (n, 3)."""
+    total = 0.0
+    for k in range(step.shape[0]):
+        total += dot(get_vec(pairs, a, WEIGHTS + 3 * k), get_vec(step, k, 0))
+    return total
+
+
+@kernel
+def solve_symmetric(system: Array, m: int) -> None:
+    """Solve the positive definite m x m system in `system` (m, m + 1 or wider), whose column m is the right side.
+
+    The answer takes the place of the right side.
+    """
+    for a in range(m):
+        for b in range(a + 1, m):
+            f = system[b, a] / system[a, a]
+            for c in range(a, m + 1):
+                system[b, c] -= f * system[a, c]
+    for a in range(m - 1, -1, -1):
+        for c in range(a + 1, m):
+            system[a, m] -= system[a, c] * system[c, m]
+        system[a, m] /= system[a, a]

@@ -1,0 +1,130 @@
+"""A problem file as Python has it: read, changed, solved, saved, and joined with its results."""
+
+from pathlib import Path
+from typing import Any, TypeVar, overload
+
+from sinuous import checks
+from sinuous.errors import InputError
+from sinuous.files.documents import parse
+from sinuous.files.nouns import read_robot, read_scene
+from sinuous.files.problem_file import ProblemFile, problem_of
+from sinuous.files.results import read_results
+from sinuous.files.text import read_text
+from sinuous.garbage import uncollected
+from sinuous.motion.track import Track, track
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+from sinuous.solution.solution import Solution
+from sinuous.solving.solver import OneSolve, Solver
+
+
+class Job(ProblemFile):
+    """A robot, what stands around it, where it must be and how exactly: all that a problem file says.
+
+    Parameters as for `ProblemFile`. `load` reads one, `save` writes one.
+    """
+
+    def solver(self, **options: Any) -> Solver:
+        """Prepare a solver; `options` as for `Solver`, which replace those of the file."""
+        return Solver(self.robot, self.scene, **self._options(options))
+
+    def solve(self, **options: Any) -> Solution:
+        """Meet the target, or several at once; `options` as for `Solver`.
+
+        Raises
+        ------
+        InputError
+            When it speaks of a path, or an option is not what it should be.
+        """
+        if self.is_path:
+            raise InputError("path", "is for track", len(self.waypoints), "target or targets", self.file or None)
+        return OneSolve(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
+
+    def track(self, **options: Any) -> Track:
+        """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`."""
+        return track(self.robot, self.waypoints, self.scene, start=self.start, **self._options(options))
+
+    def result(self, file: str | Path) -> Solution | Track:
+        """Read what was found for this problem: a result of the command line, or one `to_dict` as a line of JSON.
+
+        Parameters
+        ----------
+        file : path
+            JSON lines; of several, the one that names the file of this problem.
+
+        Raises
+        ------
+        InputError
+            When there is no such result, or it does not fit the problem.
+        """
+        try:
+            line, values = self._own(read_results(Path(file)))
+            with checks.inside(f"line {line}"):
+                if "waypoints" in values:
+                    return Track.from_dict(values, (self.problem(i) for i in range(len(self.waypoints))))
+                return Solution.from_dict(values, self.problem())
+        except InputError as error:
+            raise error.in_file(file) from None
+
+    def _own(self, results: list[tuple[int, dict[str, Any]]]) -> tuple[int, dict[str, Any]]:
+        if len(results) == 1:
+            return results[0]
+        here = Path(self.file).absolute()
+        found = [each for each in results if Path(str(each[1].get("file", ""))).absolute() == here]
+        if not found:
+            names = [each[1].get("file") for each in results]
+            raise InputError("file", "there are others", names, f"a result of {self.file or 'this problem'}")
+        return found[-1]
+
+    def _options(self, given: dict[str, Any]) -> dict[str, Any]:
+        return {"tolerance": self.tolerance, "prefer": self.prefer, **given}
+
+
+Noun = TypeVar("Noun", Job, Robot, Scene)
+
+
+@overload
+def load(file: str | Path) -> Any: ...
+@overload
+def load(file: str | Path, kind: type[Noun]) -> Noun: ...
+def load(file: str | Path, kind: type[Any] | None = None) -> Any:
+    """Read a problem file, or a robot or the obstacles of a scene in a file of their own.
+
+    JSON when the file is called so, YAML otherwise; `docs/format.md` has the keys.
+
+    Parameters
+    ----------
+    file : path
+    kind : type, optional
+        What it must be: Job, Robot or Scene.
+
+    Returns
+    -------
+    Job, Robot or Scene
+        A Scene when it is a list, a Robot when there are `segments`, otherwise a Job.
+
+    Raises
+    ------
+    InputError
+        In one line with the name of the file, the key, the value and what was expected.
+    """
+    path = Path(file)
+    try:
+        text = read_text(path)
+        with uncollected():  # see `read_problem`
+            found = _noun_of(parse(text, path), str(file))
+        if kind is not None and not isinstance(found, kind):
+            raise InputError("file", "", found, f"a {kind.__name__}")
+        return found
+    except InputError as error:
+        raise error.in_file(file) from None
+
+
+def _noun_of(values: Any, file: str) -> Job | Robot | Scene:
+    if isinstance(values, list):
+        return read_scene(values, None, Path(file).parent)
+    if isinstance(values, dict) and "segments" in values and "robot" not in values:
+        return read_robot(values)
+    if not isinstance(values, dict):
+        raise InputError("file", "", values, "a problem, a robot, or a list of obstacles")
+    return problem_of(values, file, Job)

@@ -1,0 +1,86 @@
+"""What may be meant, but hardly is: units that do not fit together, degrees for radians, a body too thick to bend."""
+
+import math
+import sys
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+
+from sinuous import words
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.extents import box_of
+from sinuous.scene.snapshot import Snapshot
+
+ODD = 300.0
+"""How many times larger than the robot, or smaller, something is when it is probably in another length unit. Parts of
+a few robot lengths in mm, beside a robot in m, are some hundred to some thousand times too large."""
+
+FULL_TURN = 2.0 * math.pi
+
+
+class SuspiciousInput(UserWarning):
+    """Input that can be meant, but hardly is. Nothing is changed for it."""
+
+
+def warn_of(texts: Iterable[str]) -> None:
+    """Give every text to Python's `warnings`, which by default shows each once."""
+    for text in texts:
+        warnings.warn(text, SuspiciousInput, stacklevel=_level())
+
+
+def _level() -> int:
+    """How far up the first function is that is not of this package: the one that a warning is for."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "sinuous":
+        level, frame = level + 1, frame.f_back
+    return level
+
+
+def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
+    """What is suspicious of a robot in a scene; one line each."""
+    return [*_of_bends(robot), *robot.notes, *_of_obstacles(robot, scene)]
+
+
+def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
+    """The same, with what is suspicious of the base and of targets: what a solve says in its status."""
+    return [*suspicions(robot, scene), *_of_base(robot, scene), *_of_targets(robot, waypoints)]
+
+
+def _of_bends(robot: Robot) -> Iterator[str]:
+    for numbers, most in words.grouped({k: s.max_bend for k, s in enumerate(robot.segments, 1)}):
+        if most > FULL_TURN * (1.0 + 1e-9):
+            which = words.segments(numbers, len(robot))
+            yield f"max_bend of {which} is {most:.4g} rad, more than a full turn; is it in degrees?"
+
+
+def _of_obstacles(robot: Robot, scene: Snapshot) -> Iterator[str]:
+    length = sum(segment.length[1] for segment in robot.segments)
+    boxes = {i: box for i, each in enumerate(scene.obstacles) if (box := box_of(each)) is not None}
+    if not boxes:
+        return
+    corners = np.array([*boxes.values()])
+    sizes = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)
+    for i, size in zip(boxes, sizes, strict=True):
+        if size > ODD * length:
+            yield f"{scene.name(i)} is {size:.4g} large, the robot {length:.4g} long; are both in one length unit?"
+    size = float(np.linalg.norm(corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)))
+    if len(boxes) == len(scene) and ODD * size < length:
+        yield f"all obstacles lie within {size:.4g}, the robot is {length:.4g} long; are both in one length unit?"
+
+
+def _of_base(robot: Robot, scene: Snapshot) -> Iterator[str]:
+    if len(scene) and robot.mount == 0.0:
+        place = robot.base[:3, 3]
+        if float(scene.at_most(place)) < robot.radii[0]:
+            name = scene.name(int(scene.nearest(place)))
+            yield f"the base touches {name}; where the robot stands on it or sits in it, say so with mount"
+
+
+def _of_targets(robot: Robot, waypoints: Sequence[Sequence[Target]]) -> Iterator[str]:
+    length = sum(segment.length[1] for segment in robot.segments)
+    places = [target.position for targets in waypoints for target in targets if target.position is not None]
+    far = max((float(np.linalg.norm(place - robot.base[:3, 3])) for place in places), default=0.0)
+    if far > ODD * length:
+        yield f"a target is {far:.4g} from the base, the robot {length:.4g} long; are both in one length unit?"

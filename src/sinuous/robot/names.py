@@ -1,0 +1,47 @@
+"""Names of segments and of what drives them: those that were given, and default names for the rest."""
+
+from collections.abc import Iterable, Sequence
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.errors import InputError
+
+if TYPE_CHECKING:
+    from sinuous.robot.segment import Segment
+
+
+def optional_name(value: Any) -> str | None:
+    """Check a name, or none."""
+    return None if value is None else checks.text("name", value)
+
+
+def listed_names(value: Any, count: int) -> tuple[str, ...] | None:
+    """Check `count` names, or none at all."""
+    if value is None:
+        return None
+    names = list(islice(value, count + 1)) if np.iterable(value) and not isinstance(value, (str, bytes, dict)) else []
+    if len(names) != count:
+        raise InputError("names", "", value, f"a list of {count} names")
+    return tuple(checks.text(f"names[{i}]", name) for i, name in enumerate(names))
+
+
+def segment_names(segments: Sequence["Segment"]) -> tuple[str, ...]:
+    """Names of all segments; by default `s1`, `s2`, ... from base to tip."""
+    return tuple(segment.name or f"s{k + 1}" for k, segment in enumerate(segments))
+
+
+def line_names(segment: str, letter: str, given: tuple[str, ...] | None, count: int) -> tuple[str, ...]:
+    """Names of the tendons (letter `t`) or chambers (`c`) of a segment; by default `s1.t1`, `s1.t2`, ..."""
+    return given or tuple(f"{segment}.{letter}{j + 1}" for j in range(count))
+
+
+def refuse_repeated(named: Iterable[tuple[str, str]]) -> None:
+    """Refuse a name that stands twice, among pairs of the key that gives a name and the name."""
+    first: dict[str, str] = {}
+    for key, name in named:
+        if name in first:
+            raise InputError(key, f"is that of {first[name]} already", name, "a name of its own")
+        first[name] = key

@@ -1,0 +1,55 @@
+"""How a solution solves again: what it keeps of the solver that found it."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+
+if TYPE_CHECKING:
+    from sinuous.problem.problem import Problem
+    from sinuous.solution.solution import Solution
+
+
+class Again(Protocol):
+    """Solves problems with the options of an earlier solve; small, and can be pickled."""
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        ...
+
+    @property
+    def seed(self) -> int:
+        """Of the scattered starts."""
+        ...
+
+    @property
+    def seconds(self) -> float:
+        """Budget of a solve."""
+        ...
+
+    @property
+    def max_starts(self) -> int:
+        """Most starts of a solve."""
+        ...
+
+    def solve(self, problem: "Problem", initial: Floats | None = None, **options: Any) -> "Solution":
+        """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve."""
+        ...
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """Stands in where a solution was read from a file, which does not say with which options it was found."""
+
+    method: str
+    seed: int
+    seconds: float = 0.0
+    max_starts: int = 0
+
+    def solve(self, problem: "Problem", initial: Floats | None = None, **options: Any) -> "Solution":
+        """Refuse: see the class."""
+        raise InputError(
+            "explain", "its options are not known", self.method, "a solution that was not read from a file"
+        )

@@ -1,0 +1,62 @@
+"""Judge shapes from elsewhere, measured or planned: by the independent path, without a solve."""
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from sinuous.errors import InputError
+from sinuous.problem.problem import check_sizes
+from sinuous.problem.target import target_list, target_table
+from sinuous.problem.tolerance import as_tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import as_snapshot
+from sinuous.solution.verification import Verification, verified
+
+KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_}
+"""What arrays of these attributes of a verification hold; all others are numbers."""
+
+
+def check(robot: Robot, q: Any, scene: Any = None, targets: Any = None, *, tolerance: Any = None) -> Verification:
+    """Judge shapes: limits, clearance, and targets where there are any. No kernel is used, nothing is solved.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like (..., n, 3)
+        One configuration, or many.
+    scene : Scene or list of obstacles, optional
+    targets : Target or list of Target, optional
+        To be met at once, by every configuration.
+    tolerance : Tolerance, optional
+        Of the targets; default as for a solve.
+
+    Returns
+    -------
+    Verification
+        Of many configurations every attribute is an array (...); where `segment` and `obstacle` are None for a single
+        one, so are their entries.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    """
+    if not isinstance(robot, Robot):
+        raise InputError("robot", "", robot, "a Robot")
+    shapes, place = robot.configuration("q", q), as_snapshot(scene)
+    check_sizes(robot, place)
+    asked = () if targets is None else target_list("targets", targets)
+    if asked:
+        target_table(robot, asked)
+    exactly = as_tolerance(tolerance).for_robot(robot)
+    found = [verified(robot, one, place, asked, exactly) for one in shapes.reshape(-1, len(robot), 3)]
+    return found[0] if shapes.ndim == 2 else _stacked(found, shapes.shape[:-2])
+
+
+def _stacked(found: list[Verification], lead: tuple[int, ...]) -> Verification:
+    arrays: dict[str, Any] = {}
+    for name in (field.name for field in fields(Verification)):
+        values = [getattr(one, name) for one in found]
+        arrays[name] = np.array(values, KINDS.get(name, np.float64)).reshape(lead)
+    return Verification(**arrays)

@@ -1,0 +1,106 @@
+"""Why a solve ended as it did, and what would help."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from sinuous.solution.binding import Binding, nearest_limits
+from sinuous.solution.reasons import Reason
+from sinuous.solution.remedies.remedy import Remedy
+from sinuous.solution.remedies.search import find_remedies
+from sinuous.solution.remedies.trials import Case
+from sinuous.solution.status import Status
+from sinuous.solution.wording import in_words
+from sinuous.words import number
+
+if TYPE_CHECKING:
+    from sinuous.solution.solution import Solution
+
+MOST = 6
+"""Most lines about what holds a configuration back."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Why a solve ended as it did, and what would help; prints itself.
+
+    Attributes
+    ----------
+    status : Status
+    sentence : str
+        What the status means here.
+    reason : Reason or None
+        What proves that there is no solution.
+    misses : str
+        By how much the best configuration misses the targets; empty when it meets them.
+    binding : tuple of Binding
+        What holds the best configuration back, strongest first.
+    nearest : tuple of Binding
+        When solved: the limits of which least is left.
+    remedies : tuple of Remedy
+        Changes that were tried; with each the problem is solved and proved.
+    complete : bool
+        Whether the time was enough to try all.
+    segments : int
+        Of the robot.
+    """
+
+    status: Status
+    sentence: str
+    reason: Reason | None
+    misses: str
+    binding: tuple[Binding, ...]
+    nearest: tuple[Binding, ...]
+    remedies: tuple[Remedy, ...]
+    complete: bool
+    segments: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return {
+            "status": str(self.status),
+            "sentence": self.sentence,
+            "reason": None if self.reason is None else str(self.reason),
+            "binding": [each.to_dict() for each in self.binding],
+            "remedies": [each.to_dict() for each in self.remedies],
+            "complete": self.complete,
+        }
+
+    def __str__(self) -> str:
+        lines = [f"{self.status}: {self.sentence}"]
+        if self.reason is not None:
+            lines.append(f"  because    {self.reason}")
+        if self.misses:
+            lines.append(f"  best found {self.misses}")
+        lines += _labelled("held by", in_words(self.binding, self.segments, values=True))
+        lines += _labelled("least left", in_words(self.nearest, self.segments, values=True))
+        lines += _labelled("would help", [str(each) for each in self.remedies])
+        if self.status is not Status.SOLVED and not self.remedies:
+            lines.append("  would help nothing that was tried")
+        if not self.complete:
+            lines.append("  the time was too short to try everything")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def _labelled(label: str, texts: list[str]) -> list[str]:
+    """Lines with a label before the first; a long list is cut."""
+    shown = texts if len(texts) <= MOST + 1 else [*texts[:MOST], f"and {len(texts) - MOST} more"]
+    return [f"  {label if i == 0 else '':<10} {text}" for i, text in enumerate(shown)]
+
+
+def explain(solution: "Solution", case: Case, end: float) -> Explanation:
+    """Explain a solution, until the time is `end` (by `time.perf_counter`)."""
+    own = solution.status, solution.sentence, solution.reason, _misses(solution), solution.binding
+    count = len(solution.problem.robot)
+    if solution.solved:
+        return Explanation(*own, nearest_limits(solution.problem, solution.q), (), True, count)
+    return Explanation(*own, (), *find_remedies(case, end), count)
+
+
+def _misses(solution: "Solution") -> str:
+    """By how much a configuration misses its targets."""
+    tolerance, off, turn = solution.problem.tolerance, solution.position_error, solution.angle_error
+    parts = [f"{number(off)} from the position"] if off is not None and off > (tolerance.position or 0.0) else []
+    parts += [f"{number(turn)} rad from the direction"] if turn is not None and turn > tolerance.angle else []
+    return " and ".join(parts)

@@ -1,0 +1,94 @@
+"""Every limit of a robot, one by one: what a configuration has of it, how much is left, and which motion it forbids."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot
+
+KEYS = {"tendon": "tendons.displacement", "chamber": "chambers.length", "linear": "actuators.limits"}
+"""What the problem file calls the limits of an actuator, by its kind."""
+
+
+class Limit(NamedTuple):
+    """One side of one limit.
+
+    Attributes
+    ----------
+    constraint : str
+        `length`, `bend`, `curvature` or `actuator`.
+    segment : int
+        1 = first.
+    actuator : str or None
+        Name of the actuator.
+    key : str
+        What the problem file calls it; `length[0]` is the lower end of `length`, and `radius` a curvature that the
+        thickness of the body limits.
+    value, limit : float
+        What the configuration has, and what it may have: lengths, rad for `bend`, 1 / length for `curvature`; for an
+        actuator in its own unit.
+    slack : float
+        What is left until the limit stops a motion; length, rad for `bend` and `curvature`. Values of `Actuators` are
+        divided by their gain, see `Actuation.gains`.
+    gradient : ndarray (n, 3)
+        By how much the slack shrinks with `bend_x`, `bend_y`, `length` of each segment.
+    """
+
+    constraint: str
+    segment: int
+    actuator: str | None
+    key: str
+    value: float
+    limit: float
+    slack: float
+    gradient: Floats
+
+
+def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
+    """Yield all limits of a robot at the configuration `q` (n, 3), segment by segment, actuators last."""
+    count = len(robot)
+    parts = zip(robot.segments, robot.curvatures, q.tolist(), strict=True)
+    for number, (segment, tightest, (ux, uy, length)) in enumerate(parts, 1):
+        for i, sign in enumerate((-1.0, 1.0)):
+            slack = sign * (segment.length[i] - length)
+            own = "length", number, None, f"length[{i}]", length, segment.length[i]
+            yield Limit(*own, slack, _at(count, number, (0.0, 0.0, sign)))
+        bend = math.hypot(ux, uy)
+        most = segment.max_bend if segment.length[1] > 0.0 else 0.0
+        outward = [(ux / bend, uy / bend)] if bend > 0.0 else [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
+        for x, y in outward:
+            yield Limit("bend", number, None, "max_bend", bend, most, most - bend, _at(count, number, (x, y, 0.0)))
+            if math.isfinite(tightest):
+                curvature = bend / length if length > 0.0 else 0.0
+                key = "max_curvature" if tightest == segment.max_curvature else "radius"
+                own = "curvature", number, None, key, curvature, tightest
+                yield Limit(*own, tightest * length - bend, _at(count, number, (x, y, -tightest)))
+    yield from _actuators(robot, q)
+
+
+def _actuators(robot: Robot, q: Floats) -> Iterator[Limit]:
+    drive = robot.drive
+    rows = zip(drive.actuators, drive.values(q).tolist(), drive.gains.tolist(), drive.jacobian, strict=True)
+    for actuator, value, gain, row in rows:
+        key = KEYS[actuator.kind]
+        for i, sign in enumerate((-1.0, 1.0)):
+            limit = actuator.limits[i]
+            if math.isfinite(limit):
+                own = "actuator", actuator.segment, actuator.name, f"{key}[{i}]", value, limit
+                yield Limit(*own, sign * (limit - value) / gain, (sign / gain) * row.reshape(-1, 3))
+
+
+def _at(segments: int, number: int, weights: tuple[float, float, float]) -> Floats:
+    """A gradient (n, 3) that has these weights at one segment, 1 = first, and zeros elsewhere."""
+    gradient = np.zeros((segments, 3))
+    gradient[number - 1] = weights
+    return gradient
+
+
+def normal(limit: Limit, unit: float) -> Floats:
+    """Gradient (3 n,) of what a limit bounds, in coordinates where a length counts in `unit` and a bend in rad."""
+    result: Floats = (limit.gradient * [1.0, 1.0, unit]).ravel()
+    return result

@@ -1,0 +1,99 @@
+"""From a result as plain values back to what a search found."""
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from sinuous import checks
+from sinuous.errors import InputError
+from sinuous.kernels import tables as t
+from sinuous.solution.status import Status
+
+if TYPE_CHECKING:
+    from sinuous.problem.problem import Problem
+
+_CODES = {
+    Status.SOLVED: t.SOLVED,
+    Status.UNPROVED: t.UNPROVED,
+    Status.TIME_LIMIT: t.LATE,
+    Status.OUT_OF_REACH: t.OUT_OF_REACH,
+    Status.TARGET_BLOCKED: t.TARGET_BLOCKED,
+    Status.BASE_BLOCKED: t.BASE_BLOCKED,
+    Status.NO_ROUTE: t.NO_ROUTE,
+}
+"""Codes of statuses; all others are FAILED, for different reasons."""
+
+
+class Read(NamedTuple):
+    """What a result says of a solve."""
+
+    outcome: t.Outcome
+    seconds: float
+    method: str
+    seed: int
+
+
+def read_result(values: Any, problem: "Problem") -> Read:
+    """Read the result of a problem, as `Solution.to_dict` writes it; keys that are not needed are not looked at.
+
+    Raises
+    ------
+    InputError
+        When a key is missing or its value cannot be meant.
+    """
+    result = _Result(values)
+    status, start = result.choice("status", tuple(Status)), result.choice("start", t.SOURCES)
+    clearance = result.optional("clearance")
+    q = checks.array("q", result.value("q"), (len(problem.robot), 3)).copy()
+    outcome = t.Outcome(
+        q,
+        _CODES.get(Status(status), t.FAILED),
+        checks.integer("iterations", result.value("iterations"), 0, 2**62),
+        checks.integer("starts", result.value("starts"), 0, 2**62),
+        t.SOURCES.index(start),
+        _or(result.optional("position_error"), math.nan),
+        _or(result.optional("angle_error"), math.nan),
+        -math.inf if status == Status.BLOCKED else _or(clearance, math.inf),
+        _or(result.optional("self_clearance"), math.inf),
+        status == Status.LIMIT_BOUND,
+        math.nan,
+        result.number("seconds"),
+        _cell(result) if status == Status.NO_ROUTE else math.nan,
+    )
+    seed = checks.integer("seed", result.value("seed"), 0, 2**31 - 1)
+    return Read(outcome, outcome.seconds, checks.text("method", result.value("method")), seed)
+
+
+class _Result:
+    """The values of a result, checked as they are asked for."""
+
+    def __init__(self, values: Any) -> None:
+        if not isinstance(values, dict):
+            raise InputError("", "", values, "a result")
+        self._values = values
+
+    def value(self, key: str) -> Any:
+        if key not in self._values:
+            raise InputError(key, "missing", self._values, "a result of an earlier solve")
+        return self._values[key]
+
+    def number(self, key: str) -> float:
+        return checks.number(key, self.value(key))
+
+    def optional(self, key: str) -> float | None:
+        return None if self.value(key) is None else self.number(key)
+
+    def choice(self, key: str, among: tuple[str, ...]) -> str:
+        value = self.value(key)
+        if value not in among:
+            raise InputError(key, "", value, "one of " + ", ".join(among))
+        return str(value)
+
+
+def _or(value: float | None, otherwise: float) -> float:
+    return otherwise if value is None else value
+
+
+def _cell(result: _Result) -> float:
+    """Edge of the cells by which it was proved that there is no route."""
+    with checks.inside("reason"):
+        return _Result(result.value("reason")).number("available")

@@ -1,0 +1,90 @@
+"""Plain values as a document: YAML that a person likes to read, or JSON."""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from sinuous.errors import InputError
+
+WIDTH = 120
+"""Lists and mappings stand on one line up to this many letters."""
+
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z0-9_]+)*")
+_WORDS = frozenset({"null", "true", "false", "yes", "no", "on", "off", "y", "n"})
+"""Texts that some version of YAML takes for something else."""
+
+
+def write_document(file: str | Path, values: Any) -> None:
+    """Write plain values: as JSON when the file is called so, as YAML otherwise. A file that is there is replaced.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written, or a text has no form in UTF-8.
+    """
+    path = Path(file)
+    text = json.dumps(values, indent=1) + "\n" if path.suffix.lower() == ".json" else yaml_text(values)
+    try:
+        path.write_bytes(text.encode())
+    except UnicodeEncodeError as error:
+        raise InputError("file", "a name in it has no form in UTF-8", error.object, "texts in UTF-8") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError("file", f"cannot be written: {reason}", str(file), "a file that can be written") from None
+
+
+def yaml_text(values: Any) -> str:
+    """Write plain values as YAML, which reads the same by YAML 1.1 and 1.2."""
+    lines = _block(values, "") if isinstance(values, dict | list) and values else [_flow(values)]
+    return "\n".join(lines) + "\n"
+
+
+def _block(value: Any, indent: str) -> Iterator[str]:
+    """Yield the lines of a mapping or list that stands on several."""
+    entries = value.items() if isinstance(value, dict) else ((None, entry) for entry in value)
+    for key, entry in entries:
+        front = f"{indent}- " if key is None else f"{indent}{_scalar(key)}: "
+        line = front + _flow(entry)
+        if not entry or not isinstance(entry, dict | list) or len(line) <= WIDTH:
+            yield line
+        elif key is None:
+            first, *rest = _block(entry, indent + "  ")
+            yield front + first.lstrip(" ")
+            yield from rest
+        else:
+            yield front.rstrip()
+            yield from _block(entry, indent + "  ")
+
+
+def _flow(value: Any) -> str:
+    """Write a value on one line."""
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_scalar(key)}: {_flow(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_flow, value)) + "]"
+    return _scalar(value)
+
+
+def _scalar(value: Any) -> str:
+    if value is None or isinstance(value, bool):
+        return json.dumps(value)
+    if isinstance(value, float):
+        text = repr(value)  # with a point, without which YAML 1.1 takes 1e-05 for a text
+        return text if "." in text or "e" not in text else text.replace("e", ".0e")
+    if not isinstance(value, str):
+        return str(value)
+    if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
+        return value
+    return '"' + "".join(_letter(letter) for letter in value) + '"'
+
+
+def _letter(letter: str) -> str:
+    """Write a letter of a quoted text; those that YAML would fold or refuse are escaped."""
+    if letter in '"\\':
+        return "\\" + letter
+    code = ord(letter)
+    if letter.isprintable() or 0xD800 <= code <= 0xDFFF:  # half of a letter is no text, and will be refused
+        return letter
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

@@ -1,0 +1,44 @@
+"""The judge of self-collision, against shapes whose distance from themselves is known."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.judges.folds import least_self_clearance
+
+
+def hairpin(width: float, radius: float) -> tuple[sn.Robot, np.ndarray]:
+    """Two straight pieces side by side, `width` apart, joined by half a circle."""
+    q = np.array([[0.0, 0.0, 1.0], [math.pi, 0.0, 0.5 * math.pi * width], [0.0, 0.0, 1.0]])
+    return sn.Robot.uniform(3, (0.0, 1.0), math.pi, radius=radius), q
+
+
+@pytest.mark.parametrize("width", [0.19, 0.2, 0.25, 0.4])
+def test_a_hairpin_is_as_far_from_itself_as_it_is_wide(width: float) -> None:
+    """A wide one is nearest where places begin to count: a chord of the half circle over an arc of pi radii."""
+    robot, q = hairpin(width, 0.1)
+    nearest = width * math.sin(min(math.pi * 0.1 / width, 0.5 * math.pi))
+    assert least_self_clearance(robot, q[None])[0] == pytest.approx(nearest - 0.2, abs=2e-3)
+
+
+def test_neighbours_along_the_body_do_not_count() -> None:
+    robot = sn.Robot.uniform(3, 1.0, 1.0, radius=1.0)
+    assert least_self_clearance(robot, np.array([[[0.0, 0.0, 1.0]] * 3]))[0] == math.inf
+
+
+def test_the_larger_radius_decides_which_places_count() -> None:
+    """The end of the thick part and the arc beside it: both radii belong to the distance."""
+    robot, q = hairpin(0.3, 0.1)
+    tapered = sn.Robot(
+        [sn.Segment(s.length, s.max_bend, radius=r) for s, r in zip(robot.segments, (0.15, 0.1, 0.05), strict=True)]
+    )
+    assert least_self_clearance(tapered, q[None])[0] == pytest.approx(0.3 - 0.15 - 0.1, abs=2e-3)
+
+
+def test_a_crossing_is_negative_wherever_the_base_stands() -> None:
+    for base in (None, sn.pose((100.0, -20.0, 3.0), direction=(1, 2, 3))):
+        robot = sn.Robot.uniform(4, 1.0, 2.0, radius=0.05, base=base)
+        circle = np.array([[[0.5 * math.pi * 1.05, 0.0, 1.0]] * 4])
+        assert least_self_clearance(robot, circle)[0] == pytest.approx(-0.1, abs=2e-2)

@@ -1,0 +1,89 @@
+"""Self-collision: what sampling sees is what brute force sees, and laws of the thickness of a tube."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.judges.kinematics import body_points
+from benchmarks.judges.self_collision import FINEST, look, surely_clear
+from benchmarks.problems import random_configurations
+from sinuous.checks import Floats
+
+
+def brute(robot: sn.Robot, q: Floats, samples: int) -> float:
+    """Least gap of all pairs of evenly spaced places of one configuration (n, 3)."""
+    points, along = body_points(robot, q[None], samples)
+    radii = np.repeat(robot.radii, samples + 1)
+    flat, place = points.reshape(-1, 3), along.ravel()
+    gaps = np.linalg.norm(flat[:, None] - flat, axis=-1) - radii[:, None] - radii
+    counted = np.abs(place[:, None] - place) >= math.pi * np.maximum(radii[:, None], radii)
+    return float(np.where(counted, gaps, math.inf).min())
+
+
+@pytest.mark.parametrize(("radii", "seed"), [((0.1,) * 4, 0), ((0.03,) * 4, 1), ((0.15, 0.05, 0.1, 0.05), 2)])
+def test_it_sees_what_brute_force_sees(radii: tuple[float, ...], seed: int) -> None:
+    robot = sn.Robot([sn.Segment((0.9, 1.1), 5.0, radius=radius) for radius in radii])
+    q = random_configurations(robot, 30, np.random.default_rng(seed))
+    samples = 60
+    expected = np.array([brute(robot, one, samples) for one in q])
+    seen = look(robot, q, 0.0)
+    # Places that are sampled here are at most half a spacing from those sampled there, on either side.
+    near = np.abs(expected) < 1.1 / samples
+    assert ((seen.least < 0.0) == (expected < 0.0))[~near].all()
+    assert 3 < (expected < 0.0).sum() < 27
+    clear = surely_clear(robot, q)
+    assert (expected[clear] > 0.0).all()
+    assert not clear[seen.least < 0.0].any()
+    assert clear[expected > 2.2 / samples].all()
+
+
+def test_the_least_gap_is_found_to_the_finest_spacing() -> None:
+    robot = sn.Robot.uniform(3, 1.0, 3.0, radius=0.1)
+    q = random_configurations(robot, 5, np.random.default_rng(4))
+    expected = np.array([brute(robot, one, 150) for one in q])
+    np.testing.assert_allclose(look(robot, q).least, expected, atol=0.01)
+
+
+@pytest.mark.parametrize("share", [0.9, 0.999])
+def test_a_circle_that_closes_touches_itself_when_its_ends_come_near(share: float) -> None:
+    """The ends of an arc that turns by t are `2 R sin(t / 2)` apart."""
+    turn, radius = 2.0 * math.pi * share, 0.05
+    robot = sn.Robot.uniform(1, 1.0, 7.0, radius=radius)
+    q = np.array([[[turn, 0.0, 1.0]]])
+    gap = 2.0 / turn * math.sin(0.5 * turn) - 2.0 * radius
+    assert look(robot, q).least[0] == pytest.approx(gap, abs=FINEST * radius)
+    assert surely_clear(robot, q)[0] == (gap > 0.0)
+
+
+def test_a_hairpin_touches_when_its_legs_are_nearer_than_its_thickness() -> None:
+    """Two straight legs about half a turn of curvature radius R lie 2 R apart."""
+    for radius, clear in ((0.094, True), (0.101, False)):
+        robot = sn.Robot([sn.Segment(1.0, 0.0), sn.Segment(0.1 * math.pi), sn.Segment(1.0, 0.0)], radius=radius)
+        q = np.array([[[0.0, 0.0, 1.0], [math.pi, 0.0, 0.1 * math.pi], [0.0, 0.0, 1.0]]])
+        assert look(robot, q).least[0] == pytest.approx(0.2 - 2.0 * radius, abs=FINEST * radius)
+        assert surely_clear(robot, q)[0] == clear
+
+
+def test_it_does_not_depend_on_where_the_body_is_cut_or_from_which_end_it_is_seen() -> None:
+    whole = sn.Robot.uniform(2, 2.0, 5.0, radius=0.2)
+    halves = sn.Robot.uniform(4, 1.0, 5.0, radius=0.2)
+    q = random_configurations(whole, 20, np.random.default_rng(7))
+    cut = np.repeat(q, 2, axis=1) * 0.5
+    turned = q[:, ::-1] * [-1.0, 1.0, 1.0]
+    for other, robot in ((cut, halves), (turned, whole)):
+        assert ((look(robot, other, 0.0).least < 0.0) == (look(whole, q, 0.0).least < 0.0)).all()
+
+
+def test_without_thickness_there_is_no_self_collision() -> None:
+    robot = sn.Robot.uniform(2, 1.0, 7.0)
+    q = np.array([[[2.0 * math.pi, 0.0, 1.0]] * 2])
+    assert look(robot, q).least[0] == math.inf
+    assert surely_clear(robot, q)[0]
+
+
+def test_a_kink_of_no_length_is_looked_at() -> None:
+    robot = sn.Robot([sn.Segment(1.0, 0.0), sn.Segment((0.0, 1.0), 3.2), sn.Segment(1.0, 0.0)], radius=0.1)
+    assert look(robot, np.array([[[0, 0, 1.0], [math.pi, 0, 0], [0, 0, 1.0]]]), 0.0).least[0] < -0.15
+    assert surely_clear(robot, np.array([[[0, 0, 1.0], [0.0, 0, 0], [0, 0, 1.0]]]))[0]

@@ -1,0 +1,175 @@
+"""What is saved and loaded is equal."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import sinuous as sn
+from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.files.yaml_syntax import parse_yaml
+from sinuous.writing.documents import yaml_text
+from tests.helpers import random_pose, refused
+from tests.robot.test_actuation import MIXED
+from tests.robot.test_laws import robots
+from tests.scene.shapes import cube, together
+
+LAMP = sn.Sphere((0, 0, 9), 1.0)
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.yaml"))
+
+seeds = st.integers(0, 10**6)
+names = st.none() | st.sampled_from(["lamp", "no", "a: b", "größe"])
+numbers = st.floats(-1e3, 1e3)
+points = st.tuples(numbers, numbers, numbers)
+sizes = st.floats(1e-9, 1e6)
+
+
+def turned(seed: int) -> Any:
+    return random_pose(np.random.default_rng(seed))[:3, :3]
+
+
+obstacles = st.one_of(
+    st.builds(sn.Sphere, points, sizes, st.booleans(), names),
+    st.builds(lambda c, s, r, n: sn.Box(c, s, turned(r), name=n), points, st.tuples(*[sizes] * 3), seeds, names),
+    st.builds(sn.Capsule, points, points, sizes, names),
+    st.builds(
+        lambda a, h, r, i: sn.Cylinder(a, np.add(a, (0, h + 1e-3, 1)), r, i), points, sizes, sizes, st.booleans()
+    ),
+    st.builds(lambda p, s: sn.HalfSpace(p, turned(s)[0]), points, seeds),
+)
+targets = st.one_of(
+    st.builds(sn.Target, points, segment=st.none() | st.just(1)),
+    st.builds(lambda p, s: sn.Target(p, direction=turned(s)[0]), points, seeds),
+    st.builds(lambda s: sn.Target(rotation=turned(s)), seeds),
+)
+waypoints = st.lists(targets, min_size=1, max_size=3)
+
+
+def again(problem: ProblemFile) -> ProblemFile:
+    from sinuous.files.problem_file import problem_of
+
+    return problem_of(parse_yaml(yaml_text(problem.to_dict())), "", ProblemFile)
+
+
+@given(robots, st.lists(obstacles, max_size=3), waypoints, st.booleans(), st.data())
+def test_problems_of_all_kinds(
+    robot: sn.Robot, scene: list[Any], asked: list[sn.Target], is_path: bool, data: st.DataObject
+) -> None:
+    question: Any = {"path": [asked, *asked]} if is_path else {"target": asked}
+    problem = ProblemFile(
+        robot,
+        scene=scene,
+        tolerance=data.draw(st.sampled_from([None, sn.Tolerance(0.1), sn.Tolerance(angle=1e-7)])),
+        start=data.draw(st.none() | st.just(np.full((len(robot), 3), 1 / 3))),
+        prefer=data.draw(st.sampled_from([None, sn.Preferences(bends=0.1)])),
+        **question,
+    )
+    found = again(problem)
+    assert found.equals(problem)
+    assert found.robot.equals(robot)
+    assert not found.equals(ProblemFile(robot, asked[0], scene, tolerance=sn.Tolerance(0.2)))
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+@pytest.mark.parametrize("name", ["again.yaml", "again.json"])
+def test_examples(tmp_path: Path, file: Path, name: str) -> None:
+    problem = read_problem(file)
+    problem.save(tmp_path / name)
+    found = read_problem(tmp_path / name)
+    assert found.equals(problem)
+    assert [found.scene.name(i) for i in range(len(found.scene))] == [
+        problem.scene.name(i) for i in range(len(problem.scene))
+    ]
+
+
+def test_a_robot_with_everything(tmp_path: Path) -> None:
+    MIXED.save(tmp_path / "arm.yaml")
+    found = sn.load(tmp_path / "arm.yaml")
+    assert isinstance(found, sn.Robot)
+    assert found.equals(MIXED)
+    assert found.actuators == MIXED.actuators
+    assert not found.equals(sn.Robot(MIXED.segments, name="arm"))
+    assert not found.equals(MIXED.segments[0])
+
+
+def test_a_radius_for_all_is_that_of_every_segment() -> None:
+    robot = sn.Robot([sn.Segment(1.0), sn.Segment(1.0, radius=2.0)], radius=0.5)
+    assert [segment.radius for segment in robot.segments] == [0.5, 0.5]
+    assert robot.to_dict() == {"segments": {"count": 2, "length": 1, "radius": 0.5}}
+
+
+def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:
+    (tmp_path / "shapes").mkdir()
+    vertices, faces = together(cube(), cube(1.0, (0.5, 0.0, 0.0)))
+    rows = [f"v {x} {y} {z}" for x, y, z in vertices.tolist()] + [f"f {a} {b} {c}" for a, b, c in (faces + 1).tolist()]
+    (tmp_path / "shapes" / "parts.obj").write_text("\n".join(rows))
+    (tmp_path / "shapes" / "scan.xyz").write_text("0 0 1\n0 0 2\n")
+    np.savez(tmp_path / "shapes" / "mask.npz", values=np.ones((2, 2, 2), bool), origin=(5, 5, 5), spacing=0.5)
+    (tmp_path / "room.yaml").write_text(
+        "- mesh: {file: shapes/parts.obj, scale: 2, position: [1, 2, 3], xyzw: [0, 1, 0, 2]}\n"
+        "- points: {file: shapes/scan.xyz, radius: [0.1, 0.25], name: scan}\n"
+        "- grid: {file: shapes/mask.npz}\n"
+        "- sphere: {center: [0, 9, 0], radius: 1}\n"
+    )
+    scene = sn.load(tmp_path / "room.yaml")
+    assert isinstance(scene, sn.Scene)
+    assert len(scene) == 5
+    (tmp_path / "elsewhere").mkdir()
+    scene.save(tmp_path / "elsewhere" / "room.yaml")
+    text = (tmp_path / "elsewhere" / "room.yaml").read_text()
+    assert text.count("file: ") == 3
+    assert "../shapes/parts.obj" in text
+    found = sn.load(tmp_path / "elsewhere" / "room.yaml")
+    assert isinstance(found, sn.Scene)
+    assert found.equals(scene)
+    assert [found.name(i) for i in range(5)] == [scene.name(i) for i in range(5)]
+    whole = sn.Mesh.load(tmp_path / "shapes" / "parts.obj", 2.0)
+    parts = whole.bodies()
+    named = [part.named("engine") for part in parts]
+    for kept in (
+        scene.obstacles[1:],
+        scene.obstacles[:2],
+        [whole],
+        parts,
+        [*parts, *parts],
+        [*named, LAMP],
+        [*named, LAMP.named("lamp")],
+    ):
+        some = sn.Scene(kept)
+        some.save(tmp_path / "some.yaml")
+        assert some.equals(sn.load(tmp_path / "some.yaml"))
+
+
+HELD = {
+    "solid": sn.Mesh(*cube(), name="crate"),
+    "shell": sn.Mesh(*(part[:-1] if part.dtype == int else part for part in cube(2.0)), thickness=0.1),
+    "bodies": sn.Mesh(*together(cube(), cube(1.0, (0.5, 0.0, 0.0)))),
+    "points": sn.PointCloud(np.eye(3), 0.1),
+    "balls": sn.PointCloud(np.random.default_rng(0).normal(size=(50, 3)), np.linspace(0, 1, 50), name="scan"),
+    "cubes": sn.Grid(np.random.default_rng(0).random((3, 4, 2)) < 0.5, (1, 2, 3), 0.3),
+    "distances": sn.Grid(np.linalg.norm(np.indices((3, 3, 3)), axis=0), (0, 0, 0), 1.0),
+}
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_obstacles_of_arrays_are_written_out(tmp_path: Path, name: str) -> None:
+    problem = ProblemFile(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, HELD[name]])
+    problem.save(tmp_path / "a.yaml")
+    assert read_problem(tmp_path / "a.yaml").equals(problem)
+    assert os.listdir(tmp_path) == ["a.yaml"]
+
+
+def test_a_matrix_that_looks_like_no_turn_is_kept() -> None:
+    robot = sn.Robot([sn.Segment(1.0)], actuators=sn.Actuators(np.eye(3)))
+    assert robot.to_dict()["actuators"]["matrix"] == [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+
+
+def test_a_function_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    field = sn.Field(lambda p: p[:, 2] + 9, (0, 0, 0), (1, 1, 1), 1)
+    problem = ProblemFile(sn.Robot.uniform(2, 1.0), sn.Target((0, 0, 1)), [LAMP, field])
+    refused("scene[1]", lambda: problem.save(tmp_path / "a.yaml"), "a file can hold")
+    assert os.listdir(tmp_path) == []

@@ -1,0 +1,244 @@
+"""The proof that the body does not run through itself, against dense sampling of the definition."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.body import self_proof
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
+from sinuous.packing import segment_row
+from tests.helpers import Floats, frames_of, random_pose, random_rotation
+from tests.kernels.workspace import NEVER, make_clock
+
+SAMPLES = 150
+FINEST = 1e-7
+SLACK = 0.1
+
+
+def table_of(radii: Floats | Sequence[float]) -> Floats:
+    """Rows of segments with these radii, and no other limits."""
+    return np.array([segment_row((0.0, 10.0), 6.0, math.inf, radius) for radius in radii])
+
+
+def prove(
+    q: Floats, radii: Floats | Sequence[float], base: Floats | None = None, deadline: int = NEVER
+) -> tuple[int, float, tuple[int, float, int, float]]:
+    shape = Shape(table_of(radii), q, frames_of(q, base), np.full((len(q) + 1, SPAN_WIDTH), np.nan))
+    return self_proof.prove_self(shape, FINEST * float(q[:, 2].sum()), make_clock(deadline))
+
+
+def sampled(q: Floats, radii: Floats | Sequence[float]) -> tuple[float, float]:
+    """Least gap by the definition, over many places; and by how much it may be above the truth."""
+    fractions = np.linspace(0.0, 1.0, SAMPLES + 1)
+    points, along, thick = [], [], []
+    frames, before = frames_of(q), 0.0
+    for k, (ux, uy, length) in enumerate(q):
+        u = math.hypot(ux, uy)
+        turn = frames[k, :9].reshape(3, 3)
+        safe = max(u, 1e-12)
+        aside = length * (1.0 - np.cos(u * fractions)) / safe if u > 1e-6 else 0.5 * length * u * fractions**2
+        ahead = length * np.sin(u * fractions) / safe if u > 1e-6 else length * fractions
+        local = np.stack([aside * ux / safe, aside * uy / safe, ahead], axis=-1)
+        points.append(frames[k, 9:] + local @ turn.T)
+        along.append(before + length * fractions)
+        thick.append(np.full(SAMPLES + 1, radii[k]))
+        before += length
+    p, s, r = np.concatenate(points), np.concatenate(along), np.concatenate(thick)
+    apart = np.abs(s[:, None] - s[None, :])
+    larger, both = np.maximum(r[:, None], r[None, :]), r[:, None] + r[None, :]
+    gaps = np.linalg.norm(p[:, None] - p[None, :], axis=-1) - both
+    concerned = (apart >= math.pi * larger) & (both > 0.0)
+    least = float(gaps[concerned].min(initial=math.inf))
+    return least, float(q[:, 2].max()) / SAMPLES
+
+
+def curled(rng: np.random.Generator, radii: Floats | Sequence[float], most: float) -> Floats:
+    """A shape with bends up to `most`, that nowhere bends more tightly than it is thick."""
+    n = len(radii)
+    lengths = rng.uniform(0.3, 1.5, n)
+    caps = np.minimum(most, lengths * 0.999999 / np.maximum(radii, 1e-9))
+    bends = caps * np.sqrt(rng.random(n))
+    angles = rng.normal(0.0, 0.7, n) + rng.uniform(-math.pi, math.pi)
+    return np.stack([bends * np.cos(angles), bends * np.sin(angles), lengths], axis=-1)
+
+
+CASES = (
+    (2, 3.0, (0.05, 0.3)),
+    (3, 5.5, (0.05, 0.3)),
+    (5, 2.0, (0.02, 0.4)),
+    (8, 1.6, (0.02, 0.3)),
+    (5, 0.6, (0.02, 0.4)),
+)
+
+
+@pytest.mark.parametrize(("n", "most", "thick"), CASES)
+@pytest.mark.parametrize("several", [False, True])
+def test_the_proof_agrees_with_dense_sampling(n: int, most: float, thick: tuple[float, float], several: bool) -> None:
+    rng = np.random.default_rng(n)
+    verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
+    for _ in range(60):
+        radii = rng.uniform(*thick, n) if several else np.full(n, rng.uniform(*thick))
+        if several and rng.random() < 0.3:
+            radii[rng.integers(n)] = 0.0
+        q = curled(rng, radii, most)
+        verdict, gap, _ = prove(q, radii)
+        least, spacing = sampled(q, radii)
+        verdicts[verdict] += 1
+        if verdict == CLEAR:
+            assert gap <= least + 1e-12, "the bound is above what was seen"
+            assert least > 0.0
+        elif verdict == TOUCHING:
+            assert least < 2.0 * spacing
+            assert gap >= least - 2.0 * spacing
+        else:
+            assert abs(least) < 2.0 * spacing, "undecided though plain"
+    assert verdicts[CLEAR] > 10
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_bound_is_as_close_as_it_is_said(seed: int) -> None:
+    """No more than a tenth below the least gap, or below that of a circle of the largest curvature."""
+    rng = np.random.default_rng(seed)
+    radii = np.full(5, rng.uniform(0.02, 0.2))
+    q = curled(rng, radii, 2.5)
+    verdict, gap, _ = prove(q, radii)
+    least, _ = sampled(q, radii)
+    if verdict == CLEAR:
+        tightest = float((np.hypot(q[:, 0], q[:, 1]) / q[:, 2]).max())
+        circle = 2.0 / tightest * math.sin(0.5 * math.pi * tightest * radii[0]) - 2.0 * radii[0]
+        assert gap >= min((1.0 - SLACK) * least, circle) - 1e-12
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_the_proof_does_not_depend_on_where_the_robot_stands(several: bool) -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(20):
+        radii = rng.uniform(0.03, 0.15, 5) if several else np.full(5, 0.1)
+        q = curled(rng, radii, 2.2)
+        verdict, gap, where = prove(q, radii)
+        turned = random_rotation(rng)[:2, :2]
+        turned /= np.sqrt(abs(np.linalg.det(turned)))
+        c, s = math.cos(1.1), math.sin(1.1)
+        about = q.copy()
+        about[:, :2] = q[:, :2] @ np.array([[c, s], [-s, c]])
+        mirrored = q * [1.0, -1.0, 1.0]
+        for other, base in ((q, random_pose(rng, 3.0)), (about, None), (mirrored, None)):
+            same, bound, place = prove(other, radii, base)
+            assert same == verdict
+            assert bound == pytest.approx(gap, abs=1e-9)
+            assert (place[0], place[2]) == (where[0], where[2])
+        scale = 250.0
+        larger, bound, _ = prove(q * [1.0, 1.0, scale], scale * radii)
+        assert larger == verdict
+        assert bound == pytest.approx(scale * gap, rel=1e-6, abs=1e-6)
+
+
+def test_cutting_a_segment_changes_nothing() -> None:
+    rng = np.random.default_rng(11)
+    for _ in range(30):
+        radii = np.full(4, rng.uniform(0.03, 0.2))
+        q = curled(rng, radii, 2.4)
+        verdict, gap, _ = prove(q, radii)
+        share = rng.uniform(0.2, 0.8)
+        cut = np.concatenate([q[:2], [share * q[2]], [(1.0 - share) * q[2]], q[3:]])
+        again, bound, _ = prove(cut, np.full(5, radii[0]))
+        assert again == verdict
+        if verdict == CLEAR:
+            assert bound == pytest.approx(gap, rel=0.12)
+
+
+def ring(bend: float, length: float = 1.0) -> Floats:
+    return np.array([[bend, 0.0, length]])
+
+
+@pytest.mark.parametrize("bend", [4.0, 5.0, 6.0, 2 * math.pi - 1e-3])
+def test_a_single_arc_touches_itself_when_its_ends_do(bend: float) -> None:
+    chord = 2.0 / bend * math.sin(0.5 * bend)
+    for gap in (1e-2, 1e-6):
+        if chord > 2.0 * gap:
+            assert prove(ring(bend), [0.5 * (chord - gap)])[0] == CLEAR
+        verdict, seen, where = prove(ring(bend), [0.5 * (chord + gap)])
+        assert verdict == TOUCHING
+        assert seen == pytest.approx(-gap, abs=1e-9)
+        assert (where[0], where[2]) == (0, 0)
+
+
+def test_a_whole_circle_touches_itself_and_half_of_one_does_not() -> None:
+    assert prove(ring(2.0 * math.pi), [1e-6])[0] == TOUCHING
+    assert prove(ring(7.0), [1e-6])[0] == TOUCHING
+    verdict, gap, _ = prove(ring(math.pi), [0.2])
+    assert (verdict, gap > 0.0) == (CLEAR, True)
+
+
+@pytest.mark.parametrize("radius", [0.1, 0.3])
+def test_a_body_that_nobody_looks_at_has_the_gap_of_its_shortest_way_round(radius: float) -> None:
+    """A straight body has a gap of pi radii less two; one that is shorter than pi radii has no two such places."""
+    straight = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.5]])
+    verdict, gap, where = prove(straight, [radius] * 2)
+    assert (verdict, where[0]) == (CLEAR, -1)
+    assert gap == pytest.approx((math.pi - 2.0) * radius)
+    assert prove(straight * 0.6 * radius, [radius] * 2)[:2] == (CLEAR, math.inf)
+    assert prove(np.array([[6.0, 0.0, 1.0]] * 5), [0.0] * 5)[:2] == (CLEAR, math.inf)
+
+
+def test_a_thin_part_beside_a_thick_one_is_not_passed_over() -> None:
+    """The turn between them is small, yet the thick one reaches as far as the thin one."""
+    q = np.array([[0.0, 0.0, 1.0], [math.pi, 0.0, 0.45], [0.0, 0.0, 1.0]])
+    thin = [0.1, 0.1, 0.1]
+    assert prove(q, thin)[0] == CLEAR
+    least, _ = sampled(q, [0.2, 0.1, 0.1])
+    verdict, gap, where = prove(q, [0.2, 0.1, 0.1])
+    assert verdict == TOUCHING
+    assert least - 1e-9 <= gap < 0.0
+    assert (where[0], where[2]) == (0, 2)
+
+
+def test_more_than_the_thickness_allows_is_never_proved() -> None:
+    """Curvature above 1 / radius, in pieces each of which is shorter than half a circle."""
+    q = np.array([[0.7, 0.0, 0.1]] * 6)
+    for radius in (0.145, 0.2, 0.5):
+        assert prove(q, [radius] * 6)[0] != CLEAR or math.pi * radius > 0.6
+
+
+def test_segments_without_length_and_rigid_links_count_for_nothing() -> None:
+    rng = np.random.default_rng(3)
+    radii = np.full(4, 0.08)
+    q = curled(rng, radii, 2.4)
+    verdict, gap, _ = prove(q, radii)
+    longer = np.insert(q, 2, 0.0, axis=0)
+    again, bound, _ = prove(longer, np.full(5, 0.08))
+    assert again == verdict
+    assert bound == pytest.approx(gap, rel=0.12)
+
+
+def coil(turns: int, pitch: float, pieces: int = 8) -> Floats:
+    """Segments about a helix of radius 1; its turns are about `pitch` apart."""
+    angle = 2.0 * math.pi / pieces
+    bend = np.array([[angle, 0.0, angle]])
+    twist = 0.5 * pitch / pieces
+    q = np.tile(bend, (turns * pieces, 1))
+    along = twist * np.arange(len(q))
+    q[:, 0], q[:, 1] = angle * np.cos(along), angle * np.sin(along)
+    return q
+
+
+def test_a_coil_is_proved_although_it_is_near_itself_all_along() -> None:
+    q = coil(6, 0.6)
+    least, _ = sampled(q, [0.0 + 1e-3] * len(q))
+    for gap in (0.3, 0.03, 0.003):
+        radii = [0.5 * (least + 2e-3 - gap)] * len(q)
+        verdict, seen, _ = prove(q, radii)
+        true, _ = sampled(q, radii)
+        assert verdict == CLEAR
+        assert 0.8 * true <= seen <= true + 1e-12 or seen >= 1.14 * radii[0] * 0.9
+
+
+def test_the_proof_ends_by_its_deadline() -> None:
+    least, _ = sampled(coil(4, 0.6), [1e-3] * 32)
+    q = coil(30, 0.6)
+    radii = [0.5 * (least + 2e-3 - 1e-2)] * len(q)
+    assert prove(q, radii)[0] == CLEAR
+    assert prove(q, radii, deadline=0)[0] == UNDECIDED

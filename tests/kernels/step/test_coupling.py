@@ -1,0 +1,171 @@
+"""Self-contacts in the step, against the same least squares problem written out densely."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, VALUE, WEIGHTS, self_contacts
+from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
+from sinuous.kernels.step import sweeps
+from sinuous.kernels.step.coupling import couple, solve_symmetric
+from sinuous.kernels.step.states import NORMS, PAIRS, State, Work
+from sinuous.kernels.step.sweeps import HARD_SHARE
+from tests.helpers import Floats, columns_of, configurations, expm_chain, frames_of, random_pose
+from tests.kernels.body.test_self_proof import curled, sampled, table_of
+from tests.kernels.step.test_sweeps import SIZES, jacobian, random_rows
+
+
+def dense_step(columns: Floats, root: Floats, mean: Floats, rows: Any, pairs: Floats, mu: float) -> Floats:
+    """All rows at once; HARD rows with the variance that the sweeps give them."""
+    n = len(columns)
+    L = np.zeros((3 * n, 3 * n))
+    for k in range(n):
+        L[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = root[k].reshape(3, 3)
+    variance = np.full(len(rows.kind), mu)
+    for k in range(n):
+        for i in range(rows.start[k], rows.start[k + 1]):
+            if rows.kind[i] == HARD:
+                b = root[k].reshape(3, 3).T @ rows.inner[i]
+                variance[i] = HARD_SHARE * (b @ b + rows.total[i] @ rows.total[i])
+    used = rows.kind != IDLE
+    J = np.concatenate([jacobian(columns, rows)[used], pairs[:, WEIGHTS:]])
+    value = np.concatenate([rows.value[used], pairs[:, VALUE]])
+    weight = 1.0 / np.sqrt(np.concatenate([variance[used], np.full(len(pairs), mu)]))
+    system = np.concatenate([weight[:, None] * (J @ L), np.eye(3 * n)])
+    z = np.linalg.lstsq(system, np.concatenate([weight * (value - J @ mean.ravel()), np.zeros(3 * n)]))[0]
+    return np.asarray((mean.ravel() + L @ z).reshape(n, 3))
+
+
+def coupled_step(
+    columns: Floats, root: Floats, mean: Floats, rows: Any, pairs: Floats, mu: float, coupled: bool
+) -> Floats:
+    n = len(columns)
+    nothing = np.zeros((n, 3))
+    norms = np.zeros(NORMS + MOST_PAIRS * (1 + 3 * n))
+    norms[PAIRS] = len(pairs)
+    norms[NORMS : NORMS + pairs.size] = pairs.ravel()
+    state = State(nothing, np.zeros((n + 1, 12)), columns, rows, norms)
+    whole = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(2, np.int64)
+    rest = np.full(SPAN_WIDTH * (n + 1) + 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1), np.nan)
+    step = np.full((n, 3), np.nan)
+    work = Work(root, mean, step, nothing.copy(), *whole, rest)
+    sweeps.forward(columns, root, mean, rows, mu, coupled)
+    sweeps.backward(columns, root, mean, rows, step, coupled)
+    couple(state, work, mu, coupled)
+    return step
+
+
+@pytest.mark.parametrize("n", SIZES)
+@pytest.mark.parametrize("mu", [1e-4, 1e-1])
+@pytest.mark.parametrize("hard", [False, True])
+def test_self_contacts_give_the_dense_step(n: int, mu: float, hard: bool) -> None:
+    """Also where actuators bind (HARD rows), and where a limit leaves a segment less to move in."""
+    rng = np.random.default_rng(n)
+    kinds = (END, INNER, SOFT, HARD, IDLE) if hard else (END, INNER, SOFT, IDLE)
+    for q in configurations(n, n, 12):
+        columns = columns_of(q)
+        rows: Any = random_rows(rng, n, 2 if hard else 4, kinds)
+        rows.twist[rows.kind == HARD] = 0.0
+        root, mean = rng.normal(size=(n, 3, 3)), 0.3 * rng.normal(size=(n, 3))
+        bound = rng.random(n) < 0.4
+        root[bound, :, rng.integers(3)] = 0.0
+        pairs = rng.normal(size=(rng.integers(1, MOST_PAIRS + 1), 1 + 3 * n))
+        expected = dense_step(columns, root.reshape(n, 9), mean, rows, pairs, mu)
+        step = coupled_step(columns, root.reshape(n, 9).copy(), mean, rows, pairs, mu, hard)
+        # A HARD row weighs some 1e10 in the dense system, which loses digits by it.
+        exact = 3e-8 if hard else 1e-9
+        np.testing.assert_allclose(step, expected, atol=exact * (1.0 + np.abs(expected).max()))
+
+
+def test_a_system_is_solved() -> None:
+    rng = np.random.default_rng(0)
+    for m in range(1, MOST_PAIRS + 1):
+        root = rng.normal(size=(m, m + 2))
+        system = np.zeros((MOST_PAIRS, MOST_PAIRS + 1))
+        system[:m, :m], right = root @ root.T, rng.normal(size=m)
+        system[:m, m] = right
+        expected = np.linalg.solve(root @ root.T, right)
+        solve_symmetric(system, m)
+        np.testing.assert_allclose(system[:m, m], expected, atol=1e-9 * np.abs(expected).max())
+
+
+def found(q: Floats, radii: Floats, margin: float, unit: float = 1.0, base: Floats | None = None) -> Any:
+    pairs = np.zeros((MOST_PAIRS, 1 + 3 * len(q)))
+    shape = Shape(table_of(radii), q, frames_of(q, base), np.full((len(q) + 1, SPAN_WIDTH), np.nan))
+    count, low = self_contacts(shape, columns_of(q, base), margin, unit, pairs)
+    return pairs[:count], low
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_contacts_ask_for_what_is_missing(several: bool) -> None:
+    """The least gap that sampling sees is what the strongest asks for; and its bound is one."""
+    rng = np.random.default_rng(5)
+    seen = 0
+    for _ in range(80):
+        radii = rng.uniform(0.05, 0.2, 5) if several else np.full(5, 0.15)
+        q = curled(rng, radii, 2.4)
+        pairs, low = found(q, radii, 0.02, unit=2.0)
+        least, spacing = sampled(q, radii)
+        if len(pairs) == 0:
+            assert low == math.inf
+            assert least > 0.02 - 1e-12
+            continue
+        seen += 1
+        asked = 2.0 * pairs[:, VALUE].max()
+        assert low <= least + 1e-12
+        # A tenth of the gap and a quarter of the margin may be missing.
+        assert asked >= 0.02 - least - 0.1 * abs(least) - 0.25 * 0.02 - 2.0 * spacing
+        assert asked <= 0.02 - least + 2.0 * spacing
+    assert seen > 15
+
+
+def test_weights_are_the_derivative_of_the_distance() -> None:
+    """Of the least gap, which to first order is that of two places that stay where they are on the body."""
+    rng = np.random.default_rng(6)
+    checked = 0
+    while checked < 12:
+        radii = np.full(4, 0.2)
+        q = curled(rng, radii, 3.0)
+        pairs, _ = found(q, radii, 0.05)
+        elsewhere, _ = found(q, radii, 0.05, base=random_pose(rng, 2.0))
+        np.testing.assert_allclose(elsewhere, pairs, atol=1e-8)
+        if len(pairs) != 1 or pairs[0, VALUE] < 0.06:
+            continue
+        # Where gaps are least, moving the places changes nothing to first order: differences of the least gap are it.
+        direction = rng.normal(size=q.shape)
+        slope = pairs[0, WEIGHTS:] @ direction.ravel()
+        step = 1e-4
+        ahead, behind = (least_gap(q + sign * step * direction, radii) for sign in (1.0, -1.0))
+        if abs(ahead + behind - 2.0 * least_gap(q, radii)) < 1e-6:
+            assert (ahead - behind) / (2.0 * step) == pytest.approx(slope, abs=0.25 * np.abs(pairs[0, WEIGHTS:]).sum())
+            checked += 1
+
+
+def least_gap(q: Floats, radii: Floats) -> float:
+    """By matrix exponentials."""
+    return sampled(q, radii)[0]
+
+
+def test_a_single_arc_is_opened() -> None:
+    q = np.array([[0.0, 5.2, 1.0]])
+    pairs, low = found(q, np.array([0.14]), 0.01)
+    assert len(pairs) == 1
+    assert low < 0.0
+    ends = [pose[:3, 3] for pose in expm_chain(q)]
+    chord = float(np.linalg.norm(ends[1] - ends[0]))
+    assert pairs[0, VALUE] == pytest.approx(0.01 + 0.28 - chord)
+    for k, step in enumerate(np.eye(3) * 1e-6):
+        moved = [float(np.linalg.norm(expm_chain(q + sign * step)[1][:3, 3])) for sign in (1.0, -1.0)]
+        assert pairs[0, WEIGHTS + k] == pytest.approx((moved[0] - moved[1]) / 2e-6, abs=1e-6)
+
+
+def test_of_many_contacts_the_deepest_are_kept() -> None:
+    """A body wound around itself has more pairs of segments that overlap than there is room for."""
+    q = np.tile([2.0, 0.0, 1.0], (12, 1))
+    radii = np.full(12, 0.3)
+    pairs, _ = found(q, radii, 0.05)
+    assert len(pairs) == MOST_PAIRS
+    assert pairs[:, VALUE].min() > 0.5

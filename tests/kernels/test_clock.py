@@ -1,0 +1,132 @@
+"""The clock: when time is read, what is over stays over, and signals that arrive in compiled code."""
+
+import math
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+
+from sinuous.kernels import clock as clocks
+from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE, LOOKS, STRIDE
+from sinuous.kernels.compile import entry
+from sinuous.kernels.maths.vectors import Array
+from tests.kernels.workspace import NEVER, make_clock
+
+
+@entry
+def work(clock: Array, seconds: float, rounds: int) -> int:
+    """Spend looks until the time is over; returns how many rounds that took, at most so many."""
+    clocks.begin(clock)
+    clocks.allow(clock, seconds)
+    done = 0
+    while done < rounds and not clocks.spend(clock, 1):
+        done += 1
+    return done
+
+
+def test_it_is_the_monotonic_clock() -> None:
+    before = time.monotonic()
+    between = clocks.now(make_clock())
+    assert before <= between <= time.monotonic()
+
+
+def test_the_time_is_read_when_so_many_looks_are_spent() -> None:
+    clock = make_clock(0)
+    assert not any(clocks.spend(clock, 1) for _ in range(STRIDE - 1))
+    assert not clocks.late(clock)
+    assert clocks.spend(clock, 1)
+    assert clocks.spend(make_clock(0), STRIDE)
+    assert not clocks.spend(make_clock(NEVER), STRIDE)
+
+
+def test_what_is_over_stays_over_until_more_is_allowed() -> None:
+    clock = make_clock(0)
+    assert clocks.over(clock)
+    assert clocks.late(clock)
+    assert clocks.spend(clock, 0)
+    clocks.allow(clock, 1e3)
+    assert not clocks.late(clock)
+    assert not clocks.over(clock)
+    clocks.allow(clock, -1.0)
+    assert clocks.over(clock)
+
+
+def test_any_number_of_seconds_can_be_allowed() -> None:
+    for seconds in (1e9, 1e300, math.inf):
+        clock = make_clock(0)
+        began = clocks.allow(clock, seconds)
+        assert clock[DEADLINE] == pytest.approx(1e9 * (began + 1e9), rel=1e-6)
+    assert clocks.allow(clock, 2.5) == pytest.approx(1e-9 * clock[DEADLINE] - 2.5)
+
+
+def test_a_fresh_workspace_may_hold_anything() -> None:
+    """No time is over, and nobody has interrupted, because of what stood there before."""
+    for stands in (0, -1, 2**62, -(2**62)):
+        assert work(np.full(CLOCK_SIZE, stands), 1e3, 3 * STRIDE) == 3 * STRIDE
+
+
+class RefusedError(Exception):
+    """What a handler raises."""
+
+
+@pytest.fixture
+def handler() -> Iterator[Callable[[Callable[[], None]], None]]:
+    """Set what is done when a signal arrives, for one test."""
+    before = signal.getsignal(signal.SIGINT)
+
+    def put(act: Callable[[], None]) -> None:
+        signal.signal(signal.SIGINT, lambda *_: act())
+
+    yield put
+    signal.signal(signal.SIGINT, before)
+
+
+def signal_soon() -> None:
+    threading.Timer(0.02, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="there a process cannot send itself this signal")
+
+
+@posix
+@pytest.mark.parametrize("kind", [KeyboardInterrupt, RefusedError])
+def test_an_exception_of_a_handler_ends_the_work(
+    handler: Callable[[Callable[[], None]], None], kind: type[BaseException]
+) -> None:
+    def refuse() -> None:
+        raise kind
+
+    handler(refuse)
+    clock = make_clock()
+    signal_soon()
+    with pytest.raises(kind):
+        work(clock, 1e3, 10**15)
+    assert clock[LOOKS] == STRIDE
+
+
+@posix
+def test_a_handler_that_raises_nothing_ends_nothing(handler: Callable[[Callable[[], None]], None]) -> None:
+    heard: list[int] = []
+    handler(lambda: heard.append(1))
+    signal_soon()
+    work(make_clock(), 0.2, 10**15)
+    assert heard == [1]
+
+
+@posix
+def test_other_threads_go_on(handler: Callable[[Callable[[], None]], None]) -> None:
+    """Handlers run in the main thread, which waits here for another one."""
+    heard: list[int] = []
+    handler(lambda: heard.append(1))
+    done: list[int] = []
+    thread = threading.Thread(target=lambda: done.append(work(make_clock(), 0.2, 10**15)))
+    thread.start()
+    signal_soon()
+    thread.join()
+    assert heard == [1]
+    assert done[0] > STRIDE

@@ -1,0 +1,54 @@
+"""The sampled self-clearance, against all pairs of places, and on shapes that can be worked out by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.measures.body import segment_ends
+from sinuous.measures.self_clearance import Meeting, least_self_clearance
+from tests.helpers import Floats
+from tests.kernels.body.test_self_proof import curled, sampled
+
+
+def measured(robot: sn.Robot, q: Floats) -> Meeting:
+    return least_self_clearance(robot, q, segment_ends(robot, q))
+
+
+@pytest.mark.parametrize("several", [False, True])
+@pytest.mark.parametrize("thick", [(0.02, 0.2), (0.3, 0.9)])
+def test_it_is_the_least_of_all_pairs(several: bool, thick: tuple[float, float]) -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(8):
+        radii = rng.uniform(*thick, 4) if several else np.full(4, rng.uniform(*thick))
+        q = curled(rng, radii, 2.5)
+        robot = sn.Robot([sn.Segment((0.0, 2.0), 6.0, radius=radius) for radius in radii])
+        least, spacing = sampled(q, list(radii))
+        found = measured(robot, q)
+        if math.isinf(least) or math.isinf(found.gap):
+            assert q[:, 2].sum() < math.pi * radii.max() + 1e-9
+            continue
+        assert found.gap == pytest.approx(least, abs=2.0 * spacing)
+
+
+def test_a_hairpin_touches_itself_where_it_says() -> None:
+    robot = sn.Robot.uniform(3, (0.1, 2.0), 4.0, radius=0.2)
+    q = np.array([[0.0, 0.0, 1.0], [math.pi, 0.0, 0.35 * math.pi], [0.0, 0.0, 1.0]])
+    gap, segments = measured(robot, q)
+    assert gap == pytest.approx(0.7 - 0.4, abs=1e-3)
+    tighter = q.copy()
+    tighter[1, 2] = 0.21 * math.pi
+    tighter[2, 0] = 0.6
+    gap, segments = measured(robot, tighter)
+    assert gap < 0.0
+    assert segments is not None
+    assert segments[1] == 3
+
+
+def test_a_straight_body_is_as_far_from_itself_as_it_is_long_enough() -> None:
+    robot = sn.Robot.uniform(2, (0.1, 2.0), 4.0, radius=0.2)
+    assert measured(robot, np.array([[0.0, 0.0, 1.0]] * 2)).gap == pytest.approx(0.2 * (math.pi - 2.0), abs=0.01)
+    assert measured(robot, np.array([[0.0, 0.0, 0.3]] * 2)) == (math.inf, None)
+    thin = sn.Robot.uniform(2, (0.1, 2.0), 4.0)
+    assert measured(thin, np.array([[0.0, 0.0, 1.0]] * 2)) == (math.inf, None)

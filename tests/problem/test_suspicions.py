@@ -1,0 +1,85 @@
+"""What is suspicious is said, and what is ordinary is not."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.problem.suspicions import all_suspicions, suspicions
+
+ROBOT = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
+CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+SIDES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+FACES = [face for a, b, c, d in SIDES for face in ([a, b, c], [a, c, d])]
+
+
+def said(robot: sn.Robot, scene: list[sn.Sphere] | list[sn.Mesh] | list[sn.Box] | None = None) -> list[str]:
+    return suspicions(robot, sn.Scene(scene or []).snapshot())
+
+
+def test_ordinary_problems_are_not_suspicious() -> None:
+    scene = [sn.Sphere((1, 0, 1), 0.01), sn.Box((0, 0, -40), (100, 100, 60)), sn.HalfSpace((0, 0, -1), (0, 0, 1))]
+    stage = sn.Robot([sn.Segment((0.0, 1.0), 0.0), sn.Segment((0.0, 1.0), 3.0)], radius=0.1)
+    full = sn.Robot.uniform(2, 1.0, 2.0 * np.pi, radius=0.01)
+    for robot in (ROBOT, stage, full):
+        assert all_suspicions(robot, sn.Scene(scene).snapshot(), [[sn.Target((0, 1, 2))]]) == []
+
+
+def test_degrees_for_radians() -> None:
+    assert said(sn.Robot.uniform(3, 1.0, 90.0)) == [
+        "max_bend of all segments is 90 rad, more than a full turn; is it in degrees?"
+    ]
+    mixed = sn.Robot([sn.Segment(1.0, 2.0), sn.Segment(1.0, 45.0)])
+    assert said(mixed) == ["max_bend of segment 2 is 45 rad, more than a full turn; is it in degrees?"]
+
+
+def test_a_body_that_is_too_thick_for_its_bends() -> None:
+    (text,) = said(sn.Robot.uniform(2, 1.0, 3.0, radius=0.5))
+    assert "a radius of 0.5 is above the smallest radius of curvature, 0.3333" in text
+
+
+@pytest.mark.parametrize("size", [400.0, 1100.0])
+def test_a_mesh_in_millimetres_beside_a_robot_in_metres(size: float) -> None:
+    robot = sn.Robot.uniform(3, 0.4, 2.0)
+    (text,) = said(robot, [sn.Mesh(size * CUBE, FACES, name="part")])
+    assert text.startswith("part is ")
+    assert "the robot 1.2 long; are both in one length unit?" in text
+
+
+def test_a_mesh_in_metres_beside_a_robot_in_millimetres() -> None:
+    robot = sn.Robot.uniform(3, 400.0, 2.0)
+    (text,) = said(robot, [sn.Mesh(1.3 * CUBE, FACES)])
+    assert text.startswith("all obstacles lie within 2.252, the robot is 1200 long")
+
+
+def test_a_base_that_touches_what_it_stands_on() -> None:
+    floor = sn.Scene([sn.Box((0, 0, -0.5), (4, 4, 1), name="floor")]).snapshot()
+    expected = "the base touches floor; where the robot stands on it or sits in it, say so with mount"
+    assert all_suspicions(ROBOT, floor, []) == [expected]
+    assert suspicions(ROBOT, floor) == []
+    assert all_suspicions(ROBOT.changed(mount=0.2), floor, []) == []
+
+
+def test_a_target_in_another_unit() -> None:
+    (text,) = all_suspicions(ROBOT, sn.Scene().snapshot(), [[sn.Target((0, 1, 2))], [sn.Target((0, 1000, 2000))]])
+    assert text.startswith("a target is 2236 from the base, the robot 3.6 long")
+
+
+def test_python_is_warned_where_the_solver_is_made() -> None:
+    with pytest.warns(sn.SuspiciousInput, match="is it in degrees") as caught:
+        sn.Solver(sn.Robot.uniform(3, 1.0, 90.0))
+    assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_the_warning_can_be_switched_off_and_is_given_once() -> None:
+    robot = sn.Robot.uniform(3, 1.0, 90.0)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("default", sn.SuspiciousInput)
+        for _ in range(3):
+            sn.Solver(robot)
+    assert len(caught) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", sn.SuspiciousInput)
+        solution = sn.solve(robot, sn.Target((0, 0, 9)))
+    solution.explain(time=1.0)  # what is tried again does not warn again

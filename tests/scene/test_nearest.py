@@ -1,0 +1,66 @@
+"""Where points are nearest to obstacles, by the kernels: what the independent measures say."""
+
+import numpy as np
+import pytest
+
+from sinuous.measures import clearance
+from sinuous.measures.body import body_places, segment_ends
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.nearest import least_gap, room_at
+from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.scene import Scene
+from sinuous.solution.verification import _least_clearance
+from tests.helpers import Floats
+from tests.solving.test_live import MADE
+
+SCENES: dict[str, list[Obstacle]] = {
+    **{name: [make()] for name, make in MADE.items()},
+    "primitives": [
+        Sphere((0.4, 0.1, 0.5), 0.2),
+        Box((-0.4, 0.2, 0.6), (0.2, 0.3, 0.4)),
+        HalfSpace((0, 0, -0.2), (0, 0, 1)),
+    ],
+    "all": [Cylinder((0.9, -1, 0.4), (0.9, 1, 0.4), 0.3), *(make() for make in MADE.values())],
+    "nothing": [],
+}
+ROBOT = Robot([Segment((0.0, 0.4), 3.0, radius=radius) for radius in (0.02, 0.05, 0.01)], mount=0.15)
+
+
+def bent(rng: np.random.Generator) -> Floats:
+    return np.concatenate([rng.normal(size=(3, 2)), rng.choice([0.0, 0.2, 0.4], (3, 1))], axis=1)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
+    scene = Scene(SCENES[name]).snapshot()
+    rng = np.random.default_rng(1)
+    for _ in range(6):
+        q = bent(rng)
+        ends = segment_ends(ROBOT, q)
+        expected = clearance.least_clearance(ROBOT, scene, q, ends)
+        distance, segment, obstacle = _least_clearance(ROBOT, scene, q)
+        assert distance == pytest.approx(expected.distance, abs=1e-9)
+        assert obstacle == expected.obstacle
+        if segment != expected.segment:  # where two meet, either may be named
+            places, segments = body_places(ROBOT, q, ends)
+            own = places[segments + 1 == segment]
+            assert np.linalg.norm(own[:, None] - places[segments + 1 == expected.segment], axis=-1).min() < 1e-9
+
+
+@pytest.mark.parametrize("name", [name for name in SCENES if name != "nothing"])
+def test_a_place_has_as_much_room_as_other_code_says(name: str) -> None:
+    scene = Scene(SCENES[name]).snapshot()
+    # Out of a grid of distances there are bounds alone, and not the same.
+    for place in np.random.default_rng(2).uniform((-0.8, -0.8, -0.3), (0.8, 0.8, 1.3), (12, 3)):
+        expected = clearance.room_at(place, scene)
+        found = room_at(place, scene)
+        assert found.distance == pytest.approx(expected.distance, abs=1e-9)
+        assert found.obstacle == expected.obstacle
+
+
+def test_nothing_is_nowhere() -> None:
+    assert least_gap(np.zeros((2, 3)), np.zeros(2), Scene().snapshot()) == (np.inf, None, None)
+    ball = Scene([Sphere((0, 0, 0), 1.0)]).snapshot()
+    assert least_gap(np.zeros((0, 3)), np.zeros(0), ball) == (np.inf, None, None)
+    assert least_gap(np.array([[0, 0, 3.0], [0, 0, 2.0]]), np.array([0.1, 0.2]), ball) == (0.8, 1, "sphere[0]")

@@ -1,0 +1,62 @@
+"""Explanations in words."""
+
+import json
+
+import pytest
+
+import sinuous as sn
+from tests.helpers import refused
+
+ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
+
+
+def test_a_failure_is_explained() -> None:
+    solution = sn.solve(ROBOT, sn.Target((0, 0, 3.5)))
+    explanation = solution.explain(time=60.0)
+    assert str(explanation).splitlines() == [
+        "out_of_reach: proved: no configuration within the limits gets there",
+        "  because    the target is 0.4997 farther from the base than the robot is long "
+        "(3.5 away, the robot at most 3 long)",
+        "  best found 0.5 from the position",
+        "  held by    greatest length of all segments: at its limit of 1",
+        *str(explanation).splitlines()[4:],
+    ]
+    helped = str(explanation).splitlines()[4:]
+    assert helped[0].startswith("  would help length of all segments: [0.8, 1] -> [0.8, 1.16")
+    assert helped[1].startswith("             target position: [0, 0, 3.5] -> [")
+    assert repr(explanation) == str(explanation)
+
+
+def test_a_solution_says_what_is_nearest_to_its_limit() -> None:
+    explanation = sn.solve(ROBOT, sn.Target((0, 0, 2.94))).explain()
+    assert (explanation.remedies, explanation.binding, explanation.complete) == ((), (), True)
+    assert {each.key for each in explanation.nearest} == {"length[1]"}
+    assert str(explanation).splitlines() == [
+        "solved: all within tolerance and limits, whole body proved clear of obstacles and of itself",
+        "  least left greatest length of all segments: 0.98, at most 1 is allowed",
+    ]
+
+
+def test_it_can_be_written_down() -> None:
+    explanation = sn.solve(ROBOT, sn.Target((0, 0, 3.5))).explain(time=60.0)
+    written = json.loads(json.dumps(explanation.to_dict(), allow_nan=False))
+    assert list(written) == ["status", "sentence", "reason", "binding", "remedies", "complete"]
+    assert all(list(remedy) == ["change", "from", "to"] for remedy in written["remedies"])
+    assert written["reason"].startswith("the target is 0.4997 farther")
+
+
+def test_a_limit_that_stops_is_named_whatever_happens() -> None:
+    """Also where no force is left: straight up, a target behind pulls nowhere."""
+    tendons = sn.Tendons(3, 0.1, displacement=(-0.02, 0.02))
+    robot = sn.Robot.uniform(2, (0.9, 1.1), 3.0, tendons=tendons)
+    for place in ((0, 0, -1), (0, 0, 0.5), (1, 1, 0), (0.3, 0, 1.0), (0, -1, -0.3)):
+        solution = sn.solve(robot, sn.Target(place), max_starts=20)
+        if solution.status is sn.Status.LIMIT_BOUND:
+            assert any(each.key is not None for each in solution.binding)
+            assert solution.sentence.startswith("not solved: limits stop the best found: ")
+
+
+@pytest.mark.parametrize("time", [-1.0, float("nan"), "2", None])
+def test_a_wrong_time_is_refused(time: object) -> None:
+    solution = sn.solve(ROBOT, sn.Target((0, 0, 2.5)))
+    refused("time", lambda: solution.explain(time=time))

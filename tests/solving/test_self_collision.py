@@ -1,0 +1,119 @@
+"""Solves of thick bodies near their own base: what is solved never runs through itself, by whatever method."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.measures.body import segment_ends
+from sinuous.measures.self_clearance import least_self_clearance
+from tests.helpers import Floats
+from tests.kernels.body.test_self_proof import curled
+
+THICK = sn.Robot.uniform(4, (0.8, 1.4), 3.0, radius=0.16)
+THROUGH = sn.Robot.uniform(4, (0.8, 1.4), 3.0, radius=0.16, self_collision="allow")
+DRIVEN = sn.Robot.uniform(4, (0.8, 1.4), 3.0, radius=0.16, tendons=sn.Tendons(3, 0.1, displacement=(-0.7, 0.7)))
+UNEVEN = sn.Robot([sn.Segment((0.8, 1.4), 3.0, radius=radius) for radius in (0.25, 0.2, 0.12, 0.06)])
+
+
+def hidden(robot: sn.Robot, rng: np.random.Generator) -> Floats:
+    """A curled shape that keeps all limits and does not run through itself."""
+    while True:
+        q = curled(rng, robot.radii, 2.8)
+        q[:, 2] = np.clip(q[:, 2], 0.8, 1.4)
+        if robot.excess(q) == 0.0 and gap_of(robot, q) > 0.0:
+            return q
+
+
+def gap_of(robot: sn.Robot, q: Floats) -> float:
+    return least_self_clearance(robot, q, segment_ends(robot, q)).gap
+
+
+def target_of(robot: sn.Robot, q: Floats) -> sn.Target:
+    tip = robot.tip(q)
+    return sn.Target(tip[:3, 3], direction=tip[:3, 2])
+
+
+@pytest.mark.parametrize("robot", [THICK, DRIVEN, UNEVEN], ids=["thick", "driven", "uneven"])
+def test_reachable_targets_are_solved_without_touching(robot: sn.Robot) -> None:
+    solver, rng = sn.Solver(robot), np.random.default_rng(1)
+    for _ in range(40):
+        solution = solver.solve(target_of(robot, hidden(robot, rng)))
+        assert solution.solved, str(solution)
+        assert solution.verify().ok
+        assert solution.self_clearance is not None
+        assert 0.0 < solution.self_clearance <= gap_of(robot, solution.q) + 1e-9
+
+
+def test_without_the_demand_some_of_them_run_through_themselves() -> None:
+    solver, rng = sn.Solver(THROUGH), np.random.default_rng(1)
+    found = [solver.solve(target_of(THICK, hidden(THICK, rng))) for _ in range(60)]
+    assert all(solution.solved and solution.self_clearance is None for solution in found)
+    assert any(gap_of(THROUGH, solution.q) < 0.0 for solution in found)
+
+
+@pytest.mark.parametrize("robot", [THICK, DRIVEN, UNEVEN], ids=["thick", "driven", "uneven"])
+def test_a_shape_that_touches_opens_and_stays_what_it_was(robot: sn.Robot) -> None:
+    """From an initial shape that runs through itself a little, with its tip where it is wanted."""
+    solver, rng = sn.Solver(robot, max_starts=1, routes=False), np.random.default_rng(4)
+    moved, tried = [], 0
+    while tried < 12:
+        q = curled(rng, robot.radii, 2.8)
+        q[:, 2] = np.clip(q[:, 2], 0.85, 1.35)
+        if robot.excess(q) > 0.0 or not -0.05 < gap_of(robot, q) < -0.005:
+            continue
+        tried += 1
+        solution = solver.solve(target_of(robot, q), initial=q)
+        if solution.solved:
+            assert gap_of(robot, solution.q) > 0.0
+            moved.append(float(np.hypot(*(solution.q - q)[:, :2].T).max()))
+    assert len(moved) >= 8
+    assert np.median(moved) < 0.5
+
+
+@pytest.mark.parametrize("prefer", [sn.Preferences(bends=1.0), sn.Preferences(start=1.0)], ids=["bends", "start"])
+def test_preferred_shapes_do_not_touch_either(prefer: sn.Preferences) -> None:
+    solver, rng = sn.Solver(THICK, prefer=prefer), np.random.default_rng(5)
+    for _ in range(25):
+        q = hidden(THICK, rng)
+        solution = solver.solve(target_of(THICK, q), initial=curled(rng, THICK.radii, 2.0))
+        assert solution.solved
+        assert solution.verify().ok
+        assert solution.self_clearance is not None
+        assert solution.self_clearance <= gap_of(THICK, solution.q) + 1e-9
+
+
+def test_other_methods_are_judged_the_same_way() -> None:
+    solver, rng = sn.Solver(THICK, method="dls", max_starts=20), np.random.default_rng(6)
+    found = [solver.solve(target_of(THICK, hidden(THICK, rng))) for _ in range(30)]
+    assert sum(solution.solved for solution in found) > 10
+    for solution in found:
+        if solution.solved:
+            assert gap_of(THICK, solution.q) > 0.0
+            assert solution.self_clearance is not None
+
+
+def test_a_batch_equals_a_loop() -> None:
+    solver, rng = sn.Solver(THICK), np.random.default_rng(7)
+    targets = [target_of(THICK, hidden(THICK, rng)) for _ in range(20)]
+    for one, same in zip(solver.solve_many(targets), map(solver.solve, targets), strict=True):
+        np.testing.assert_array_equal(one.q, same.q)
+        assert one.self_clearance == same.self_clearance
+
+
+def test_a_failure_says_which_segments_touch() -> None:
+    """One segment that can only close to a ring."""
+    robot = sn.Robot.uniform(1, 1.0, 6.2, radius=0.1)
+    solution = sn.solve(robot, sn.Target(sn.Robot.uniform(1, 1.0, 6.2).tip([[6.0, 0.0, 1.0]])[:3, 3]))
+    assert str(solution.status) == "blocked"
+    assert solution.to_dict()["worst"]["constraint"] == "self_clearance"
+    assert "touches itself" in str(solution.worst)
+    assert solution.to_dict()["self_clearance"] is None
+
+
+def test_a_body_that_is_too_short_has_no_self_clearance_to_name() -> None:
+    robot = sn.Robot.uniform(1, (0.5, 1.0), 1.0, radius=0.4)
+    solution = sn.solve(robot, sn.Target((0.0, 0.0, 0.8)))
+    assert solution.self_clearance == math.inf
+    assert solution.to_dict()["self_clearance"] is None

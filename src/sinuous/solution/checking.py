@@ -13,7 +13,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import as_snapshot
 from sinuous.solution.verification import Verification, verified
 
-KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_}
+KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}
 """What arrays of these attributes of a verification hold; all others are numbers."""
 
 
@@ -34,8 +34,8 @@ def check(robot: Robot, q: Any, scene: Any = None, targets: Any = None, *, toler
     Returns
     -------
     Verification
-        Of many configurations every attribute is an array (...); where `segment` and `obstacle` are None for a single
-        one, so are their entries.
+        Of many configurations every attribute is an array (...); where `segment`, `obstacle` and `self_segments` are
+        None for a single one, so are their entries.
 
     Raises
     ------
@@ -57,6 +57,8 @@ def check(robot: Robot, q: Any, scene: Any = None, targets: Any = None, *, toler
 def _stacked(found: list[Verification], lead: tuple[int, ...]) -> Verification:
     arrays: dict[str, Any] = {}
     for name in (field.name for field in fields(Verification)):
-        values = [getattr(one, name) for one in found]
-        arrays[name] = np.array(values, KINDS.get(name, np.float64)).reshape(lead)
+        values = np.empty(len(found), KINDS.get(name, np.float64))
+        for i, one in enumerate(found):
+            values[i] = getattr(one, name)
+        arrays[name] = values.reshape(lead)
     return Verification(**arrays)

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sinuous.solution.binding import Binding, nearest_limits
+from sinuous.solution.binding.binding import Binding, nearest_limits
+from sinuous.solution.binding.wording import in_words
 from sinuous.solution.reasons import Reason
 from sinuous.solution.remedies.remedy import Remedy
 from sinuous.solution.remedies.search import find_remedies
 from sinuous.solution.remedies.trials import Case
 from sinuous.solution.status import Status
-from sinuous.solution.wording import in_words
 from sinuous.words import number
 
 if TYPE_CHECKING:

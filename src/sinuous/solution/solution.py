@@ -11,14 +11,14 @@ from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.solution.again import Elsewhere
-from sinuous.solution.binding import Binding, find_binding
+from sinuous.solution.binding.binding import Binding, find_binding
+from sinuous.solution.binding.wording import in_words
 from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.solution.remedies.trials import Case
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
-from sinuous.solution.wording import in_words
 from sinuous.words import listed
 
 if TYPE_CHECKING:

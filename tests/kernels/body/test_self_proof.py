@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ import pytest
 from sinuous.kernels.body import self_proof
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
+from sinuous.kernels.clock import LOOKS, STRIDE
 from sinuous.packing import segment_row
 from tests.helpers import Floats, frames_of, random_pose, random_rotation
-from tests.kernels.workspace import NEVER, make_clock
+from tests.kernels.workspace import make_clock
 
 SAMPLES = 150
 FINEST = 1e-7
@@ -24,10 +26,11 @@ def table_of(radii: Floats | Sequence[float]) -> Floats:
 
 
 def prove(
-    q: Floats, radii: Floats | Sequence[float], base: Floats | None = None, deadline: int = NEVER
+    q: Floats, radii: Floats | Sequence[float], base: Floats | None = None, clock: Any = None
 ) -> tuple[int, float, tuple[int, float, int, float]]:
     shape = Shape(table_of(radii), q, frames_of(q, base), np.full((len(q) + 1, SPAN_WIDTH), np.nan))
-    return self_proof.prove_self(shape, FINEST * float(q[:, 2].sum()), make_clock(deadline))
+    clock = make_clock() if clock is None else clock
+    return self_proof.prove_self(shape, FINEST * float(q[:, 2].sum()), clock)
 
 
 def sampled(q: Floats, radii: Floats | Sequence[float]) -> tuple[float, float]:
@@ -237,8 +240,13 @@ def test_a_coil_is_proved_although_it_is_near_itself_all_along() -> None:
 
 
 def test_the_proof_ends_by_its_deadline() -> None:
-    least, _ = sampled(coil(4, 0.6), [1e-3] * 32)
-    q = coil(30, 0.6)
-    radii = [0.5 * (least + 2e-3 - 1e-2)] * len(q)
-    assert prove(q, radii)[0] == CLEAR
-    assert prove(q, radii, deadline=0)[0] == UNDECIDED
+    rng = np.random.default_rng(5)
+    verdicts = []
+    for _ in range(40):
+        radii = [0.1] * 5
+        q = curled(rng, np.array(radii), 2.5)
+        late = make_clock(0)
+        late[LOOKS] = STRIDE - 1  # with the next look the time is read
+        verdicts.append((prove(q, radii)[0], prove(q, radii, clock=late)[0]))
+    assert (CLEAR, UNDECIDED) in verdicts
+    assert all(other in (one, UNDECIDED) for one, other in verdicts)

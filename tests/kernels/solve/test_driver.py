@@ -25,6 +25,7 @@ from sinuous.kernels.tables import (
     OUT_OF_REACH,
     POSITION_ERROR,
     RANDOM,
+    RECORD_WIDTH,
     SECONDS,
     SOLVED,
     SOURCE,
@@ -144,7 +145,7 @@ def test_every_problem_has_its_own_answer() -> None:
 
 
 def empty_answer() -> Answer:
-    return Answer(np.zeros((2, 3)), np.zeros(10))
+    return Answer(np.zeros((2, 3)), np.zeros(RECORD_WIDTH))
 
 
 def test_the_record_is_opened_and_closed() -> None:

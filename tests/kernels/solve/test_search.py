@@ -19,6 +19,7 @@ from sinuous.kernels.tables import (
     LATE,
     OUT_OF_REACH,
     RANDOM,
+    RECORD_WIDTH,
     SOLVED,
     TARGET_BLOCKED,
     Outcome,
@@ -95,9 +96,9 @@ def test_many_are_one_after_the_other_bit_for_bit(seed: int, count: int, given_e
     search_many(it.robot, it.scene, it.settings, rows, initial, (0, 8, 3, LONG), it.workspace, answers)
     for own, begun, problem in zip(answers, initial, problems, strict=True):
         alone = solved(problem, (0, 8), begun, 3)
-        expected = [float(value) for value in alone[1:10]]
-        np.testing.assert_array_equal(own[:9], expected)
-        np.testing.assert_array_equal(own[10:], alone.q.ravel())
+        expected = np.array(alone[1:RECORD_WIDTH], np.float64)
+        np.testing.assert_array_equal(own[: RECORD_WIDTH - 1], expected)  # all but the seconds
+        np.testing.assert_array_equal(own[RECORD_WIDTH:], alone.q.ravel())
 
 
 def test_solved_is_solved_and_else_the_limits_are_kept() -> None:

@@ -9,7 +9,7 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.solution.binding import Binding
+from sinuous.solution.binding.binding import Binding
 from sinuous.solution.remedies.remedy import Remedy
 from sinuous.solution.remedies.trials import Case, Trials
 from sinuous.words import rounded

@@ -6,7 +6,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
-from sinuous.solution.contacts import contacts_of
+from sinuous.solution.binding.contacts import contacts_of
 from sinuous.solution.remedies.remedy import Remedy
 from sinuous.solution.remedies.trials import Case, Trials
 from sinuous.solution.status import Status

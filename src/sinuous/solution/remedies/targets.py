@@ -11,7 +11,7 @@ from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
-from sinuous.solution.pull import pull_of
+from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.remedies.nearest import nearest
 from sinuous.solution.remedies.remedy import Remedy
 from sinuous.solution.remedies.trials import Case, Trials

@@ -8,7 +8,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.problem import Problem
 from sinuous.solution.again import Again
-from sinuous.solution.binding import Binding
+from sinuous.solution.binding.binding import Binding
 from sinuous.solution.reasons import Reason
 from sinuous.solution.status import Status
 from sinuous.words import rounded_up

@@ -8,9 +8,9 @@ import pytest
 from scipy.optimize import minimize
 
 import sinuous as sn
-from sinuous.solution.binding import Binding, find_binding
-from sinuous.solution.limits import limits_of
-from sinuous.solution.pull import pull_of
+from sinuous.solution.binding.binding import Binding, find_binding
+from sinuous.solution.binding.limits import limits_of
+from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.remedies.limits import Widening, plain, widened
 from sinuous.solution.remedies.limits import limits_of as limits_of_segment
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous import Problem, Robot, Target, pose
-from sinuous.solution.pull import pull_of
+from sinuous.solution.binding.pull import pull_of
 from tests.helpers import Floats, random_pose
 
 ROBOT = Robot.uniform(

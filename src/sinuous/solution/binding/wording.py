@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from sinuous.solution.binding import ACTIVE, Binding
+from sinuous.solution.binding.binding import ACTIVE, Binding
 from sinuous.words import listed, number, segments
 
 ENDS = {"length[0]": "least ", "length[1]": "greatest "}

@@ -10,8 +10,8 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
-from sinuous.solution.limits import Limit, limits_of, normal
-from sinuous.solution.pull import pull_of
+from sinuous.solution.binding.limits import Limit, limits_of, normal
+from sinuous.solution.binding.pull import pull_of
 
 STEPS = 30
 """Most steps, taken or refused."""

@@ -16,10 +16,10 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
-from sinuous.solution.contacts import Contact, contacts_of, self_contacts_of
-from sinuous.solution.limits import Limit, limits_of, normal
-from sinuous.solution.pull import pull_of
-from sinuous.solution.rest import at_rest
+from sinuous.solution.binding.contacts import Contact, contacts_of, self_contacts_of
+from sinuous.solution.binding.limits import Limit, limits_of, normal
+from sinuous.solution.binding.pull import pull_of
+from sinuous.solution.binding.rest import at_rest
 
 ACTIVE, WIDER = 1e-6, (1e-3, 0.1)
 """Slack up to which a limit counts as met: rad, or lengths of a mean segment; and where none is, up to which then."""

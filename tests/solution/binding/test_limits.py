@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous import Actuators, Chambers, Robot, Segment, Tendons
-from sinuous.solution.limits import limits_of, normal
+from sinuous.solution.binding.limits import limits_of, normal
 from tests.helpers import Floats
 
 ROBOT = Robot(
@@ -46,10 +46,14 @@ def test_normals_are_derivatives_of_the_slack(seed: int) -> None:
 
 def test_values_slack_and_names_fit_together() -> None:
     q = random_q(1)
+    gains: dict[str | None, float] = {
+        each.name: gain for each, gain in zip(ROBOT.actuators, ROBOT.drive.gains, strict=True)
+    }
     for limit in limits_of(ROBOT, q):
         lower = limit.key.endswith("[0]")
         if limit.constraint != "curvature":
-            assert limit.slack == pytest.approx((limit.value - limit.limit) * (1.0 if lower else -1.0))
+            gain = gains.get(limit.actuator, 1.0)
+            assert limit.slack == pytest.approx((limit.value - limit.limit) * (1.0 if lower else -1.0) / gain)
     names = [limit.actuator for limit in limits_of(ROBOT, q) if limit.actuator is not None]
     assert names == [each.name for each in ROBOT.actuators for _ in range(2)]
     values = {each.name: value for each, value in zip(ROBOT.actuators, ROBOT.to_actuators(q), strict=True)}

@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sinuous.cli import new
@@ -37,7 +38,7 @@ def test_what_is_written_solves_and_is_proved(
     asked = read_problem("my arm.yaml")
     assert asked.notes == ()
     for waypoint, found in zip(asked.waypoints, result.get("waypoints", [result]), strict=True):
-        assert verify(Problem(asked.robot, waypoint, asked.scene, asked.tolerance), found["q"]).ok
+        assert verify(Problem(asked.robot, waypoint, asked.scene, asked.tolerance), np.array(found["q"])).ok
 
 
 def test_a_file_that_is_there_stays_unless_it_is_forced(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -45,6 +45,8 @@ again = pickle.loads(pickle.dumps(solver))
 again.solve(pickle.loads(pickle.dumps(target)))
 for q in (solution.q, solution.q.tolist(), np.array([solution.q, solution.q]), np.asfortranarray(solution.q)):
     robot.forward(q), robot.backbone(q), robot.jacobian(q), robot.jacobian(q, 1), robot.tip(q)
+solution.verify(), solution.worst, solution.binding, solution.explain(0.2)
+sn.solve(robot, sn.Target((9, 0, 0)), scene, time=0.1).explain(0.2)
 scene.distance([[0, 0, 0]]), scene.gradient(np.zeros(3))
 late = {compiling.name_of(one): one.signatures for one in made if len(one.signatures) > 1}
 print(late)

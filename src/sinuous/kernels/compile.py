@@ -163,14 +163,14 @@ class Piece(NamedTuple):
 
 
 PIECES = (
-    Piece("single solves", 20, ("kernels.solve.search.search",)),
+    Piece("single solves", 50, ("kernels.solve.search.search",)),
     Piece(
         "routes among obstacles",
-        15,
+        25,
         ("kernels.fitting.query.route_query", "kernels.freespace.find.find_routes", "kernels.fitting.fit.fit_route"),
     ),
-    Piece("batches of solves", 3, ("kernels.solve.search.search_many",)),
-    Piece("preferences", 6, ("kernels.solve.preferences.prefer",)),
+    Piece("batches of solves", 4, ("kernels.solve.search.search_many",)),
+    Piece("preferences", 9, ("kernels.solve.preferences.prefer",)),
     Piece(
         "kinematics",
         1,
@@ -178,7 +178,7 @@ PIECES = (
     ),
     Piece(
         "distances",
-        2,
+        3,
         (
             "kernels.fields.distances.many",
             "kernels.fields.distances.least_gap",
@@ -188,7 +188,7 @@ PIECES = (
             "kernels.fields.solids.sample",
         ),
     ),
-    Piece("the method opti_path", 20, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
+    Piece("the method opti_path", 25, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
     Piece("the method dls", 6, ("methods.dls.search.search",)),
     Piece("the methods fabrikc and fabrikx", 8, ("methods.fabrik.search.search",)),
     Piece("the method slinki", 10, ("methods.slinki.search.search",)),

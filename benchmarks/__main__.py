@@ -22,6 +22,18 @@ if TYPE_CHECKING:
     from benchmarks.harness.conduct import Output
     from benchmarks.harness.experiment import Experiment
 
+ABOUT = {
+    "speed": "every speed and success figure of the README (5 minutes)",
+    "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
+    "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
+    "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
+    "table1": "the paper's four poses, every method, beside what the paper publishes",
+    "tracking": "a path of 180 points behind random spheres, every method",
+    "segments": "how the time of an iteration, and of a solve, grows with the number of segments",
+    "methods": "all methods on common random problems, with and without obstacles",
+}
+"""What each one measures."""
+
 OF_LINES = ("speed", "clutter", "wild")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
@@ -33,7 +45,6 @@ BENCHMARKS = (*OF_LINES, "worlds", *OF_METHODS)
 INTERRUPTED = 130
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
-
 
 Name = Annotated[str, typer.Argument(metavar="NAME", help="One of " + ", ".join(BENCHMARKS) + ".")]
 Out = Annotated[
@@ -82,7 +93,7 @@ def run(
     method: Method = None,
     only: Only = None,
 ) -> None:
-    """Measure; only verified answers count."""
+    """Measure."""
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
         # library wait for each other ten times as long as verifying takes.
@@ -203,7 +214,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         Default: those of the process.
     """
+    typed = sys.argv[1:] if arguments is None else arguments
+    app.registered_commands[0].help = _help(next((word for word in typed if word in ABOUT), None))
     return execute(app, "python -m benchmarks", arguments)
+
+
+def _help(named: str | None) -> str:
+    """What `--help` begins with: about the measurement that was named, or else about all."""
+    listed = "\n".join(f"{name}: {about}" for name, about in ABOUT.items())
+    text = f"Measure {named}: {ABOUT[named]}." if named else f"Measure one of these.\n\n\b\n{listed}"
+    return f"{text}\n\nOnly verified answers count."
 
 
 if __name__ == "__main__":

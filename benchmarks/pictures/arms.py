@@ -17,7 +17,7 @@ from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
 from sinuous.solving.again import Again
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import prepared
+from sinuous.solving.solver import OneSolve
 
 ALONG = 24
 """Points of a line, a segment."""
@@ -74,5 +74,5 @@ def _as_solution(problems: ProblemSet, number: int, record: dict[str, Any]) -> S
         np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, math.inf, False, 0.0, 0.0
     )
     return Solution(
-        problem, outcome, record["seconds"], Again(prepared, SolveOptions()), np.empty((0, *outcome.q.shape))
+        problem, outcome, record["seconds"], Again(OneSolve.prepared, SolveOptions()), np.empty((0, *outcome.q.shape))
     )

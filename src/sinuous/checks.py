@@ -2,7 +2,7 @@
 
 import math
 import numbers
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
 from typing import Any
@@ -102,7 +102,7 @@ def _numbers(key: str, value: Any, expected: str) -> NDArray[Any]:
 def _has_truth_value(value: Any) -> bool:
     """Whether a nested list hides true or false among its numbers; NumPy would count them as 1 and 0."""
     if isinstance(value, (list, tuple)):
-        return any(map(_has_truth_value, value))
+        return not set(map(type, value)) <= {int, float} and any(map(_has_truth_value, value))
     return isinstance(value, (bool, np.bool_))
 
 
@@ -141,14 +141,38 @@ def direction(key: str, value: Any, size: int = 3) -> Floats:
     v = array(key, value, (size,))
     entries = v.tolist()
     largest = max(map(abs, entries))
-    if 0.4 < largest < 1.1 and abs(sum(x * x for x in entries) - 1.0) <= UNIT_SLACK:
+    if 0.4 < largest < 1.1 and abs(_squares(entries) - 1.0) <= UNIT_SLACK:
         return v
     if largest == 0.0:
         raise InputError(key, "", value, "a vector that is not zero")
     scaled = v / largest
-    result: Floats = scaled / np.linalg.norm(scaled)
+    result: Floats = scaled / math.sqrt(_squares(scaled.tolist()))
     result.flags.writeable = False
     return result
+
+
+def directions(key: str, value: Any, size: int = 3) -> Floats:
+    """Check rows of finite numbers as `direction` checks one; return the unit vectors (m, size), equal to its own."""
+    v = array(key, value, (None, size))
+    largest = np.abs(v).max(axis=1, keepdims=True)
+    if (largest == 0.0).any():
+        first = int(np.argmin(largest))
+        raise InputError(f"{key}[{first}]", "", v[first].tolist(), "a vector that is not zero")
+    scaled = v / largest
+    result: Floats = scaled / np.sqrt(_squares(scaled.T))[:, None]
+    close = (largest[:, 0] > 0.4) & (largest[:, 0] < 1.1)
+    close[close] = np.abs(_squares(v[close].T) - 1.0) <= UNIT_SLACK
+    result[close] = v[close]
+    result.flags.writeable = False
+    return result
+
+
+def _squares(parts: Iterable[Any]) -> Any:
+    """Sum of squares of numbers, or of arrays, from the first to the last; `sum` would round numbers otherwise."""
+    total = 0.0
+    for part in parts:
+        total = total + part * part
+    return total
 
 
 def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, float]:

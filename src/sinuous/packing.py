@@ -132,6 +132,20 @@ def target_row(
     return row
 
 
+def target_rows(count: int, positions: Floats | None, directions: Floats | None, rotations: Floats | None) -> Floats:
+    """Return the rows (m, 15) of m targets of the last segment, each as `target_row` makes one."""
+    rows = np.zeros((count, t.TARGET_WIDTH))
+    rows[:, t.TARGET_SEGMENT] = -1
+    if positions is not None:
+        rows[:, t.HAS_POSITION] = 1.0
+        rows[:, t.TARGET_POSITION : t.TARGET_POSITION + 3] = positions
+    if directions is not None:
+        rows[:, t.ORIENTATION], rows[:, t.GOAL : t.GOAL + 3] = t.DIRECTION, directions
+    elif rotations is not None:
+        rows[:, t.ORIENTATION], rows[:, t.GOAL : t.GOAL + 9] = t.ROTATION, rotations.reshape(-1, 9)
+    return rows
+
+
 def settings_group(
     robot: "Robot", tolerance: "Tolerance", prefer: "Preferences | None" = None, options: Sequence[float] | Floats = ()
 ) -> Floats:

@@ -28,7 +28,7 @@ def rotation_matrix(key: str, value: Any) -> Floats:
     if shape not in ((4,), (3, 3)):
         raise InputError(key, "", value, "a 3x3 rotation matrix or a quaternion [w, x, y, z]")
     if shape == (4,):
-        result = _from_quaternion(checks.direction(key, value, 4))
+        result = _from_quaternion(*checks.direction(key, value, 4).tolist())
     else:
         result = _nearest_rotation(key, checks.array(key, value, (3, 3)))
     result.flags.writeable = False
@@ -39,14 +39,44 @@ def any_rotation(rotation: Any, xyzw: Any) -> Floats | None:
     """Read a rotation from the arguments of these names, of which at most one is given; `None` without any."""
     if xyzw is None:
         return None if rotation is None else rotation_matrix("rotation", rotation)
-    if rotation is not None:
-        raise InputError("xyzw", "stands beside rotation", xyzw, "one of rotation, xyzw")
+    _refuse_both(rotation, xyzw)
     x, y, z, w = checks.direction("xyzw", xyzw, 4).tolist()
     return rotation_matrix("xyzw", (w, x, y, z))
 
 
-def _from_quaternion(unit: Floats) -> Floats:
-    w, x, y, z = unit.tolist()
+def any_rotations(rotation: Any, xyzw: Any) -> Floats | None:
+    """Read many rotations (m, 3, 3) as `any_rotation` reads one."""
+    if xyzw is None:
+        return None if rotation is None else rotation_matrices("rotation", rotation)
+    _refuse_both(rotation, xyzw)
+    return rotation_matrices("xyzw", np.roll(checks.directions("xyzw", xyzw, 4), 1, axis=1))
+
+
+def _refuse_both(rotation: Any, xyzw: Any) -> None:
+    if rotation is not None:
+        raise InputError("xyzw", "stands beside rotation", xyzw, "one of rotation, xyzw")
+
+
+def rotation_matrices(key: str, value: Any) -> Floats:
+    """Read rotations (m, 3, 3), quaternions (m, 4) or a `Rotation` of SciPy as `rotation_matrix` reads one."""
+    if callable(getattr(value, "as_matrix", None)):
+        value = value.as_matrix()
+    try:
+        axes = np.ndim(value)
+    except ValueError:
+        axes = 0
+    if axes == 2:
+        result = np.moveaxis(_from_quaternion(*checks.directions(key, value, 4).T), -1, 0).copy()
+    elif axes == 3:
+        result = np.array([rotation_matrix(f"{key}[{i}]", each) for i, each in enumerate(value)]).reshape(-1, 3, 3)
+    else:
+        raise InputError(key, "", value, "3x3 rotation matrices or quaternions [w, x, y, z]")
+    result.flags.writeable = False
+    return result
+
+
+def _from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Floats:
+    """Rotation (3, 3) of a unit quaternion; of arrays (m,) of their parts, rotations (3, 3, m)."""
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks.__main__ import BENCHMARKS, OF_LINES, OF_METHODS, Chosen, main
+from benchmarks.__main__ import ABOUT, BENCHMARKS, OF_LINES, OF_METHODS, Chosen, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
 
@@ -55,6 +55,18 @@ def test_options_reach_the_experiments(given: Given, tmp_path: Path, name: str) 
     line = [name, "--quick", "--anew", "--out", str(tmp_path), "--method", "dls", "--method", "newton"]
     assert main(line) == 130
     assert given == [(Chosen(name, quick=True, methods=("dls", "newton")), Output(tmp_path, anew=True))]
+
+
+def test_help_says_what_each_name_measures(capsys: pytest.CaptureFixture[str]) -> None:
+    assert list(ABOUT) == list(BENCHMARKS)
+    assert main(["--help"]) == 0
+    out = capsys.readouterr().out
+    assert all(f"  {name}: {about}\n" in out for name, about in ABOUT.items())
+    for name, about in ABOUT.items():
+        assert main([name, "--help"]) == 0
+        words = " ".join(capsys.readouterr().out.split())
+        assert f"Measure {name}: {about}." in words
+        assert not any(other in words for key, other in ABOUT.items() if key != name)
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)

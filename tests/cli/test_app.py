@@ -1,5 +1,6 @@
 """What the shell is told: exit codes, one line on standard error, and quickly."""
 
+import contextlib
 import subprocess
 import sys
 import tomllib
@@ -19,7 +20,7 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     assert main(["--help"]) == 0
     out = capsys.readouterr().out
-    assert all(out.count(f"\n  {command} ") == 2 for command in ("solve", "track", "check"))
+    assert all(out.count(f"\n  {command} ") == 2 for command in ("solve", "track", "check", "new", "warm"))
     assert "bench" not in out
 
 
@@ -113,7 +114,7 @@ def test_options_are_checked_before_anything_is_solved(
 
 
 @pytest.mark.parametrize("json", [[], ["--json"]])
-@pytest.mark.parametrize("command", ["solve", "track", "check"])
+@pytest.mark.parametrize("command", ["solve", "track"])
 def test_one_bad_file_stops_all(
     capsys: pytest.CaptureFixture[str], problem: Write, command: str, json: list[str]
 ) -> None:
@@ -123,6 +124,26 @@ def test_one_bad_file_stops_all(
     assert captured.out == ""
     assert captured.err.startswith(f"{files[1]}: target.position: expected 3 finite numbers")
     assert captured.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("typed", "completed"),
+    [
+        ("sinuous wa", ["warm"]),
+        ("sinuous solve --meth", ["--method"]),
+        ("sinuous track --method fabrik_", ["fabrik_avoid"]),
+        ("sinuous new p", ["pneumatic"]),
+    ],
+)
+def test_the_shell_completes(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, typed: str, completed: list[str]
+) -> None:
+    monkeypatch.setenv("_SINUOUS_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", typed)
+    monkeypatch.setenv("COMP_CWORD", str(len(typed.split()) - 1))
+    with contextlib.suppress(SystemExit):
+        main([])
+    assert capsys.readouterr().out.split() == completed
 
 
 def test_a_disk_that_fills_up_is_no_traceback(

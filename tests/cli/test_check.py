@@ -1,5 +1,6 @@
 """The command check."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -56,6 +57,24 @@ def test_defects_of_meshes_are_listed(capsys: pytest.CaptureFixture[str], proble
     assert said.err == ""
     assert main(["check", "--json", file]) == 0
     assert strict(capsys.readouterr().out)["notes"] == [defect]
+
+
+@pytest.mark.parametrize("json", [[], ["--json"]])
+def test_a_file_that_is_wrong_does_not_hide_the_others(
+    capsys: pytest.CaptureFixture[str], problem: Write, monkeypatch: pytest.MonkeyPatch, json: list[str]
+) -> None:
+    """A mesh that needs a package which is not installed, for one; and none is forgiven by what follows it."""
+    monkeypatch.setitem(sys.modules, "trimesh", None)
+    files = [problem("bad.yaml"), problem("shell.yaml"), problem("easy.yaml")]
+    assert main(["check", *files, *json]) == 2
+    said = capsys.readouterr()
+    answered = [line for line in said.out.splitlines() if not line.startswith("  ")]
+    assert len(answered) == 1
+    assert files[2] in answered[0]
+    bad, missing = said.err.splitlines()
+    assert bad.startswith(f"{files[0]}: target.position: expected 3 finite numbers")
+    assert missing.startswith(f"{files[1]}: ")
+    assert "sinuous[mesh]" in missing
 
 
 CURLED = """

@@ -8,6 +8,9 @@ from typing import Any
 import pytest
 
 from sinuous.cli.app import main
+from sinuous.cli.options import Options
+from sinuous.files.problem_file import read_problem
+from sinuous.solving.solver import Solver
 
 Write = Callable[[str], str]
 
@@ -152,6 +155,76 @@ def test_an_interrupt_keeps_the_results_so_far(
     assert captured.out == out.read_text()
     assert strict(captured.out)["file"] == files[0]
     assert captured.err.splitlines()[-1] == "sinuous: interrupted after 1 of 3 files; the results so far are written"
+
+
+def test_distinct_solutions_are_a_table(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    file = problem("scene.yaml")
+    assert main(["solve", file, "--all", "3"]) == 0
+    head, names, *rows = capsys.readouterr().out.splitlines()
+    assert head == f"{file}: solved (3 distinct solutions, best first)"
+    assert names.split() == ["bend", "length", "clearance", "position", "angle", "start"]
+    assert [row.split()[0] for row in rows] == ["1", "2", "3"]
+    assert all(float(row.split()[3]) >= 0.0 and row.split()[5] == "-" for row in rows)
+
+
+def test_distinct_solutions_are_results(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    """Each has the keys of a result, and all are what the library finds; where there is none, it is said why."""
+    file = problem("scene.yaml")
+    assert main(["solve", file, problem("far.yaml"), "--all", "4", "--json"]) == 1
+    found, none = (strict(line) for line in capsys.readouterr().out.splitlines())
+    common = ["file", "status", "base", "worst", "reason", "seconds", "prepare_seconds", "method", "seed", "solutions"]
+    assert list(found) == list(none) == common
+    own = [key for key in KEYS if key not in ("file", "prepare_seconds")]
+    assert all(list(each) == own and each["status"] == "solved" for each in found["solutions"])
+    asked = read_problem(file)
+    again = Solver(asked.robot, asked.scene, tolerance=asked.tolerance).solve_all(asked.waypoints[0], count=4)
+    assert [each["q"] for each in found["solutions"]] == [solution.q.tolist() for solution in again]
+    assert len(again) == 4
+    assert (none["status"], none["solutions"]) == ("out_of_reach", [])
+    assert none["reason"]["bound"] == "length"
+
+
+@pytest.mark.parametrize("count", ["0", "-1", "10001"])
+def test_how_many_must_be_some(capsys: pytest.CaptureFixture[str], problem: Write, count: str) -> None:
+    assert main(["solve", problem("easy.yaml"), "--all", count]) == 2
+    assert capsys.readouterr().err.startswith("--all: expected a whole number from 1 to 10000, got")
+
+
+def test_distinct_solutions_are_not_explained(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    assert main(["solve", problem("easy.yaml"), "--all", "3", "--why"]) == 2
+    assert capsys.readouterr().err == "--all: expected one of --all, --why, got 3 (stands beside --why)\n"
+
+
+def test_of_distinct_solutions_the_best_is_drawn(problem: Write, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    assert main(["solve", problem("easy.yaml"), "--all", "2", "--plot", str(tmp_path / "best.png")]) == 0
+    assert (tmp_path / "best.png").stat().st_size > 1000
+
+
+def test_what_several_files_need_is_compiled_before_the_first_is_answered(
+    problem: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second has obstacles: the search for routes must not be compiled between two results."""
+    from sinuous.cli import work
+    from sinuous.cli.output import Output
+    from sinuous.solving.routes import Router
+
+    events: list[str] = []
+
+    def noted(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any) -> Any:
+            events.append(name)
+            return function(*arguments)
+
+        return call
+
+    monkeypatch.setattr(Router, "load", noted("load", Router.load))
+    monkeypatch.setattr(Output, "write", noted("write", Output.write))
+    assert work.solve_files([problem("easy.yaml"), problem("scene.yaml")], Options(json=True)) == 0
+    assert events == ["load", "write", "load", "write"]
+    events.clear()
+    assert work.solve_files([problem("scene.yaml")], Options(json=True)) == 0
+    assert events == ["write"]  # one alone compiles what it turns out to need
 
 
 def test_why_says_what_would_help(capsys: pytest.CaptureFixture[str], problem: Write) -> None:

@@ -41,6 +41,24 @@ def test_the_text_counts(capsys: pytest.CaptureFixture[str], problem: Write) -> 
     assert capsys.readouterr().out.startswith(f"{file}: out_of_reach (2 of 3 waypoints; waypoint 2: ")
 
 
+def test_results_are_made_where_somebody_wants_them(
+    problem: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a long path they are more work than solving it."""
+    made: list[object] = []
+    plainly = tracking.Track.to_dict
+
+    def to_dict(self: tracking.Track) -> dict[str, Any]:
+        made.append(self)
+        return plainly(self)
+
+    monkeypatch.setattr(tracking.Track, "to_dict", to_dict)
+    for options, count in (([], 0), (["--json"], 1), (["--out", str(tmp_path / "track.jsonl")], 1)):
+        made.clear()
+        assert main(["track", problem("path.yaml"), *options]) == 0
+        assert len(made) == count
+
+
 def test_an_interrupt_keeps_the_waypoints_so_far(
     capsys: pytest.CaptureFixture[str], problem: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -4,12 +4,25 @@ import numpy as np
 import pytest
 
 from sinuous.errors import InputError
+from sinuous.files import path_csv
 from sinuous.files.path_csv import parse_path
 
 
 def test_quaternions_are_wxyz() -> None:
     (target,) = parse_path("x,y,z,qw,qx,qy,qz\n1,2,3,0,2,0,0\n")
     np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
+
+
+@pytest.mark.parametrize("header", path_csv.HEADERS, ids=",".join)
+def test_rows_read_together_are_those_read_one_by_one(header: tuple[str, ...]) -> None:
+    numbers = np.random.default_rng(1).normal(size=(50, len(header)))
+    text = ",".join(header) + "\n" + "\n".join(" , ".join(map(repr, row)) for row in numbers.tolist())
+    rows = list(path_csv._rows(text))[1:]
+    together = path_csv._together(header, [cells for _, cells in rows])
+    assert parse_path(text) != ()
+    assert len(together) == 50
+    for target, single in zip(together, path_csv._one_by_one(header, rows), strict=True):
+        np.testing.assert_array_equal(target.table, single.table)
 
 
 def test_the_columns_name_the_order() -> None:
@@ -31,6 +44,7 @@ def test_the_columns_name_the_order() -> None:
         ("x,y,z\n1_0,2,3\n", "line 2.x", "expected a finite number, got '"),
         ("x,y,z\n1e999,2,3\n", "line 2.x", "expected a finite number, got inf"),
         ("x,y,z,dx,dy,dz\n1,2,3,0,0,0\n", "line 2.direction", "expected a vector that is not zero"),
+        ("x,y,z\n" + "1,2,3\n" * 1000 + "1,2,x\n", "line 1002.z", "expected a finite number, got 'x'"),
         ('x,y,z\n"1,2,3\n', "line", "unexpected end"),
     ],
 )

@@ -170,6 +170,29 @@ def test_a_path_may_be_a_list_or_a_table_beside_the_problem(tmp_path: Path) -> N
     np.testing.assert_array_equal(table.waypoints[1][0].direction, [0, 0, 1])
 
 
+@pytest.mark.parametrize("orientation", ["", "direction", "rotation"])
+def test_a_long_path_is_read_as_its_targets_are_one_by_one(tmp_path: Path, orientation: str) -> None:
+    numbers = np.random.default_rng(2).normal(size=(40, 7)).round(3).tolist()
+    size = {"": 0, "direction": 3, "rotation": 4}[orientation]
+    rows = [{"position": row[:3]} | ({orientation: row[3 : 3 + size]} if size else {}) for row in numbers]
+    rows[7]["position"] = [1, 2, 3]  # whole numbers are numbers
+    listed = read_problem(_write(tmp_path, ROBOT + "path: " + json.dumps(rows)))
+    # One that is not like the others has all of them read one by one.
+    single = read_problem(_write(tmp_path, ROBOT + "path: " + json.dumps([*rows, {"direction": [0, 0, 1]}])))
+    for (a,), (b,) in zip(listed.waypoints, single.waypoints[:-1], strict=True):
+        np.testing.assert_array_equal(a.table, b.table)
+
+
+@pytest.mark.parametrize(
+    "wrong", ["[0, 0]", "[0, 0, a]", "[0, 0, true]", "7", "[0, 0, [1]]", "[0, 0, " + "9" * 330 + "]"]
+)
+def test_one_wrong_target_of_a_long_path_is_named(tmp_path: Path, wrong: str) -> None:
+    good = "  - {position: [0, 0, 3]}\n"
+    with pytest.raises(InputError) as caught:
+        read_problem(_write(tmp_path, ROBOT + "path:\n" + 30 * good + f"  - {{position: {wrong}}}\n" + good))
+    assert caught.value.key.startswith("path[30].position")
+
+
 def test_a_start_may_be_numbers_a_result_or_a_file_with_one(tmp_path: Path) -> None:
     q = [[0.1, 0.2, 1.5], [0.0, 0.0, 1.25]]
     result = {"status": "solved", "q": q}

@@ -3,7 +3,9 @@
 import ast
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -24,11 +26,16 @@ def decorated(file: Path, name: str) -> set[str]:
     }
 
 
-def imported(file: Path) -> set[str]:
-    """Names that a file imports from the kernels."""
+def module_of(file: Path) -> str:
+    """Name of a file of the package as an import has it."""
+    return ".".join(file.relative_to(PACKAGE.parent).with_suffix("").parts)
+
+
+def imported(file: Path) -> set[tuple[str, str]]:
+    """Module and name of what a file imports from the kernels."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     return {
-        alias.name
+        (node.module or "", alias.name)
         for node in ast.walk(tree)
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sinuous.kernels")
         for alias in node.names
@@ -37,13 +44,16 @@ def imported(file: Path) -> set[str]:
 
 def test_only_entries_are_called_from_python() -> None:
     kernels = sorted([*(PACKAGE / "kernels").rglob("*.py"), *(PACKAGE / "methods").rglob("*.py")])
-    inner = set().union(*(decorated(file, "kernel") for file in kernels))
-    entries = set().union(*(decorated(file, "entry") for file in kernels))
-    assert {"search", "search_many", "prefer"} <= entries
+    inner, entries = (
+        {(module_of(file), name) for file in kernels for name in decorated(file, mark)} for mark in ("kernel", "entry")
+    )
+    assert {"search", "search_many", "prefer"} <= {name for _, name in entries}
     assert not inner & entries
     for file in PACKAGE.rglob("*.py"):
         if file not in kernels and imported(file) & inner:
-            assert "entry" in imported(file), f"{file} imports an inner kernel without an entry to call it from"
+            assert ("sinuous.kernels.compile", "entry") in imported(file), (
+                f"{file} imports an inner kernel without an entry to call it from"
+            )
     assert not decorated(PACKAGE / "kernels" / "chain" / "batch.py", "kernel")
 
 
@@ -90,42 +100,60 @@ def test_caches_that_nobody_uses_are_removed_when_a_new_one_is_made(
     assert late.exists()
 
 
-class Uncompiled:
-    """What `announce` sees of an entry that is not loaded yet."""
-
-    signatures = ()
-    __name__ = "search"
-    __module__ = "sinuous.methods.opti_path.search"
-
-    def __call__(self) -> None: ...
-
-
-def test_compiling_is_announced_for_every_method_of_its_own(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[int], Any]:
+    """Make an entry, with a cache of its own, that belongs to a piece of so many seconds."""
     monkeypatch.setattr(compiling, "CACHE", tmp_path)
-    for folder in ("solve_1f", "opti_path_2e/inner", "opti_path_2e"):
-        monkeypatch.setattr(compiling, "_announced", [])
-        compiling.announce(Uncompiled())
-        assert capsys.readouterr().err.count("compiling the kernels") == 1
-        (tmp_path / folder).mkdir(parents=True, exist_ok=True)
-        (tmp_path / folder / "search.search-1.py311.nbi").touch()
-    monkeypatch.setattr(compiling, "_announced", [])
-    compiling.announce(Uncompiled())
+    monkeypatch.setattr(compiling, "_told", [])
+
+    def make(seconds: int) -> Any:
+        name = compiling.name_of(half)
+        monkeypatch.setattr(compiling, "PIECES", (compiling.Piece("halves", seconds, (name,)),))
+        return compiling.entry(half)
+
+    return make
+
+
+def half(x: float) -> float:
+    return 0.5 * x
+
+
+def test_compiling_is_announced_with_what_and_how_long_and_loading_is_not(
+    fresh: Callable[[int], Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert fresh(9)(2.0) == 1.0
+    said = "sinuous: compiling halves, once on this machine (about 9 s); 'sinuous warm' compiles everything ahead\n"
+    assert capsys.readouterr().err == said
+    monkeypatch.setattr(compiling, "_told", [])
+    again = fresh(9)
+    assert again(4.0) == 2.0
+    assert sum(again.stats.cache_hits.values()) == 1
     assert capsys.readouterr().err == ""
 
 
-def test_compiling_is_announced_once_in_a_process(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_compiling_a_piece_is_announced_once_in_a_process(
+    fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(compiling, "CACHE", tmp_path)
-    monkeypatch.setattr(compiling, "_announced", [])
-    for _ in range(3):
-        compiling.announce(Uncompiled())
-    said = capsys.readouterr().err
-    assert said == compiling.NOTICE + "\n"
-    assert "about 20 s" in said
-    assert "obstacles about 40 s" in said
+    entry = fresh(9)
+    entry(2.0)
+    entry(2)
+    assert capsys.readouterr().err.count("compiling") == 1
+    assert len(entry.signatures) == 2
+
+
+def test_what_takes_no_time_is_not_announced(fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]) -> None:
+    fresh(1)(2.0)
+    assert capsys.readouterr().err == ""
+
+
+def test_another_can_be_told(fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str]) -> None:
+    told: list[compiling.Piece] = []
+    entry = fresh(9)
+    with compiling.told_to(told.append):
+        entry(2.0)
+    assert [piece.what for piece in told] == ["halves"]
+    assert capsys.readouterr().err == ""
+    assert compiling._tellers == [compiling._print]
 
 
 def test_whole_numbers_are_of_one_kind() -> None:

@@ -1,10 +1,13 @@
 """Targets: what is asked, in the form that the kernels read, and bad input."""
 
 import math
+import pickle
 from typing import Any
 
 import numpy as np
 import pytest
+from numba import typeof
+from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.tables import DIRECTION, FREE, ROTATION
 from sinuous.problem.target import Target, target_list, target_table
@@ -75,6 +78,60 @@ def test_lists_of_targets() -> None:
     assert target_list("targets", iter([a, b])) == (a, b)
     np.testing.assert_array_equal(target_table(ROBOT, (a,)), a.table)
     np.testing.assert_array_equal(target_table(ROBOT, (a, b)), np.concatenate([a.table, b.table]))
+
+
+ROWS = np.random.default_rng(5).normal(size=(200, 10)) * 10.0 ** np.random.default_rng(6).integers(-9, 9, (200, 1))
+ROTATIONS = Rotation.random(20, rng=7)
+UNITS = np.concatenate([ROTATIONS.as_matrix()[:, 0], np.eye(3), ROWS[:20, 3:6]])
+"""Unit vectors, up to rounding, which are kept; and others."""
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"position": ROWS[:, :3]},
+        {"direction": ROWS[:, 3:6]},
+        {"position": ROWS[:, :3], "direction": ROWS[:, 3:6]},
+        {"position": ROWS[:, :3], "rotation": ROWS[:, 6:]},
+        {"rotation": ROWS[:, 6:].tolist()},
+        {"position": ROWS[:, :3], "xyzw": ROWS[:, 6:]},
+        {"direction": UNITS},
+        {"xyzw": ROTATIONS.as_quat()},
+        {"rotation": ROTATIONS},
+        {"rotation": np.stack([random_rotation(np.random.default_rng(i)) for i in range(3)])},
+    ],
+    ids=lambda columns: "+".join(columns) + type(next(iter(columns.values()))).__name__,
+)
+def test_many_targets_are_those_made_one_by_one(columns: dict[str, Any]) -> None:
+    """To the last bit, and as frozen; kernels get tables that they may be called with."""
+    targets = Target.each(**columns)
+    singles = [Target(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True)]
+    assert len(targets) == len(singles)
+    for target, single in zip(targets, singles, strict=True):
+        for key in ("position", "direction", "rotation"):
+            np.testing.assert_array_equal(getattr(target, key), getattr(single, key))
+            assert getattr(target, key) is None or not getattr(target, key).flags.writeable
+        assert target.segment is None
+        assert target._table.tobytes() == single._table.tobytes()
+        assert typeof(target._table) == typeof(single._table)  # type: ignore[no-untyped-call]
+        assert repr(target) == repr(single)
+    with pytest.raises(AttributeError):
+        targets[0].segment = 2  # type: ignore[misc]
+    again = pickle.loads(pickle.dumps(targets[-1]))
+    np.testing.assert_array_equal(again.table, targets[-1].table)
+
+
+def test_wrong_rows_of_many_targets_are_refused() -> None:
+    good = np.ones((3, 3))
+    refused("position", Target.each, "position, direction or rotation")
+    refused("direction", lambda: Target.each(good, direction=good, rotation=np.ones((3, 4))), "rotation")
+    refused("xyzw", lambda: Target.each(rotation=np.ones((3, 4)), xyzw=np.ones((3, 4))), "one of rotation, xyzw")
+    refused("xyzw", lambda: Target.each(good, xyzw=np.ones((2, 4))), "as many as there are positions")
+    refused("direction", lambda: Target.each(good, direction=good[:2]), "as many as there are positions")
+    refused("direction[1]", lambda: Target.each(direction=[[1, 0, 0], [0, 0, 0]]), "not zero")
+    refused("rotation[0]", lambda: Target.each(rotation=[np.diag([1, 1, -1])]))
+    refused_each("position", (5, "a", [[1, 2]], [1, 2, 3], [[1, 2, math.inf]], [[1, 2, True]]), Target.each)
+    refused_each("rotation", (5, "a", [[1, 2]], [1, 0, 0, 0], [[1, 0, 0], [1]]), lambda r: Target.each(rotation=r))
 
 
 def test_what_is_no_list_of_targets_is_refused() -> None:

@@ -19,12 +19,27 @@ _UsageError: Any = typer.BadParameter.__bases__[0]  # typer brings its own copy 
 app = typer.Typer(
     help="Inverse kinematics and motion of continuum robots among obstacles.",
     epilog="Exit codes: 0 everything solved, 1 something not, 2 bad input, 130 interrupted.",
-    add_completion=False,
     rich_markup_mode=None,
 )
 
+
+def _methods(begun: str) -> list[str]:
+    """Names of methods, for the shell to complete one."""
+    from sinuous.methods.registry import METHODS  # noqa: PLC0415
+
+    return [name for name in METHODS if name.startswith(begun)]
+
+
+def _kinds(begun: str) -> list[str]:
+    """Kinds of new problem files, for the shell to complete one."""
+    from sinuous.cli.new import KINDS  # noqa: PLC0415
+
+    return [kind for kind in KINDS if kind.startswith(begun)]
+
+
 Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files, YAML or JSON.", show_default=False)]
-Method = Annotated[str, typer.Option(help="Algorithm; docs/methods.md has them all.")]
+
+Method = Annotated[str, typer.Option(help="Algorithm; docs/methods.md has them all.", autocompletion=_methods)]
 Option = Annotated[
     list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
 ]
@@ -38,6 +53,19 @@ Plot = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Draw robot, scene and targets; several files are numbered.")
 ]
 Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the results as JSON lines.")]
+All = Annotated[
+    int | None, typer.Option("--all", metavar="COUNT", help="Find up to so many distinct solutions, best first.")
+]
+Kind = Annotated[
+    str,
+    typer.Argument(help="tendon, pneumatic, insertion or inspection.", autocompletion=_kinds, show_default=False),
+]
+New = Annotated[Path, typer.Argument(metavar="FILE", help="The file to write.", show_default=False)]
+Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there.")]
+Methods = Annotated[
+    list[str] | None,
+    typer.Option("--method", help="Only what this method needs; may be repeated.", autocompletion=_methods),
+]
 
 
 @app.command()
@@ -53,12 +81,13 @@ def solve(
     json: Json = False,
     plot: Plot = None,
     out: Out = None,
+    all_: All = None,
 ) -> None:
     """Meet a target, or several at once."""
     from sinuous.cli.work import solve_files  # noqa: PLC0415
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, why)
-    raise typer.Exit(solve_files(files, options))
+    raise typer.Exit(solve_files(files, options, all_))
 
 
 @app.command()
@@ -88,6 +117,22 @@ def check(files: Files, json: Json = False) -> None:
     from sinuous.cli.check import check_files  # noqa: PLC0415
 
     raise typer.Exit(check_files(files, json=json))
+
+
+@app.command()
+def new(kind: Kind, file: New, force: Force = False) -> None:
+    """Write a commented problem file to start from."""
+    from sinuous.cli.new import write_new  # noqa: PLC0415
+
+    raise typer.Exit(write_new(kind, file, force=force))
+
+
+@app.command()
+def warm(method: Methods = None) -> None:
+    """Compile everything now, once on this machine."""
+    from sinuous.cli.warm import warm_up  # noqa: PLC0415
+
+    raise typer.Exit(warm_up(method or ()))
 
 
 @app.command(

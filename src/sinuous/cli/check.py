@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 from sinuous.cli.reading import read_all
+from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
 from sinuous.scene.extents import box_of
@@ -16,15 +17,31 @@ from sinuous.words import number, span
 MOST = 12
 """Most obstacles of which sizes are printed."""
 
+GOOD, NO_ANSWER, BAD_INPUT = 0, 1, 2
+
 
 def check_files(files: list[str], *, json: bool) -> int:
-    """Read all files, then say of each what it contains; return 1 when a start does not meet its target, else 0."""
-    good = True
-    for problem in [read.problem for read in read_all(files)]:
+    """Say of each file what it contains, or what is wrong with it.
+
+    Returns
+    -------
+    int
+        2 when a file is wrong, else 1 when a start does not meet its target, else 0.
+    """
+    code = GOOD
+    for file in files:
+        try:
+            (read,) = read_all([file])
+        except InputError as error:  # the others may be good; what one needs may merely be missing here
+            typer.echo(" ".join(str(error).split()), err=True)
+            code = BAD_INPUT
+            continue
+        problem = read.problem
         start = None if problem.start is None else verify(problem.problem(), problem.start)
-        good = good and (start is None or start.ok)
+        if start is not None and not start.ok:
+            code = max(code, NO_ANSWER)
         typer.echo(json_line(_contents(problem, start)) if json else _description(problem, start))
-    return 0 if good else 1
+    return code
 
 
 def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any]:

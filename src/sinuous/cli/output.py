@@ -5,12 +5,15 @@ from typing import Any, TextIO
 
 import typer
 
+from sinuous.cli.alternatives import Alternatives
 from sinuous.cli.options import Options
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
 from sinuous.motion.track import Track
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
+
+Answer = Solution | Track | Alternatives
 
 
 class Output:
@@ -34,22 +37,21 @@ class Output:
         if self._out is not None:
             self._out.close()
 
-    def write(
-        self, file: str, answer: Solution | Track, prepare_seconds: float, why: Explanation | None = None
-    ) -> None:
+    def write(self, file: str, answer: Answer, prepare_seconds: float, why: Explanation | None = None) -> None:
         """Write the answer to one problem file, and why it is so."""
         self._done += 1
-        line = json_line(result(file, answer.to_dict() | _remedies(why), prepare_seconds))
-        if self._out is not None:
-            self._out.write(line + "\n")
-            self._out.flush()
+        if self._options.json or self._out is not None:  # of a long path, a line is more work than solving it
+            line = json_line(result(file, answer.to_dict() | _remedies(why), prepare_seconds))
+            if self._out is not None:
+                self._out.write(line + "\n")
+                self._out.flush()
         text = f"{file}: {str(answer).split(': ', 1)[1]}" if why is None else f"{file}: {why}"
         typer.echo(line if self._options.json else text)
         picture = self._options.picture(self._done, self._files)
         if picture is not None:
             from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
 
-            plot_solution(answer, picture)
+            plot_solution(answer.best if isinstance(answer, Alternatives) else answer, picture)
 
 
 def _remedies(why: Explanation | None) -> dict[str, Any]:

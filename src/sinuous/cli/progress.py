@@ -2,6 +2,7 @@
 
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -9,8 +10,9 @@ from typing import Any
 LONG = 10
 """Solves from which on a bar is worth showing."""
 
-PATIENCE = 0.5
-"""Seconds of reading after which a person wants to know what takes so long."""
+PATIENCE, LEAST = 0.5, 0.1
+"""Seconds after which a person wants to know what takes so long, and of them the least for reading: starting Python and
+importing the library count, too."""
 
 
 class Bar:
@@ -71,7 +73,7 @@ class Waiting:
             columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn()
             self._progress = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False)
             self._task = self._progress.add_task("reading", total=None)
-            self._late = threading.Timer(PATIENCE, self._progress.start)
+            self._late = threading.Timer(max(LEAST, PATIENCE - time.process_time()), self._progress.start)
             self._late.daemon = True
 
     def __enter__(self) -> "Waiting":

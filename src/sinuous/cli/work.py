@@ -3,11 +3,14 @@
 import time as clock
 import warnings
 from collections.abc import Callable
+from functools import partial
 
 import typer
 
+from sinuous import checks
+from sinuous.cli.alternatives import Alternatives
 from sinuous.cli.options import Options
-from sinuous.cli.output import Output
+from sinuous.cli.output import Answer, Output
 from sinuous.cli.progress import Bar
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
@@ -15,23 +18,29 @@ from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.track import Track, waypoints
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solving.solver import OneSolve, Solver
 
 SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
 
-Answer = Callable[[Solver, ProblemFile, Bar], Solution | Track]
+MOST_ALTERNATIVES = 10_000
+
+Question = Callable[[Solver, ProblemFile, Bar], Answer]
 
 
-def solve_files(files: list[str], options: Options) -> int:
-    """Solve the target of every file; return the exit code."""
+def solve_files(files: list[str], options: Options, count: int | None = None) -> int:
+    """Solve the target of every file, or find up to `count` distinct solutions; return the exit code."""
     options.check(files)
+    if count is not None:
+        checks.integer("--all", count, 1, MOST_ALTERNATIVES)
+        if options.why:
+            raise InputError("--all", "stands beside --why", count, "one of --all, --why")
     read = read_all(files)
     for problem in (one.problem for one in read):
         if problem.is_path:
             raise InputError(
                 "path", "is for the command track", len(problem.waypoints), "target or targets", problem.file
             )
-    return _answer_all(read, options, _solve)
+    return _answer_all(read, options, _solve if count is None else partial(_solve_all, count))
 
 
 def track_files(files: list[str], options: Options) -> int:
@@ -40,18 +49,21 @@ def track_files(files: list[str], options: Options) -> int:
     return _answer_all(read_all(files), options, _track)
 
 
-def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
+def _answer_all(read: list[Read], options: Options, question: Question) -> int:
     done = solved = 0
     total = sum(len(one.problem.waypoints) for one in read)
     say_notes([one.problem for one in read])
+    alone = len(read) == 1 and question is _solve
     try:
+        ahead = 0.0 if len(read) == 1 else _compile([one.problem for one in read], options)
         with Output(options, len(read)) as output, Bar(total) as bar:
             for one in read:
                 with bar.hidden():
-                    solver, prepare_seconds = _prepare(one.problem, options)
-                found = answer(solver, one.problem, bar)
+                    solver, prepare_seconds = _prepare(one.problem, options, OneSolve if alone else Solver)
+                found = question(solver, one.problem, bar)
                 with bar.hidden():
-                    _write(output, one, found, prepare_seconds)
+                    _write(output, one, found, prepare_seconds + ahead)
+                ahead = 0.0
                 if isinstance(found, Track) and found.remaining:
                     raise KeyboardInterrupt
                 done += 1
@@ -62,7 +74,7 @@ def _answer_all(read: list[Read], options: Options, answer: Answer) -> int:
     return SOLVED if solved == len(read) else UNSOLVED
 
 
-def _write(output: Output, one: Read, found: Solution | Track, prepare_seconds: float) -> None:
+def _write(output: Output, one: Read, found: Answer, prepare_seconds: float) -> None:
     """Write an answer, with what explains it where that is wished for; an interrupt meanwhile leaves the answer."""
     asked = one.problem.file, found, one.seconds + prepare_seconds
     try:
@@ -73,11 +85,17 @@ def _write(output: Output, one: Read, found: Solution | Track, prepare_seconds: 
     output.write(*asked, why)
 
 
-def _prepare(problem: ProblemFile, options: Options) -> tuple[Solver, float]:
+def _compile(problems: list[ProblemFile], options: Options) -> float:
+    """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
+    kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
+    return sum(_prepare(problem, options, Solver)[1] for problem in kinds.values())
+
+
+def _prepare(problem: ProblemFile, options: Options, kind: type[Solver]) -> tuple[Solver, float]:
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
-        solver = Solver(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
+        solver = kind(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
     return solver, clock.perf_counter() - began
 
 
@@ -85,6 +103,14 @@ def _solve(solver: Solver, problem: ProblemFile, bar: Bar) -> Solution:
     solution = solver.solve(problem.waypoints[0], problem.start)
     bar.advance()
     return solution
+
+
+def _solve_all(count: int, solver: Solver, problem: ProblemFile, bar: Bar) -> Alternatives:
+    began = clock.perf_counter()
+    found = solver.solve_all(problem.waypoints[0], problem.start, count=count)
+    best = found[0] if found else solver.solve(problem.waypoints[0], problem.start)
+    bar.advance()
+    return Alternatives(tuple(found), best, clock.perf_counter() - began)
 
 
 def _track(solver: Solver, problem: ProblemFile, bar: Bar) -> Track:

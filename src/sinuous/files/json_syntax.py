@@ -20,7 +20,7 @@ def parse_json(text: str) -> Any:
             values = json.loads(text, object_pairs_hook=_unique, parse_int=whole_number)
         except json.JSONDecodeError as error:
             refuse_line(text, error.lineno, error.msg, "JSON")
-        refuse_infinite("", values)
+        refuse_infinite(values)
     return values
 
 

@@ -1,6 +1,7 @@
 """Robot, obstacles and targets as they stand in a problem file."""
 
 from collections.abc import Callable
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,9 @@ FROM_ARRAYS: dict[str, tuple[str, Callable[..., Obstacle]]] = {
     "grid": ("values", Grid),
 }
 """The same, where the problem file holds them itself: the key that says so, and the noun."""
+
+VECTORS = {"position", "direction", "rotation", "xyzw"}
+"""Keys of a target that hold numbers in a list."""
 
 
 def read_robot(value: Any) -> Robot:
@@ -133,6 +137,26 @@ def read_targets(value: Any, robot: Robot) -> tuple[Target, ...]:
         with checks.inside(f"[{i}]"):
             targets.append(read_target(entry, robot))
     return tuple(targets)
+
+
+def targets_together(entries: list[Any]) -> tuple[Target, ...]:
+    """Read a long list of targets at once where all have the same keys, with vectors of plain numbers.
+
+    Empty where that is not so, or where something is wrong with one: `read_target` says what.
+    """
+    keys = entries[0].keys() if isinstance(entries[0], dict) else set()
+    if not keys or not keys <= VECTORS or not all(isinstance(e, dict) and e.keys() == keys for e in entries):
+        return ()
+    columns = {key: [entry[key] for entry in entries] for key in keys}
+    for rows in columns.values():
+        if set(map(type, rows)) != {list} or len(set(map(len, rows))) > 1:
+            return ()
+        if not set(map(type, chain.from_iterable(rows))) <= {int, float}:
+            return ()
+    try:
+        return Target.each(**columns)
+    except InputError:
+        return ()
 
 
 def _list_of(what: str, value: Any, least: int = 1) -> list[Any]:

@@ -4,6 +4,8 @@ import csv
 import io
 from collections.abc import Iterator
 
+import numpy as np
+
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.files.text import NUMBER
@@ -27,18 +29,13 @@ def parse_path(text: str) -> tuple[Target, ...]:
     InputError
         With the number of the line, when the header is another one, or a row has not one finite number for each column.
     """
-    rows = _rows(text)
-    line, names = next(rows, (1, []))
+    (line, names), *rows = list(_rows(text)) or [(1, [])]
     header = tuple(name.strip() for name in names)
     if header not in HEADERS:
         raise InputError(f"line {line}", "", ",".join(names), " or ".join(",".join(h) for h in HEADERS))
-    targets = []
-    for line, cells in rows:
-        with checks.inside(f"line {line}"):
-            targets.append(_target(header, cells))
-    if not targets:
+    if not rows:
         raise InputError(f"line {line}", "", text, "at least one target")
-    return tuple(targets)
+    return _together(header, [cells for _, cells in rows]) or tuple(_one_by_one(header, rows))
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
@@ -50,6 +47,28 @@ def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
                 yield reader.line_num, cells
     except csv.Error as error:
         raise InputError(f"line {reader.line_num}", str(error), text, "comma-separated values") from None
+
+
+def _together(header: tuple[str, ...], rows: list[list[str]]) -> tuple[Target, ...]:
+    """Targets of all rows; none where something is wrong with one."""
+    if set(map(len, rows)) != {len(header)}:
+        return ()
+    cells = [cell.strip() for row in rows for cell in row]
+    if not all(map(NUMBER.fullmatch, cells)):
+        return ()
+    values = np.array(list(map(float, cells))).reshape(len(rows), -1)
+    orientation = HEADERS[header]
+    try:
+        return Target.each(values[:, :3], **({} if orientation is None else {orientation: values[:, 3:]}))
+    except InputError:
+        return ()
+
+
+def _one_by_one(header: tuple[str, ...], rows: list[tuple[int, list[str]]]) -> Iterator[Target]:
+    """Yield the targets; a refusal names the line."""
+    for line, cells in rows:
+        with checks.inside(f"line {line}"):
+            yield _target(header, cells)
 
 
 def _target(header: tuple[str, ...], cells: list[str]) -> Target:

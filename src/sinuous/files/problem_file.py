@@ -11,11 +11,12 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
 from sinuous.files.documents import parse, read_part
-from sinuous.files.nouns import read_robot, read_scene, read_target, read_targets
+from sinuous.files.nouns import read_robot, read_scene, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
+from sinuous.garbage import uncollected
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
@@ -172,7 +173,9 @@ def read_problem(file: str | Path) -> ProblemFile:
     """
     path = Path(file)
     try:
-        return problem_of(parse(read_text(path), path), str(file), ProblemFile)
+        text = read_text(path)
+        with uncollected():  # a long path is some hundred thousand values
+            return problem_of(parse(text, path), str(file), ProblemFile)
     except InputError as error:
         raise error.in_file(file) from None
 
@@ -242,6 +245,9 @@ def _read_path(value: Any, robot: Robot, folder: Path) -> tuple[tuple[Target, ..
             raise error.in_file(file) from None
     if not isinstance(value, list) or not value:
         raise InputError("path", "", value, "a list of targets or the name of a CSV file")
+    together = targets_together(value)
+    if together:
+        return tuple((target,) for target in together)
     waypoints = []
     for i, entry in enumerate(value):
         with checks.inside(f"path[{i}]"):

@@ -15,7 +15,10 @@ from sinuous.files.text import read_text
 
 def json_line(result: dict[str, Any]) -> str:
     """Return one result as one line, without a line break; numbers that are not finite become null."""
-    return json.dumps(plain(result), allow_nan=False)
+    try:
+        return json.dumps(result, allow_nan=False, default=plain)
+    except ValueError:  # some number is not finite
+        return json.dumps(plain(result), allow_nan=False)
 
 
 def result(file: str, answer: dict[str, Any], prepare_seconds: float) -> dict[str, Any]:

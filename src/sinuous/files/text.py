@@ -45,14 +45,17 @@ def whole_number(text: str) -> int | float:
     return int(text) if len(text) <= MOST_DIGITS else float(text)
 
 
-def refuse_infinite(key: str, value: Any) -> None:
+def refuse_infinite(value: Any) -> None:
     """Check that every number in plain values is finite; the refusal names its key."""
     if isinstance(value, float) and not math.isfinite(value):
-        raise InputError(key or "file", "", value, "a finite number")
+        raise InputError("", "", value, "a finite number")
     entries = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for inner, entry in entries:
-        if isinstance(entry, (float, dict, list)):
-            refuse_infinite(join(key, inner), entry)
+        if isinstance(entry, (dict, list)) or (isinstance(entry, float) and not math.isfinite(entry)):
+            try:  # a key is put together for what is refused alone: a long path has a hundred thousand of them
+                refuse_infinite(entry)
+            except InputError as error:
+                raise error.within(join("", inner)) from None
 
 
 def refuse_line(text: str, line: int, reason: str, expected: str) -> NoReturn:

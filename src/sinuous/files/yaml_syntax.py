@@ -27,6 +27,9 @@ _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
 MOST_REPEATED = 100_000
 """Values that all aliases of a document may stand for together: nested aliases multiply."""
 
+Place = tuple[Any, ...]
+"""Where a value stands: `()`, or the place of what it stands in, and its name or number there."""
+
 
 def parse_yaml(text: str) -> Any:
     """Read one YAML document; `None` when there is none.
@@ -41,14 +44,14 @@ def parse_yaml(text: str) -> Any:
     """
     with refuse_deep(text):
         try:
-            values = _Document(yaml.parse(text, Loader=_LOADER)).values()
+            values = _Document(iter(_LOADER(text).get_event, None)).values()
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark else 1
             refuse_line(text, line, error.problem or "cannot be read", "YAML")
         except yaml.YAMLError as error:
             reason = getattr(error, "reason", "cannot be read")
             raise InputError("file", str(reason), text, "YAML") from None
-        refuse_infinite("", values)
+        refuse_infinite(values)
     return values
 
 
@@ -65,14 +68,14 @@ class _Document:
         next(self._events)
         if isinstance(next(self._events), yaml.StreamEndEvent):
             return None
-        value = self._value("", next(self._events))
+        value = self._value((), next(self._events))
         next(self._events)
         after = next(self._events)
         if not isinstance(after, yaml.StreamEndEvent):
             raise InputError(_line(after), "starts another document", "---", "one document")
         return value
 
-    def _value(self, key: str, event: Any) -> Any:
+    def _value(self, place: Place, event: Any) -> Any:
         if isinstance(event, yaml.AliasEvent):
             return self._again(event)
         if event.tag is not None:
@@ -80,9 +83,9 @@ class _Document:
         before = self._made
         self._made += 1
         if event.anchor is None:
-            return self._own_value(key, event)
+            return self._own_value(place, event)
         self._open.add(event.anchor)
-        value = self._own_value(key, event)
+        value = self._own_value(place, event)
         self._open.discard(event.anchor)
         self._anchors[event.anchor] = value, self._made - before
         return value
@@ -101,27 +104,30 @@ class _Document:
             raise InputError(_line(event), "aliases multiply", f"*{name}", f"at most {MOST_REPEATED} repeated values")
         return value
 
-    def _own_value(self, key: str, event: Any) -> Any:
+    def _own_value(self, place: Place, event: Any) -> Any:
         if isinstance(event, yaml.ScalarEvent):
-            plain = event.implicit[0]
-            return _scalar(event.value) if plain else event.value
-        return self._sequence(key) if isinstance(event, yaml.SequenceStartEvent) else self._mapping(key)
+            return _scalar(event.value) if event.implicit[0] else event.value
+        return self._sequence(place) if isinstance(event, yaml.SequenceStartEvent) else self._mapping(place)
 
-    def _sequence(self, key: str) -> list[Any]:
+    def _sequence(self, place: Place) -> list[Any]:
         result: list[Any] = []
-        while not isinstance(event := next(self._events), yaml.SequenceEndEvent):
-            result.append(self._value(join(key, len(result)), event))
+        for event in self._events:
+            if isinstance(event, yaml.SequenceEndEvent):
+                break
+            result.append(self._value((place, len(result)), event))
         return result
 
-    def _mapping(self, key: str) -> dict[str, Any]:
+    def _mapping(self, place: Place) -> dict[str, Any]:
         result: dict[str, Any] = {}
-        while not isinstance(event := next(self._events), yaml.MappingEndEvent):
+        for event in self._events:
+            if isinstance(event, yaml.MappingEndEvent):
+                break
             if not isinstance(event, yaml.ScalarEvent):
-                raise InputError(_line(event), "has a key that is no name", key, "a name")
-            name, inner = event.value, join(key, event.value)
+                raise InputError(_line(event), "has a key that is no name", _key(place), "a name")
+            name, inner = event.value, (place, event.value)
             value = self._value(inner, next(self._events))
             if name in result:
-                raise InputError(inner, "stands twice", value, "every key once")
+                raise InputError(_key(inner), "stands twice", value, "every key once")
             result[name] = value
         return result
 
@@ -135,6 +141,10 @@ def _scalar(text: str) -> Any:
     if NUMBER.fullmatch(text):
         return float(text)
     return float(text.replace(".", "")) if _NOT_FINITE.fullmatch(text) else text
+
+
+def _key(place: Place) -> str:
+    return join(_key(place[0]), place[1]) if place else ""
 
 
 def _line(event: Any) -> str:

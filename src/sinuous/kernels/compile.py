@@ -6,21 +6,21 @@ kernels are cached, not entries alone: an entry that is compiled later finds the
 """
 
 import contextlib
-import gc
 import hashlib
 import os
 import shutil
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numba
 from numba import types
 from numba.core import config as numba_config
 
 from sinuous.caches import places, writable
+from sinuous.garbage import uncollected
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
@@ -105,13 +105,8 @@ def _quickened(compiled: Any) -> Any:
     def compile_quickly(signature: Any) -> Any:
         if isinstance(signature, tuple):
             signature = tuple(types.unliteral(each) for each in signature)  # type: ignore[no-untyped-call]
-        collecting = gc.isenabled()
-        gc.disable()
-        try:
+        with uncollected():
             return compile_it(signature)
-        finally:
-            if collecting:
-                gc.enable()
 
     compiled.compile = compile_quickly
     return compiled
@@ -119,7 +114,8 @@ def _quickened(compiled: Any) -> Any:
 
 def entry(function: Function) -> Function:
     """Compile a kernel that Python calls."""
-    return _cached(function, CACHE, {"no_cfunc_wrapper": True})
+    compiled: Function = _telling(_cached(function, CACHE, {"no_cfunc_wrapper": True}))
+    return compiled
 
 
 def kernel(function: Function) -> Function:
@@ -148,18 +144,101 @@ def closure(function: Function) -> Function:
     return compiled
 
 
-def announce(compiled: Callable[..., Any]) -> None:
-    """Say on standard error that the kernels are about to be compiled, when an entry is not in the cache yet.
+class Piece(NamedTuple):
+    """Entries that are compiled for one purpose.
 
-    It is said once a process, and for all that a solve may need.
+    Attributes
+    ----------
+    what : str
+        The purpose, in the words of the user.
+    seconds : int
+        About how long compiling takes, on two cores that nobody else uses, after what stands before it in `PIECES`.
+    entries : tuple of str
+        Module within the package, and name.
     """
-    loaded: bool = bool(compiled.signatures)  # type: ignore[attr-defined]
-    *_, folder, module = compiled.__module__.split(".")
-    if not loaded and not _announced and not any(CACHE.glob(f"{folder}_*/{module}.{compiled.__name__}-*.nbi")):
-        _announced.append(module)
-        print(NOTICE, file=sys.stderr, flush=True)  # noqa: T201
+
+    what: str
+    seconds: int
+    entries: tuple[str, ...]
 
 
-NOTICE = "sinuous: compiling the kernels, once on this machine (about 20 s, among obstacles about 40 s)"
+PIECES = (
+    Piece("single solves", 50, ("kernels.solve.search.search",)),
+    Piece(
+        "routes among obstacles",
+        25,
+        ("kernels.fitting.query.route_query", "kernels.freespace.find.find_routes", "kernels.fitting.fit.fit_route"),
+    ),
+    Piece("batches of solves", 4, ("kernels.solve.search.search_many",)),
+    Piece("preferences", 9, ("kernels.solve.preferences.prefer",)),
+    Piece(
+        "kinematics",
+        1,
+        tuple(f"kernels.chain.batch.{name}" for name in ("frames_of", "points_of", "jacobians_of")),
+    ),
+    Piece(
+        "distances",
+        3,
+        (
+            "kernels.fields.distances.many",
+            "kernels.fields.distances.least_gap",
+            "kernels.fields.trees.arrange",
+            "kernels.fields.trees.enclose",
+            "kernels.fields.solids.enclose",
+            "kernels.fields.solids.sample",
+        ),
+    ),
+    Piece("the method opti_path", 25, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
+    Piece("the method dls", 6, ("methods.dls.search.search",)),
+    Piece("the methods fabrikc and fabrikx", 8, ("methods.fabrik.search.search",)),
+    Piece("the method slinki", 10, ("methods.slinki.search.search",)),
+    Piece("the method fabrik_avoid", 6, ("methods.fabrik_avoid.search.search",)),
+    Piece("the method monte_carlo", 6, ("methods.monte_carlo.search.search",)),
+)
+"""All that is compiled, what most users need first."""
 
-_announced: list[str] = []
+SHORT = 2
+"""Seconds from which on a person should know what takes so long."""
+
+
+def _telling(compiled: Any) -> Any:
+    """Let an entry tell when it is about to be compiled: when Numba has asked the cache for it in vain."""
+    piece = next((piece for piece in PIECES if name_of(compiled) in piece.entries), None)
+    load = compiled._cache.load_overload
+
+    def load_or_tell(signature: Any, context: Any) -> Any:
+        found = load(signature, context)
+        if found is None and piece is not None and piece not in _told:
+            _told.append(piece)
+            _tellers[-1](piece)
+        return found
+
+    compiled._cache.load_overload = load_or_tell
+    return compiled
+
+
+def name_of(compiled: Any) -> str:
+    """Name of an entry as `PIECES` has it."""
+    return f"{compiled.__module__.partition('.')[2]}.{compiled.__name__}"
+
+
+def _print(piece: Piece) -> None:
+    """Say on standard error what is about to be compiled, and how long that takes."""
+    if piece.seconds > SHORT:
+        hint = "; 'sinuous warm' compiles everything ahead" if len(_told) == 1 else ""
+        text = f"sinuous: compiling {piece.what}, once on this machine (about {piece.seconds} s){hint}"
+        print(text, file=sys.stderr, flush=True)  # noqa: T201
+
+
+@contextlib.contextmanager
+def told_to(teller: Callable[[Piece], None]) -> Iterator[None]:
+    """Call `teller` with each piece that is about to be compiled, instead of saying it on standard error."""
+    _tellers.append(teller)
+    try:
+        yield
+    finally:
+        _tellers.pop()
+
+
+_told: list[Piece] = []
+_tellers: list[Callable[[Piece], None]] = [_print]

@@ -8,7 +8,6 @@ import numpy as np
 
 from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.kernels.compile import announce
 from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.method import Call, Case
@@ -56,7 +55,6 @@ class Compiled:
 
     def _load(self, case: Case) -> None:
         """Compile the entry, or load it from the cache: it is called for no problem at all."""
-        announce(self._entry.search)
         nothing = np.zeros((0, 1, TARGET_WIDTH)), np.empty((0, 0, self._segments, 3))
         call = self._call(case.scene.snapshot(), *nothing, (0, 0, 0, 0.0))
         call.entry(*call.arguments)
@@ -72,7 +70,6 @@ class Compiled:
 
     def run_many(self, problems: Sequence[Problem], initial: Floats, budget: Budget) -> list[Outcome]:
         """Solve many problems; see `Method.run_many`."""
-        announce(self._entry.search)
         if not self._capabilities.any_target:
             for each in problems:
                 self._capabilities.refuse_targets(self._name, each._rows, self._segments)

@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.compile import announce
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
@@ -45,11 +44,9 @@ class PreparedNewton(Compiled):
     def _load(self, case: Case) -> None:
         """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
         self._preferences, self._shape = case.preferences, (self._segments, 3)
-        announce(search)
         nowhere = Problem.prepared(case.robot, (Target((0.0, 0.0, 0.0)),), case.scene.snapshot(), case.tolerance)
         outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
         if self._preferences:
-            announce(prefer)
             outcome.q[:] = 0.0
             self._prefer(outcome, nowhere, None, 0.0)
 

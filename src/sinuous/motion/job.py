@@ -10,11 +10,12 @@ from sinuous.files.nouns import read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.files.text import read_text
+from sinuous.garbage import uncollected
 from sinuous.motion.track import Track, track
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
-from sinuous.solving.solver import Solver
+from sinuous.solving.solver import OneSolve, Solver
 
 
 class Job(ProblemFile):
@@ -37,7 +38,7 @@ class Job(ProblemFile):
         """
         if self.is_path:
             raise InputError("path", "is for track", len(self.waypoints), "target or targets", self.file or None)
-        return self.solver(**options).solve(self.waypoints[0], self.start)
+        return OneSolve(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
 
     def track(self, **options: Any) -> Track:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`."""
@@ -109,7 +110,9 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     """
     path = Path(file)
     try:
-        found = _noun_of(parse(read_text(path), path), str(file))
+        text = read_text(path)
+        with uncollected():  # see `read_problem`
+            found = _noun_of(parse(text, path), str(file))
         if kind is not None and not isinstance(found, kind):
             raise InputError("file", "", found, f"a {kind.__name__}")
         return found

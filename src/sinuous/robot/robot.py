@@ -239,7 +239,7 @@ class Robot(Frozen):
 
         count = checks.integer("samples", samples, 1, 100_000)
         frames, lead = self._frames(q)
-        flat = np.ascontiguousarray(np.asarray(q, np.float64).reshape(-1, len(self), 3))
+        flat = np.array(q, np.float64, order="C").reshape(-1, len(self), 3)
         points = np.empty((len(flat), len(self) * count + 1, 3))
         batch.points_of(flat, frames, count, points)
         return points.reshape(*lead, *points.shape[1:])
@@ -254,7 +254,7 @@ class Robot(Frozen):
 
         end = len(self) if segment is None else checks.integer("segment", segment, 1, len(self))
         frames, lead = self._frames(q)
-        flat = np.ascontiguousarray(np.asarray(q, np.float64).reshape(-1, len(self), 3))
+        flat = np.array(q, np.float64, order="C").reshape(-1, len(self), 3)
         out = np.zeros((len(flat), 6, 3 * len(self)))
         batch.jacobians_of(flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
         return out.reshape(*lead, 6, 3 * len(self))

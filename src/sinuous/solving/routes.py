@@ -1,13 +1,13 @@
 """The start source for narrow places: routes through free space from the base to a target, and the chain along them."""
 
 from collections.abc import Callable, Iterator
+from time import monotonic
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.kernels.compile import announce
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
@@ -111,7 +111,8 @@ class Router:
         self._robot = robot
         self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
         self.plans = _plans(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
-        self._load(Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance))
+        nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
+        self._nowhere: Problem | None = nowhere  # to load the entries with
 
     def batches(self, question: Question) -> Iterator[Batch]:
         """Yield configurations along routes to the most distal target, from coarse to fine, while time is left."""
@@ -179,15 +180,16 @@ class Router:
             fit_route(*groups, route, left, workspace, q)
         return fits
 
-    def _load(self, problem: Problem) -> None:
-        """Compile the entries, or load them from the cache."""
-        announce(route_query)
-        query = self.query(problem)
-        announce(find_routes)
-        if query is not None:
-            self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
-        announce(fit_route)
-        self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], 0, 0), 0, lambda: 1.0)
+    def load(self) -> float:
+        """Compile the entries, or load them from the cache, where that is not done yet; return the seconds it took."""
+        began = monotonic()
+        problem, self._nowhere = self._nowhere, None
+        if problem is not None:
+            query = self.query(problem)
+            if query is not None:
+                self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
+            self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], 0, 0), 0, lambda: 1.0)
+        return monotonic() - began
 
 
 def _plans(radius: float, length: float) -> tuple[Plan, ...]:

@@ -10,6 +10,9 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, OUT_OF_REACH, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.solving.sources import Batch
 
+UNDECIDED = (FAILED, UNPROVED)
+"""How a call ends after which a search goes on."""
+
 Follow = Callable[[Batch, float], Outcome]
 """Follows the starts of a batch, for at most so many seconds, until one is solved."""
 
@@ -114,8 +117,7 @@ class FirstSolved(Search):
     @property
     def open(self) -> bool:
         """Whether nothing is decided yet, and starts and time are left."""
-        undecided = self._best.code in (FAILED, UNPROVED)
-        return undecided and self.starts_left > 0 and self.seconds_left > 0.0
+        return self._best.code in UNDECIDED and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
         """As many as before."""

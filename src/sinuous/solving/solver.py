@@ -2,7 +2,7 @@
 
 import time as clock
 from collections.abc import Iterable
-from typing import Any, Never
+from typing import Any, ClassVar, Never, Self
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from sinuous.solving.base import base_blocked
 from sinuous.solving.options import SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
-from sinuous.solving.search import Distinct, FirstSolved
+from sinuous.solving.search import UNDECIDED, Distinct, FirstSolved
 from sinuous.solving.sources import Batch, Question
 
 CANDIDATES = 4
@@ -57,6 +57,9 @@ class Solver:
         When an argument is not what it should be.
     """
 
+    _ahead: ClassVar[bool] = True
+    """Whether the search for routes is compiled, or loaded, before the first solve."""
+
     def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
@@ -65,6 +68,13 @@ class Solver:
         warn_of(suspicions(robot, place.snapshot()))
         self._prepare(robot, place, chosen)
 
+    @classmethod
+    def prepared(cls, robot: Robot, scene: Scene, options: SolveOptions) -> Self:
+        """Prepare one of what was checked before; nothing is warned of twice."""
+        solver = object.__new__(cls)
+        solver._prepare(robot, scene, options)
+        return solver
+
     def _prepare(self, robot: Robot, scene: Scene, chosen: SolveOptions) -> None:
         """Get ready, with arguments that are checked."""
         self.robot, self.scene, self.options = robot, scene, chosen
@@ -72,9 +82,11 @@ class Solver:
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
-        router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
-        self._portfolio = Portfolio(chosen.max_starts, router)
-        self._again = Again(prepared, chosen)
+        self._router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
+        if self._router is not None and self._ahead:
+            self._router.load()
+        self._portfolio = Portfolio(chosen.max_starts, self._router)
+        self._again = Again(OneSolve.prepared, chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._no_initial: Floats = np.empty((0, len(robot), 3))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
@@ -118,6 +130,8 @@ class Solver:
             budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
+            if self._router is not None and outcome.code in UNDECIDED:
+                began += self._router.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
         return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
 
@@ -245,7 +259,7 @@ class Solver:
         return [Solution(problem, outcome, outcome.seconds, self._again, given) for outcome in best]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return prepared, (self.robot, self.scene, self.options)
+        return type(self).prepared, (self.robot, self.scene, self.options)
 
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
@@ -301,11 +315,10 @@ class Solver:
         return given.reshape(1, len(self.robot), 3).copy()
 
 
-def prepared(robot: Robot, scene: Scene, options: SolveOptions) -> Solver:
-    """Prepare a solver of what was checked before; nothing is warned of twice."""
-    solver = object.__new__(Solver)
-    solver._prepare(robot, scene, options)
-    return solver
+class OneSolve(Solver):
+    """A solver for one question: the search for routes is compiled, or loaded, only where the first starts fail."""
+
+    _ahead = False
 
 
 def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
@@ -321,7 +334,7 @@ def solve(
     robot: Robot, target: Targets, scene: Any = None, *, initial: "Solution | Any" = None, **options: Any
 ) -> Solution:
     """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
-    return Solver(robot, scene, **options).solve(target, initial)
+    return OneSolve(robot, scene, **options).solve(target, initial)
 
 
 def solve_all(

@@ -1,0 +1,41 @@
+"""The command new: a commented problem file to start from."""
+
+import shlex
+from importlib.resources import files
+from pathlib import Path
+
+import typer
+
+from sinuous.cli.options import check_writable
+from sinuous.errors import InputError
+
+KINDS = {
+    "tendon": "three sections with spacers, three tendons each, through a gap between obstacles",
+    "pneumatic": "three soft sections that stretch, driven by three chambers each",
+    "insertion": "an arm on an insertion stage, through a hole in a wall",
+    "inspection": "a long slim arm that follows a path of views within a tank",
+}
+"""What each problem is about; `templates` holds the files."""
+
+
+def write_new(kind: str, file: Path, *, force: bool) -> int:
+    """Write the problem file of a kind, and say what to do with it.
+
+    Raises
+    ------
+    InputError
+        When there is no such kind, or the file cannot be written, or is there already and `force` is not said.
+    """
+    if kind not in KINDS:
+        raise InputError("KIND", "", kind, "one of " + ", ".join(KINDS))
+    if file.suffix.lower() == ".json":
+        raise InputError("FILE", "has comments, which JSON has not", str(file), "a name that ends in .yaml")
+    if file.exists() and not (force and file.is_file()):
+        raise InputError("FILE", "is there already", str(file), "a new file, or --force")
+    check_writable("FILE", file)
+    text = (files("sinuous.cli") / "templates" / f"{kind}.yaml").read_text(encoding="utf-8")
+    typed = shlex.quote(" ".join(str(file).split()))
+    file.write_text(text.replace("FILE", typed), encoding="utf-8", newline="\n")
+    command = "track" if "\npath:" in text else "solve"
+    typer.echo(f"{file}: {KINDS[kind]}; next: sinuous {command} {typed}")
+    return 0

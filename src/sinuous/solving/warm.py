@@ -1,0 +1,64 @@
+"""Everything that is compiled, by using it once: what a solve will need is then on disk."""
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.methods.registry import METHODS
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.nearest import least_gap
+from sinuous.scene.obstacles import Sphere
+from sinuous.scene.scene import Scene
+from sinuous.solving.solver import OneSolve, Solver
+
+ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
+FAR = Scene([Sphere((9.0, 0.0, 0.0), 0.5)])
+TARGET = Target((0.5, 0.0, 1.5))
+
+
+class Step(NamedTuple):
+    """A use of something that is compiled.
+
+    Attributes
+    ----------
+    what : str
+    use : callable
+    """
+
+    what: str
+    use: Callable[[], object]
+
+
+def steps(methods: Iterable[str] = METHODS) -> list[Step]:
+    """List what to use so that these methods, and all that goes with them, are compiled; what most need comes first."""
+    chosen = tuple(dict.fromkeys(methods))
+    own = [
+        Step("single solves", partial(OneSolve, ROBOT, FAR)),
+        Step("routes among obstacles", partial(Solver, ROBOT, FAR)),
+        Step("batches of solves", lambda: Solver(ROBOT).solve_many([TARGET])),
+        Step("preferences", lambda: Solver(ROBOT, prefer=Preferences(bends=1.0))),
+    ]
+    others = [
+        Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
+    ]
+    geometry = [Step("kinematics", _kinematics), Step("distances", _distances)]
+    return [*(own if "newton" in chosen else []), *geometry, *others]
+
+
+def _kinematics() -> None:
+    straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
+    ROBOT.forward(straight)
+    ROBOT.backbone(straight)
+    ROBOT.jacobian(straight)
+
+
+def _distances() -> None:
+    corners = np.vstack([np.zeros(3), np.eye(3)])
+    scene = Scene([Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])])
+    scene.distance([1.0, 1.0, 1.0])
+    least_gap(corners, np.zeros(len(corners)), scene.snapshot())

@@ -1,0 +1,72 @@
+"""The command warm."""
+
+import sys
+from collections.abc import Callable, Iterable
+
+import pytest
+
+from sinuous.cli import warm
+from sinuous.cli.app import main
+from sinuous.kernels import compile as compiling
+from sinuous.solving.warm import Step
+from tests.cli.test_progress import Terminal
+
+FIRST, SECOND = compiling.PIECES[:2]
+
+
+@pytest.fixture
+def compiled(monkeypatch: pytest.MonkeyPatch) -> Callable[[compiling.Piece], None]:
+    """Two steps, of which the first compiles and the second finds everything; returns what stands for compiling."""
+
+    def compile_it(piece: compiling.Piece) -> None:
+        compiling._tellers[-1](piece)
+
+    steps = [Step("one", lambda: compile_it(FIRST)), Step("another", lambda: None)]
+    monkeypatch.setattr(warm, "steps", lambda methods: steps)
+    return compile_it
+
+
+@pytest.mark.usefixtures("compiled")
+def test_it_says_what_is_compiled_and_how_many_are_left(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert main(["warm"]) == 0
+    said = capsys.readouterr()
+    assert said.err == f"sinuous: 1 of 2: compiling single solves (about {FIRST.seconds} s)\n"
+    assert said.out == "everything is compiled, in 0 s\n"
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    assert main(["warm"]) == 0
+    assert "2/2" in stream.getvalue() or "1/2" in stream.getvalue()
+
+
+def test_what_is_there_is_not_compiled_again(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)])
+    assert main(["warm"]) == 0
+    said = capsys.readouterr()
+    assert (said.out, said.err) == ("everything was compiled before\n", "")
+
+
+def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None), Step("two", interrupted)])
+    assert main(["warm"]) == 130
+    assert capsys.readouterr().err == "sinuous: interrupted after 1 of 2; what is compiled stays so\n"
+
+
+def test_methods_are_chosen_by_name(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, ...]] = []
+
+    def steps(methods: Iterable[str]) -> list[Step]:
+        asked.append(tuple(methods))
+        return []
+
+    monkeypatch.setattr(warm, "steps", steps)
+    assert main(["warm", "--method", "dls", "--method", "newton"]) == 0
+    assert asked == [("dls", "newton")]
+    assert main(["warm", "--method", "magic"]) == 2
+    assert capsys.readouterr().err.startswith("--method: expected one of newton, ")

@@ -1,0 +1,77 @@
+"""A solver for one question compiles the search for routes where it is needed, and does not call that solving."""
+
+import pickle
+from typing import Any
+
+import pytest
+
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.obstacles import Sphere
+from sinuous.solving import solver as solving
+from sinuous.solving.routes import Router
+from sinuous.solving.solver import OneSolve, Solver
+
+ROBOT = Robot.uniform(3, (0.8, 1.2), radius=0.05)
+SCENE = [Sphere((0.5, 0.0, 1.5), 0.2)]
+NEAR, FAR = Target((1.0, 0.0, 2.0)), Target((0.0, 0.0, 9.0))
+TORN = [Target((1.0, 0.0, 2.0)), Target((-1.0, 0.0, 2.0))]
+"""Cannot be met, which nothing proves."""
+
+
+@pytest.fixture
+def loads(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """What is appended to whenever the search for routes is loaded, which is said to take an hour each time."""
+    seen: list[float] = []
+
+    def load(self: Router) -> float:
+        seen.append(3600.0)
+        return 3600.0
+
+    monkeypatch.setattr(Router, "load", load)
+    return seen
+
+
+@pytest.mark.parametrize(("target", "count"), [(NEAR, 0), (FAR, 0), (TORN, 1)], ids=["solved", "proved", "open"])
+def test_it_is_loaded_where_the_first_starts_decide_nothing(loads: list[float], target: Any, count: int) -> None:
+    solution = OneSolve(ROBOT, SCENE, time=0.02).solve(target)
+    assert solution.solved is (target is NEAR)
+    assert len(loads) == count
+    assert solution.seconds < 60.0 - 3600.0 * count
+
+
+def test_a_solver_for_many_has_it_ahead(loads: list[float]) -> None:
+    solver = Solver(ROBOT, SCENE, time=0.02)
+    assert len(loads) == 1
+    assert solver.solve(NEAR).solved
+    assert len(loads) == 1
+
+
+@pytest.mark.parametrize("options", [{"routes": False}, {"method": "dls"}])
+def test_without_routes_there_is_nothing_to_load(loads: list[float], options: dict[str, Any]) -> None:
+    Solver(ROBOT, SCENE, time=0.02, **options).solve(TORN[0])
+    assert loads == []
+
+
+def test_one_solve_is_what_the_function_makes(loads: list[float]) -> None:
+    assert solving.solve(ROBOT, NEAR, SCENE).solved
+    assert loads == []
+    again = Solver(ROBOT, SCENE).solve(NEAR)
+    assert (solving.solve(ROBOT, NEAR, SCENE).q == again.q).all()
+
+
+def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:
+    """Those of any solver, also when they were sent to another process."""
+    solution = Solver(ROBOT, SCENE).solve(NEAR)
+    for own in (solution, pickle.loads(pickle.dumps(solution))):
+        assert own._again == solution._again
+        assert (own._again.solve(own.problem).q == solution.q).all()
+    assert len(loads) == 1
+    assert type(pickle.loads(pickle.dumps(OneSolve(ROBOT, SCENE)))) is OneSolve
+
+
+def test_what_is_loaded_is_not_loaded_again() -> None:
+    solver = Solver(ROBOT, SCENE)
+    assert solver._router is not None
+    assert solver._router._nowhere is None
+    solver._router.load()

@@ -1,0 +1,81 @@
+"""Everything that Python calls is compiled ahead, once, and nothing is compiled for what users do afterwards."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import sinuous
+from sinuous.kernels.compile import PIECES
+from sinuous.methods.registry import METHODS
+from sinuous.solving.warm import steps
+from tests.kernels.test_compile import decorated
+
+PACKAGE = Path(sinuous.__file__).parent
+
+USE = """
+import numpy as np, pickle, sys
+import sinuous as sn
+from sinuous.kernels import compile as compiling
+
+made, plain = [], compiling.entry
+compiling.entry = lambda function: made.append(plain(function)) or made[-1]
+from sinuous.solving.warm import steps
+for step in steps():
+    step.use()
+warm = {compiling.name_of(one): len(one.signatures) for one in made}
+print(warm)
+
+robot = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, tendons=sn.Tendons(3, 0.05, displacement=(-1, 1)))
+cloud = sn.PointCloud(np.array([[2.0, 2.0, 2.0], [2.0, 2.0, 2.1]]), 0.05)
+scene = sn.Scene([sn.Sphere((0.5, 0, 1.5), 0.2), cloud])
+target = sn.Target((1, 0, 2), direction=(1, 0, 0.5))
+near = sn.Solver(robot, scene, prefer=sn.Preferences(start=1.0))
+solver = sn.Solver(robot, scene)
+solution = solver.solve(target)
+solver.solve([target, sn.Target((0.5, 0.5, 1.0), segment=2)], initial=solution, time=1)
+solver.solve_many([target, target], initial=[solution, solution.q])
+solver.solve_all(target, count=2)
+near.solve(target, initial=solution)
+near.solve_many([target])
+scene.update(np.array([[2.0, 2.0, 2.2]]))
+sn.track(robot, sn.Target.each(np.array([[1, 0, 2], [1, 0.1, 2]])), scene)
+sn.solve(robot, sn.Target((9, 0, 0)), [sn.Box((0, 0, 5), (1, 1, 1), inside=True)])
+again = pickle.loads(pickle.dumps(solver))
+again.solve(pickle.loads(pickle.dumps(target)))
+for q in (solution.q, solution.q.tolist(), np.array([solution.q, solution.q]), np.asfortranarray(solution.q)):
+    robot.forward(q), robot.backbone(q), robot.jacobian(q), robot.jacobian(q, 1), robot.tip(q)
+solution.verify(), solution.worst, solution.binding, solution.explain(0.2)
+sn.solve(robot, sn.Target((9, 0, 0)), scene, time=0.1).explain(0.2)
+scene.distance([[0, 0, 0]]), scene.gradient(np.zeros(3))
+late = {compiling.name_of(one): one.signatures for one in made if len(one.signatures) > 1}
+print(late)
+"""
+
+
+def test_everything_is_compiled_ahead_and_in_one_form() -> None:
+    """In a process of its own: other tests call entries with whatever they like."""
+    done = subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    warm, late = map(ast.literal_eval, done.stdout.splitlines()[-2:])
+    assert set(warm.values()) == {1}, warm
+    assert set(warm) == {entry for piece in PIECES for entry in piece.entries}
+    assert late == {}
+
+
+def test_every_entry_is_in_one_piece() -> None:
+    listed = [entry for piece in PIECES for entry in piece.entries]
+    assert len(set(listed)) == len(listed)
+    entries = {
+        ".".join([*file.relative_to(PACKAGE).with_suffix("").parts, name])
+        for room in ("kernels", "methods")
+        for file in (PACKAGE / room).rglob("*.py")
+        for name in decorated(file, "entry")
+    }
+    assert set(listed) == entries
+
+
+def test_methods_that_are_not_asked_for_are_left_out() -> None:
+    named = [step.what for step in steps(["dls", "dls"])]
+    assert named == ["kinematics", "distances", "the method dls"]
+    assert {step.what for step in steps()} >= {f"the method {name}" for name in METHODS if name != "newton"}

@@ -1,0 +1,99 @@
+"""What the package says of itself is the same everywhere, and what it needs at run time is in it."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numba
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.version import Version
+
+import sinuous
+
+ROOT = Path(__file__).parent.parent
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = PYPROJECT["project"]
+PAGES = ["README.md", "CONTRIBUTING.md", *(f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md"))]
+PYTHONS = [
+    found[1] for line in PROJECT["classifiers"] if (found := re.fullmatch(r".*Python :: (\d\.\d+)", line)) is not None
+]
+
+
+def text(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_the_version_is_said_once() -> None:
+    assert PROJECT["dynamic"] == ["version"]
+    assert "version" not in PROJECT
+    source = PYPROJECT["tool"]["hatch"]["version"]["path"]
+    assert f'__version__ = "{sinuous.__version__}"' in text(source)
+
+
+def test_citation_and_changelog_speak_of_this_version() -> None:
+    version = Version(sinuous.__version__)
+    citation: dict[str, Any] = yaml.safe_load(text("CITATION.cff"))
+    assert citation["version"] == version.base_version
+    assert (citation["license"], citation["title"].lower()) == (PROJECT["license"], PROJECT["name"])
+    assert (citation["abstract"], citation["keywords"]) == (PROJECT["description"], PROJECT["keywords"])
+    sections = re.findall(r"^## \[(.*?)\]", text("CHANGELOG.md"), re.MULTILINE)
+    assert sections[0] == "Unreleased"
+    if not version.is_prerelease:
+        assert sections[1] == str(version)
+    assert f"[{version.base_version}]" in text("CONTRIBUTING.md").split("## A release")[1]
+
+
+def test_python_versions_agree() -> None:
+    first, last = PYTHONS[0], PYTHONS[-1]
+    assert PROJECT["requires-python"] == f">={first}"
+    assert PYPROJECT["tool"]["mypy"]["python_version"] == first
+    for page in ("README.md", "CONTRIBUTING.md"):
+        assert f"Python {first} to {last}" in text(page)
+    workflow = yaml.safe_load(text(".github/workflows/ci.yml"))
+    assert workflow["jobs"]["tests"]["strategy"]["matrix"]["python"] == PYTHONS
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_extras_that_pages_name_are_there(page: str) -> None:
+    named = re.findall(r"(?:sinuous|\.)\[(\w+(?:,\w+)*)\]", text(page))
+    assert {extra for names in named for extra in names.split(",")} <= set(PROJECT["optional-dependencies"])
+
+
+def test_refusals_name_extras_that_are_there() -> None:
+    """Of pictures, and of each kind of file that another package reads."""
+    sources = "".join(file.read_text(encoding="utf-8") for file in Path(sinuous.__file__).parent.rglob("*.py"))
+    named = set(re.findall(r"pip install sinuous\[(\w+)\]", sources))
+    named |= set(re.findall(r'= needed\("\w+", "(\w+)", file\)', sources))
+    assert {"mesh", "plot"} <= named <= set(PROJECT["optional-dependencies"])
+
+
+def test_this_numba_is_within_the_bounds_that_were_tested() -> None:
+    for line in PROJECT["dependencies"]:
+        requirement = Requirement(line)
+        if requirement.name == "numba":
+            assert numba.__version__ in requirement.specifier
+            assert any(one.operator == "<" for one in requirement.specifier)
+            return
+    pytest.fail("numba is not required")
+
+
+def test_what_the_archives_hold_is_there() -> None:
+    targets = PYPROJECT["tool"]["hatch"]["build"]["targets"]
+    for name in [*targets["sdist"]["include"], *targets["wheel"]["packages"], *PROJECT["license-files"]]:
+        assert (ROOT / name).exists(), name
+
+
+def test_continuous_integration_runs_what_contributors_run() -> None:
+    commands = [
+        step["run"]
+        for job in yaml.safe_load(text(".github/workflows/ci.yml"))["jobs"].values()
+        for step in job["steps"]
+        if "run" in step
+    ]
+    for command in ("ruff check .", "ruff format --check .", "mypy", "python -m pytest", "python -m build"):
+        assert command in commands
+    for command in ("ruff check .", "ruff format --check .", "mypy"):
+        assert f"\n{command}\n" in text(".ci/run")

@@ -42,6 +42,9 @@ POINTS = 256
 SIDES = tuple(turns * math.pi for turns in (0.0, 1.0, 0.5, 1.5, 0.25, 1.25, 0.75, 1.75))
 """To which sides a route is bent, in rad, that is too short for the robot."""
 
+MISSES = 2
+"""Sides for which nothing comes of it, before others are no longer tried."""
+
 ROD_POINTS = 160
 """Points of such a route."""
 
@@ -144,7 +147,8 @@ class Router:
             yield _batch(initial, routes, closed=closed)
             if closed is not None:
                 return
-            yield from self._longer(problem, query, routes, question.seconds_left)
+            if plan.cell == self.plans[-1].cell:  # coarser ones cut through walls
+                yield from self._longer(problem, query, routes, question.seconds_left)
             yield _batch(initial[:0], (), then=max(plan.then, found.cells // CELLS_A_START))
 
     def query(self, problem: Problem) -> Floats | None:
@@ -195,14 +199,17 @@ class Router:
     def _longer(
         self, problem: Problem, query: Floats, routes: tuple[Floats, ...], seconds_left: Callable[[], float]
     ) -> Iterator[Batch]:
-        """Yield configurations along routes that were too short, one after the other: the first bent to all sides."""
+        """Yield configurations along routes that were too short, one after the other: the first bent to most sides."""
         for i, route in enumerate(routes):
+            misses = 0
             for side in SIDES if i == 0 else SIDES[:1]:
                 seconds = seconds_left()
                 longer = self.lengthen(problem, query, route, side, seconds) if seconds > 0.0 else None
                 if longer is not None:
                     initial = self.fit(problem, Found([longer], 0, 0), 0, seconds_left)
                     yield _batch(initial, (longer,)[: len(initial)])
+                elif (misses := misses + 1) == MISSES:
+                    break
 
     def _load(self, problem: Problem) -> None:
         """Compile the entries, or load them from the cache."""

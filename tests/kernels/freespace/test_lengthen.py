@@ -91,6 +91,18 @@ def test_walls_bound_how_far_it_is_bent() -> None:
     assert CLEAR > LEAST
 
 
+def test_it_turns_no_more_tightly_than_the_body_can() -> None:
+    def closest(turn: float) -> float:
+        """Least distance of two points that are 0.6 apart along a rod that has to come back to its end."""
+        rod = longer(Scene(), shortest=4.0, turn=turn, back=(0.0, 0.0, 1.0))
+        apart = round(0.6 / steps(rod).mean())
+        return float(np.linalg.norm(rod[apart:] - rod[:-apart], axis=1).min())
+
+    chord = 2.0 * 0.4 * math.sin(0.5 * 0.6 / 0.4)
+    assert closest(0.05) < 0.85 * chord
+    assert closest(0.4) > 0.93 * chord
+
+
 def test_a_route_that_is_long_enough_is_left_alone() -> None:
     assert longer(Scene(), shortest=2.0) is None
     assert longer(Scene(), shortest=2.001) is not None

@@ -3,7 +3,8 @@
 The shortest route out of a pipe is often shorter than a body can be, and laid along it the body leaves it in the pipe.
 So the excess is put where the obstacles leave room: there the route is begun with a bow to one side, as far as the
 walls let it. The rod is then relaxed by projections (position-based dynamics, Mueller et al. 2007): its points are
-smoothed, pushed off the obstacles, and put at their distances again.
+smoothed, pushed off the obstacles, moved apart where it turns more tightly than the body can, and put at their
+distances again.
 """
 
 import math
@@ -21,6 +22,9 @@ from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, c
 OPEN, CLEAR, LEAST, HOPELESS = 2.5, 1.15, 0.85, 0.6
 """Distances from the obstacles, in radii of the body: from which on there is room for a bow; to which points are
 pushed; which the rod must keep; and which the route must have had."""
+
+ARC = 1.5
+"""Length of the stretches that are kept from turning more tightly than the body can, in radii of its tightest turn."""
 
 HELD = 3
 """Points at an end that stay on its tangent, at least."""
@@ -143,9 +147,29 @@ def _mend(rod: Array, i: int, spacing: float, first: int, last: int) -> None:
 
 
 @kernel
+def _unbend(rod: Array, reach: int, chord: float, first: int, last: int) -> None:
+    """Move points of `rod` (K, 3) that are `reach` points apart away from each other, to a distance of `chord`.
+
+    Closer than that they lie on a curve that turns more tightly than the body can; those before `first` and from `last`
+    on stay.
+    """
+    for i in range(rod.shape[0] - reach):
+        p, q = get_vec(rod, i, 0), get_vec(rod, i + reach, 0)
+        between = sub(q, p)
+        size = norm(between)
+        if 0.0 < size < chord:
+            here, there = 1.0 if i >= first else 0.0, 1.0 if i + reach < last else 0.0
+            off = 0.5 * (size - chord) / size
+            put_vec(rod, i, 0, add_scaled(p, here * off, between))
+            put_vec(rod, i + reach, 0, add_scaled(q, -there * off, between))
+
+
+@kernel
 def _relax(scene: Scene, query: Query, rod: Array, spacing: float, first: int, last: int, clock: Array) -> None:
     """Relax the points of `rod` (K, 3) from `first` up to, without it, `last`, as far as the time allows."""
     count, looks = rod.shape[0], price(scene)
+    reach = min(count - 1, max(2, math.ceil(ARC * query.turn / spacing)))
+    chord = 2.0 * query.turn * math.sin(min(0.5 * math.pi, 0.5 * reach * spacing / query.turn))
     for turn in range(ROUNDS):
         _hold(query, rod, spacing, first, last)
         for i in range(first, last):
@@ -157,8 +181,9 @@ def _relax(scene: Scene, query: Query, rod: Array, spacing: float, first: int, l
                     return
                 p = push_off(scene, p, CLEAR * query.radius, query.radius)
             put_vec(rod, i, 0, p)
-        if spend(clock, SWEEPS * count):
+        if spend(clock, (SWEEPS + 1) * count):
             return
+        _unbend(rod, reach, chord, first, last)
         for sweep in range(SWEEPS):
             for i in range(count - 1):
                 _mend(rod, i if sweep % 2 == 0 else count - 2 - i, spacing, first, last)

@@ -124,10 +124,34 @@ def test_no_route_of_one_grid_is_handed_over_twice() -> None:
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
     asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
     given: dict[tuple[float, bool], list[bytes]] = {}
-    for plan, batch in zip(finder.plans, finder.batches(question(asked)), strict=True):
+    plans = iter(finder.plans)
+    plan = next(plans)
+    for batch in finder.batches(question(asked)):
         given.setdefault((plan.cell, plan.exact), []).extend(q.tobytes() for q in batch.initial)
+        if batch.then > 0:
+            plan = next(plans, plan)
     assert max(len(routes) for routes in given.values()) == 4
     assert all(len(routes) == len(set(routes)) for routes in given.values())
+
+
+def test_a_route_that_is_too_short_for_the_robot_is_made_longer() -> None:
+    robot = Robot.uniform(6, length=1.0, max_bend=2.0, radius=0.1)
+    walls = [((0.0, side, 0.3), (0.6, 0.3, 1.8)) for side in (0.29, -0.29)]
+    walls += [((side, 0.0, 0.3), (0.3, 0.9, 1.8)) for side in (0.29, -0.29)]
+    scene = Scene([Box(middle, size) for middle, size in walls])
+    asked, finder = problem(robot, Target((0.3, 0.0, 3.0)), scene), router(robot, scene)
+    query = finder.query(asked)
+    assert query is not None
+    route = finder.find(asked, query, finder.plans[1], 60.0).routes[0]
+    assert np.linalg.norm(np.diff(route, axis=0), axis=1).sum() < 3.1
+    longer = finder.lengthen(asked, query, route, 0.0, 60.0)
+    assert longer is not None
+    assert np.linalg.norm(np.diff(longer, axis=0), axis=1).sum() == pytest.approx(6.0, rel=0.04)
+    plain, bent = finder.fit(asked, Found([route, longer], 0, 0), 0, lambda: 60.0)
+    clearances = [scene.distance(robot.backbone(q, 20)).min() for q in (plain, bent)]
+    assert clearances[0] < 0.1 < clearances[1]
+    solution = Solver(robot, scene, time=60.0, max_starts=30).solve(Target((0.3, 0.0, 3.0)))
+    assert (solution.status, solution.start) == (Status.SOLVED, "route")
 
 
 def box_room(center: Floats, half: float, wall: float, door: float = 0.0) -> Scene:
@@ -183,7 +207,7 @@ def test_the_dearer_a_search_the_more_scattered_starts_follow_it(narrow: Scene, 
     query = finder.query(asked)
     assert query is not None
     cells = [finder.find(asked, query, plan, 60.0).cells for plan in finder.plans[:4]]
-    then = [batch.then for batch in islice(finder.batches(question(asked)), 4)]
+    then = list(islice((batch.then for batch in finder.batches(question(asked)) if batch.then > 0), 4))
     least = [plan.then for plan in finder.plans[:4]]
     assert then == [max(few, looked // CELLS_A_START) for few, looked in zip(least, cells, strict=True)]
     assert then != least

@@ -167,7 +167,12 @@ PIECES = (
     Piece(
         "routes among obstacles",
         25,
-        ("kernels.fitting.query.route_query", "kernels.freespace.find.find_routes", "kernels.fitting.fit.fit_route"),
+        (
+            "kernels.fitting.query.route_query",
+            "kernels.freespace.find.find_routes",
+            "kernels.freespace.lengthen.lengthen_route",
+            "kernels.fitting.fit.fit_route",
+        ),
     ),
     Piece("batches of solves", 4, ("kernels.solve.search.search_many",)),
     Piece("preferences", 9, ("kernels.solve.preferences.prefer",)),

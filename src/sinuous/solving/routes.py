@@ -1,5 +1,6 @@
 """The start source for narrow places: routes through free space from the base to a target, and the chain along them."""
 
+import math
 from collections.abc import Callable, Iterator
 from time import monotonic
 from typing import NamedTuple
@@ -13,6 +14,7 @@ from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
+from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_WIDTH, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -36,6 +38,15 @@ CELLS_A_START = 100
 
 POINTS = 256
 """Most points of a route."""
+
+SIDES = tuple(turns * math.pi for turns in (0.0, 1.0, 0.5, 1.5, 0.25, 1.25, 0.75, 1.75))
+"""To which sides a route is bent, in rad, that is too short for the robot."""
+
+MISSES = 2
+"""Sides for which nothing comes of it, before others are no longer tried."""
+
+ROD_POINTS = 160
+"""Points of such a route."""
 
 MEMORY = BufferPool(most=2, largest=memory_size(CELLS[2]))
 """What all searches of this process work in. A search takes 83 bytes a cell and 0.2 MB: 11 MB at most in the last but
@@ -134,15 +145,15 @@ class Router:
             initial = self.fit(problem, found, known, question.seconds_left)
             closed = plan.cell if found.ended == PROVED_CLOSED else None
             routes = tuple(found.routes[known:][: len(initial)])
-            for route in routes:
-                route.setflags(write=False)
-            then = max(plan.then, found.cells // CELLS_A_START)
-            yield Batch(self.name, initial, then=then, closed=closed, routes=routes)
+            yield _batch(initial, routes, closed=closed)
             if closed is not None:
                 return
+            if plan.cell == self.plans[-1].cell:  # coarser ones cut through walls
+                yield from self._longer(problem, query, routes, question.seconds_left)
+            yield _batch(initial[:0], (), then=max(plan.then, found.cells // CELLS_A_START))
 
     def query(self, problem: Problem) -> Floats | None:
-        """Return what a route has to keep (27,), see `sinuous.kernels.tables`; `None`: no target has a position."""
+        """Return what a route has to keep (28,), see `sinuous.kernels.tables`; `None`: no target has a position."""
         query = np.zeros(QUERY_WIDTH)
         asked = route_query(self._group, problem.scene._kernel_group, self._settings, problem._rows, query)
         return query if asked else None
@@ -188,8 +199,37 @@ class Router:
             query = self.query(problem)
             if query is not None:
                 self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
+                self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
             self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], 0, 0), 0, lambda: 1.0)
         return monotonic() - began
+
+    def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:
+        """Return a route (K, 3) as long as the robot at its shortest, bent to a side (rad); `None` where none is."""
+        rod, workspace = np.empty((ROD_POINTS, 3)), np.empty(lengthen_workspace_size(ROD_POINTS))
+        group = problem.scene._kernel_group
+        return rod if lengthen_route(group, query, np.array(route), side, seconds, workspace, rod) else None
+
+    def _longer(
+        self, problem: Problem, query: Floats, routes: tuple[Floats, ...], seconds_left: Callable[[], float]
+    ) -> Iterator[Batch]:
+        """Yield configurations along routes that were too short, one after the other: the first bent to most sides."""
+        for i, route in enumerate(routes):
+            misses = 0
+            for side in SIDES if i == 0 else SIDES[:1]:
+                seconds = seconds_left()
+                longer = self.lengthen(problem, query, route, side, seconds) if seconds > 0.0 else None
+                if longer is not None:
+                    initial = self.fit(problem, Found([longer], 0, 0), 0, seconds_left)
+                    yield _batch(initial, (longer,)[: len(initial)])
+                elif (misses := misses + 1) == MISSES:
+                    break
+
+
+def _batch(initial: Floats, routes: tuple[Floats, ...], then: int = 0, closed: float | None = None) -> Batch:
+    """Configurations along routes, which are frozen."""
+    for route in routes:
+        route.setflags(write=False)
+    return Batch(SOURCES[ROUTE], initial, then=then, closed=closed, routes=routes)
 
 
 def _plans(radius: float, length: float) -> tuple[Plan, ...]:

@@ -44,6 +44,7 @@ def read(robot: Robot, targets: Any) -> Any:
 def test_the_numbers_of_a_robot_are_those_of_its_segments() -> None:
     query = read(ROBOT, Target((0.1, 0.2, 2.5)))
     assert query.radius == 0.1
+    assert query.shortest == pytest.approx(0.2 + 0.5 + 0.8 + 1.0)
     assert query.longest == pytest.approx(1.5 + 0.5 + 1.2 + 1.0)
     assert query.turn == pytest.approx(min(0.8 / 2.0, 1.0 / 2.5, query.longest / 4.0))
     assert query.free_length == 0.3

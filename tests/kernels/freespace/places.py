@@ -73,6 +73,7 @@ def query(**changed: Any) -> Floats:
         "goal_radius": 0.0,
         "goal_slack": 1e-4,
         "radius": 0.1,
+        "shortest": 2.0,
         "longest": 3.0,
         "turn": 0.2,
         "free_length": 0.0,

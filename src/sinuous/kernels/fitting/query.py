@@ -21,6 +21,7 @@ from sinuous.kernels.tables import (
     QUERY_ORIGIN,
     QUERY_OTHER_LENGTH,
     QUERY_RADIUS,
+    QUERY_SHORTEST,
     QUERY_STRAIGHT_MAX,
     QUERY_STRAIGHT_MIN,
     QUERY_TURN,
@@ -29,16 +30,17 @@ from sinuous.kernels.tables import (
 
 
 @kernel
-def _body(problem: Problem, last: int) -> tuple[float, float, float]:
-    """Of the segments up to `last`: the smallest radius, the greatest length, and the radius of the tightest turn."""
-    radius, longest, turn = math.inf, 0.0, math.inf
+def _body(problem: Problem, last: int) -> tuple[float, float, float, float]:
+    """Of the segments up to `last`: the smallest radius, least and greatest length, and radius of the tightest turn."""
+    radius, shortest, longest, turn = math.inf, 0.0, 0.0, math.inf
     for k in range(last + 1):
         radius = min(radius, problem.limits[k, RADIUS])
         low, high, bend = problem.limits[k, MIN_LENGTH], problem.limits[k, MAX_LENGTH], problem.limits[k, MAX_BEND]
+        shortest += low
         longest += high
         if bend > 0.0 and high > 0.0:
             turn = min(turn, (low if low > 0.0 else high) / bend)
-    return radius, longest, min(turn, 0.25 * longest)
+    return radius, shortest, longest, min(turn, 0.25 * longest)
 
 
 @kernel
@@ -63,7 +65,7 @@ def _put(query: Array, at: int, vector: Vec) -> None:
 
 @entry
 def route_query(robot: Array, scene: Array, settings: Array, targets: Array, query: Array) -> bool:
-    """Fill what robot and targets ask of a route into `query` (27,); the plan's numbers are left as they are.
+    """Fill what robot and targets ask of a route into `query` (28,); the plan's numbers are left as they are.
 
     `robot`, `scene` and `settings` are groups and `targets` (t, 15) a table, laid out as `sinuous.kernels.tables` says.
     Returns False, and fills nothing, when no target has a position.
@@ -81,7 +83,13 @@ def route_query(robot: Array, scene: Array, settings: Array, targets: Array, que
     _put(query, QUERY_BACK, tangent_back(targets, which) if around == 0.0 else ZERO)
     query[QUERY_GOAL_RADIUS] = around
     query[QUERY_GOAL_SLACK] = problem.position_tolerance + 1e-9 * problem.unit
-    query[QUERY_RADIUS], query[QUERY_LONGEST], query[QUERY_TURN] = _body(problem, last)
+    radius, shortest, longest, turn = _body(problem, last)
+    query[QUERY_RADIUS], query[QUERY_SHORTEST], query[QUERY_LONGEST], query[QUERY_TURN] = (
+        radius,
+        shortest,
+        longest,
+        turn,
+    )
     query[QUERY_FREE_LENGTH] = problem.mount
     query[QUERY_STRAIGHT_MIN], query[QUERY_STRAIGHT_MAX], query[QUERY_OTHER_LENGTH] = _straight(problem, last)
     return True

@@ -48,7 +48,7 @@ def respace(points: Array, count: int, out: Array, wanted: int) -> float:
 
 
 @kernel
-def _push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
+def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
     """Move a point away from the nearest obstacle by no more than `most`, if that is nearer than `wanted`."""
     d, which = closest(scene, p, wanted, STEP)
     if which < 0 or d >= wanted:
@@ -76,7 +76,7 @@ def tighten(scene: Scene, grid: Grid, route: Array, memory: Memory, count: int) 
             pull = sub(between, p)
             size = norm(pull)
             p = add_scaled(p, min(0.7, most / size) if size > 0.0 else 0.0, pull)
-            put_vec(route, i, 0, _push_off(scene, p, wanted, most))
+            put_vec(route, i, 0, push_off(scene, p, wanted, most))
         if sweep % 8 == 7:
             respace(route, count, spare, count)
             for i in range(count):

@@ -25,6 +25,7 @@ from sinuous.kernels.tables import (
     QUERY_PROVE,
     QUERY_RADIUS,
     QUERY_ROOM,
+    QUERY_SHORTEST,
     QUERY_STRAIGHT_MAX,
     QUERY_STRAIGHT_MIN,
     QUERY_TURN,
@@ -52,6 +53,7 @@ Query = namedtuple(
         "goal_radius",
         "goal_slack",
         "radius",
+        "shortest",
         "longest",
         "turn",
         "free_length",
@@ -76,7 +78,7 @@ def _vector(query: Array, at: int) -> Vec:
 
 @kernel
 def read_query(query: Array) -> Query:
-    """Take a query (27,) apart."""
+    """Take a query (28,) apart."""
     return Query(
         _vector(query, QUERY_ORIGIN),
         _vector(query, QUERY_AXIS),
@@ -85,6 +87,7 @@ def read_query(query: Array) -> Query:
         query[QUERY_GOAL_RADIUS],
         query[QUERY_GOAL_SLACK],
         query[QUERY_RADIUS],
+        query[QUERY_SHORTEST],
         query[QUERY_LONGEST],
         query[QUERY_TURN],
         query[QUERY_FREE_LENGTH],

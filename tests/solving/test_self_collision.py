@@ -17,13 +17,29 @@ DRIVEN = sn.Robot.uniform(4, (0.8, 1.4), 3.0, radius=0.16, tendons=sn.Tendons(3,
 UNEVEN = sn.Robot([sn.Segment((0.8, 1.4), 3.0, radius=radius) for radius in (0.25, 0.2, 0.12, 0.06)])
 
 
+FEW = 40
+"""Places of a segment for a first look."""
+
+
 def hidden(robot: sn.Robot, rng: np.random.Generator) -> Floats:
     """A curled shape that keeps all limits and does not run through itself."""
     while True:
         q = curled(rng, robot.radii, 2.8)
         q[:, 2] = np.clip(q[:, 2], 0.8, 1.4)
-        if robot.excess(q) == 0.0 and gap_of(robot, q) > 0.0:
+        if robot.excess(q) == 0.0 and rough_gap_of(robot, q) > 0.0 and gap_of(robot, q) > 0.0:
             return q
+
+
+def rough_gap_of(robot: sn.Robot, q: Floats) -> float:
+    """Of few places, so never less than the true one: quick enough to draw many shapes."""
+    places, count = robot.backbone(q, FEW), FEW * len(q) + 1
+    along = np.concatenate([[0.0], np.cumsum(np.repeat(q[:, 2] / FEW, FEW))])
+    radii = np.array(robot.radii)[np.minimum(np.arange(count) // FEW, len(q) - 1)]
+    first, second = np.triu_indices(count)
+    larger = np.maximum(radii[first], radii[second])
+    concerned = along[second] - along[first] >= math.pi * larger
+    gaps = np.linalg.norm(places[first] - places[second], axis=-1) - radii[first] - radii[second]
+    return float(gaps[concerned].min(initial=math.inf))
 
 
 def gap_of(robot: sn.Robot, q: Floats) -> float:
@@ -61,7 +77,7 @@ def test_a_shape_that_touches_opens_and_stays_what_it_was(robot: sn.Robot) -> No
     while tried < 12:
         q = curled(rng, robot.radii, 2.8)
         q[:, 2] = np.clip(q[:, 2], 0.85, 1.35)
-        if robot.excess(q) > 0.0 or not -0.05 < gap_of(robot, q) < -0.005:
+        if robot.excess(q) > 0.0 or not -0.05 < rough_gap_of(robot, q) < -0.005:
             continue
         tried += 1
         solution = solver.solve(target_of(robot, q), initial=q)

@@ -69,8 +69,9 @@ def targets(scene: Scene, seed: int, count: int) -> list[Target]:
         backbone = ROBOT.backbone(q, 10)
         if scene.distance(backbone).min() > 0.04:
             found.append(Target(backbone[-1]))
-    assert len(found) >= count
-    return found[:count]
+        if len(found) == count:
+            return found
+    raise AssertionError("too few are free")
 
 
 @pytest.mark.parametrize("kind", MADE)
@@ -160,7 +161,8 @@ def test_solving_while_the_cloud_changes() -> None:
     scenes = {id(solution.problem.scene): solution.problem.scene for solution in found}
     assert len(scenes) >= 60
     stands = []
-    for solution in solved[:: max(1, len(solved) // 300)]:
+    # Drawn, not every so many: the same targets come again and again.
+    for solution in (solved[i] for i in rng.permutation(len(solved))[:300]):
         own = solution.problem.scene.distance(ROBOT.backbone(solution.q, 50)).min() - 0.03
         assert solution.clearance is not None
         assert 0.0 < solution.clearance <= own + 1e-9

@@ -54,7 +54,7 @@ def target_of(robot: sn.Robot, q: Floats) -> sn.Target:
 @pytest.mark.parametrize("robot", [THICK, DRIVEN, UNEVEN], ids=["thick", "driven", "uneven"])
 def test_reachable_targets_are_solved_without_touching(robot: sn.Robot) -> None:
     solver, rng = sn.Solver(robot), np.random.default_rng(1)
-    for _ in range(40):
+    for _ in range(20):
         solution = solver.solve(target_of(robot, hidden(robot, rng)))
         assert solution.solved, str(solution)
         assert solution.verify().ok

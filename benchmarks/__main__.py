@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from benchmarks.harness.experiment import Experiment
 
 ABOUT = {
-    "speed": "every speed and success figure of the README (5 minutes)",
+    "speed": "every speed and success figure of the README (10 minutes)",
     "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
     "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
     "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",

@@ -217,6 +217,24 @@ def test_segments_without_length_and_rigid_links_count_for_nothing() -> None:
     assert bound == pytest.approx(gap, rel=0.12)
 
 
+def test_segments_without_length_have_a_radius_where_they_are() -> None:
+    """A stage that is drawn in, with another radius: a place that others may be near to, although it is a point."""
+    rng = np.random.default_rng(23)
+    clear = 0
+    for _ in range(150):
+        radii = rng.uniform(0.1, 0.3, 5)
+        q = curled(rng, radii, 2.6)
+        q[rng.integers(1, 5) :] = 0.0
+        verdict, gap, _ = prove(q, radii)
+        least, spacing = sampled(q, radii)
+        if verdict == CLEAR:
+            clear += 1
+            assert gap <= least + 1e-12, "the bound is above what was seen"
+        else:
+            assert least < 2.0 * spacing
+    assert clear > 50
+
+
 def coil(turns: int, pitch: float, pieces: int = 8) -> Floats:
     """Segments about a helix of radius 1; its turns are about `pitch` apart."""
     angle = 2.0 * math.pi / pieces

@@ -30,7 +30,7 @@ def chord_distance(a: Vec, b: Vec, c: Vec, d: Vec) -> tuple[float, float, float]
     if squared_sine > PARALLEL * uu * vv:
         s, loss = min(max((uv * vw - uw * vv) / squared_sine, 0.0), 1.0), 0.0
     t = (uv * s + vw) / (vv + TINY)
-    if t < 0.0:
+    if t <= 0.0:  # also where `cd` is a point
         t = 0.0
         s = min(max(-uw / (uu + TINY), 0.0), 1.0)
     elif t > 1.0:

@@ -1,0 +1,91 @@
+"""Bounds of how near two pieces of a curve are to each other, against brute force."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from sinuous.kernels.body.chords import arc_chord, chord_distance, sag
+from tests.helpers import Floats, random_rotation
+
+ENDS = 4
+
+
+def lines(rng: np.random.Generator, kind: str) -> Floats:
+    """Ends of two straight lines, one of which may be a point, or parallel to the other."""
+    ends = rng.normal(size=(ENDS, 3))
+    if kind in ("first a point", "both points"):
+        ends[1] = ends[0]
+    if kind in ("second a point", "both points"):
+        ends[3] = ends[2]
+    if kind == "parallel":
+        ends[3] = ends[2] + rng.uniform(-2.0, 2.0) * (ends[1] - ends[0])
+    scaled: Floats = ends * 10.0 ** rng.uniform(-6.0, 3.0)
+    return scaled
+
+
+def least_distance(ends: Floats) -> float:
+    """Distance of two straight lines: a convex function of two fractions, minimised by code that knows nothing else."""
+    a, b, c, d = ends / np.abs(ends).max()
+
+    def squared(fractions: Floats) -> float:
+        s, t = fractions
+        apart = a + s * (b - a) - c - t * (d - c)
+        return float(apart @ apart)
+
+    starts = ([0.5, 0.5], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0])
+    found = min(
+        minimize(squared, start, bounds=[(0.0, 1.0)] * 2, method="L-BFGS-B", options={"ftol": 1e-15}).fun
+        for start in starts
+    )
+    return math.sqrt(found) * float(np.abs(ends).max())
+
+
+@pytest.mark.parametrize("kind", ["any", "first a point", "second a point", "both points", "parallel"])
+def test_the_distance_of_two_chords_is_the_least_of_all_places(kind: str) -> None:
+    rng = np.random.default_rng(11)
+    for _ in range(40):
+        ends = lines(rng, kind)
+        scale = float(np.abs(ends).max())
+        found, s, t = chord_distance(*(tuple(end) for end in ends))
+        truth = least_distance(ends)
+        assert found <= truth + 1e-6 * scale
+        assert found >= truth - 1e-6 * scale
+        seen = np.linalg.norm(ends[0] + s * (ends[1] - ends[0]) - ends[2] - t * (ends[3] - ends[2]))
+        assert seen == pytest.approx(truth, abs=1e-6 * scale)
+
+
+def test_the_distance_of_two_chords_does_not_depend_on_their_order_nor_on_the_frame() -> None:
+    rng = np.random.default_rng(12)
+    for kind in ("any", "first a point", "parallel"):
+        for _ in range(20):
+            ends = lines(rng, kind)
+            a, b, c, d = (tuple(end) for end in ends)
+            turned = [tuple(end) for end in ends @ random_rotation(rng).T]
+            scale = float(np.abs(ends).max())
+            one = chord_distance(a, b, c, d)[0]
+            for other in (chord_distance(c, d, a, b), chord_distance(b, a, d, c), chord_distance(*turned)):
+                assert other[0] == pytest.approx(one, abs=1e-6 * scale)
+
+
+@pytest.mark.parametrize("bend", [1e-9, 0.3, 1.5, math.pi])
+def test_an_arc_lies_within_its_sag_of_its_chord(bend: float) -> None:
+    turned = np.linspace(0.0, bend, 1001)
+    radius = 1.0 / bend
+    arc = radius * np.stack([1.0 - np.cos(turned), np.sin(turned)], axis=-1)
+    end = arc[-1]
+    along = np.clip(arc @ end / (end @ end), 0.0, 1.0)
+    assert np.linalg.norm(arc - along[:, None] * end, axis=-1).max() <= sag(1.0, bend) * (1.0 + 1e-12)
+
+
+@pytest.mark.parametrize(("curvature", "length"), [(0.0, 2.0), (1e-12, 2.0), (1.0, 2.0), (1.0, math.pi), (3.0, 2.0)])
+def test_the_chord_of_an_arc_is_that_of_its_circle(curvature: float, length: float) -> None:
+    turned = curvature * length
+    expected = length if turned < 1e-9 else 2.0 / curvature * math.sin(0.5 * turned)
+    assert arc_chord(curvature, length) == pytest.approx(expected, rel=1e-12)
+
+
+def test_nothing_is_said_of_a_whole_circle_or_more() -> None:
+    assert arc_chord(1.0, 2.0 * math.pi) == 0.0
+    assert arc_chord(1.0, 7.0) == 0.0

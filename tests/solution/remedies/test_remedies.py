@@ -84,6 +84,19 @@ def test_tendons_are_widened_on_both_sides() -> None:
     assert remedy.after[1] == -remedy.after[0] == pytest.approx(0.13, rel=0.01)
 
 
+def test_limits_of_which_none_is_enough_alone_are_widened_together() -> None:
+    """The place lies beyond the length, and the direction beyond the bends."""
+    robot = sn.Robot.uniform(2, (0.9, 1.0), 0.6)
+    target = sn.Target((0.0, 1.6, 1.6), direction=(0.0, 1.0, 0.0))
+    remedies = helped(sn.solve(robot, target))
+    assert set(remedies) == {"limits", "target"}
+    before, after = remedies["limits"].before, remedies["limits"].after
+    assert before == {"length of all segments": [0.9, 1.0], "max_bend of all segments": 0.6}
+    (low, high), bend = after["length of all segments"], after["max_bend of all segments"]
+    assert (low, bend >= math.pi / 4.0 - 1e-3, high >= 0.8 * math.sqrt(2.0)) == (0.9, True, True)
+    assert sn.solve(sn.Robot.uniform(2, (low, high), bend), target).solved
+
+
 WALL = sn.Box((0, 1, 1.5), (8, 0.2, 8), name="wall")
 
 

@@ -1,4 +1,4 @@
-"""The smallest widening of each limit that binds."""
+"""The smallest widening of each limit that binds, or of all of them together."""
 
 import math
 from collections.abc import Iterator
@@ -56,6 +56,10 @@ class Widening:
             return min(most, self.limits[0])
         return most
 
+    def name(self, count: int) -> str:
+        """What is widened, of a robot with so many segments: `max_bend of all segments`."""
+        return f"{self.key} of {words.segments(self.segments, count)}"
+
     def by(self, amount: float) -> Limits:
         """The limits, wider by this much."""
         if not isinstance(self.limits, tuple):
@@ -66,19 +70,39 @@ class Widening:
 
 
 def widen(trials: Trials, case: Case) -> Iterator[Remedy]:
-    """Yield the smallest widening of every limit that binds, each alone."""
+    """Yield the smallest widening of every limit that binds, each alone; where none is enough, of all together."""
     robot = case.problem.robot
-    for widening in widenings(robot, case.binding):
-        if widening.most <= 0.0:
-            continue
+    usable = [each for each in widenings(robot, case.binding) if each.most > 0.0]
+    alone = False
+    for widening in usable:
 
         def wider(amount: float, widening: Widening = widening) -> Problem:
             return case.problem.changed(robot=widened(robot, widening, amount))
 
         found = trials.smallest(wider, widening.most)
         if found is not None:
-            change = f"{widening.key} of {words.segments(widening.segments, len(robot))}"
-            yield Remedy(change, plain(widening.limits), plain(widening.by(found[0])))
+            alone = True
+            yield Remedy(widening.name(len(robot)), plain(widening.limits), plain(widening.by(found[0])))
+    if not alone and len(usable) > 1:
+        yield from _widen_together(trials, case, usable)
+
+
+def _widen_together(trials: Trials, case: Case, widenings: list[Widening]) -> Iterator[Remedy]:
+    """Yield the smallest widening of several limits, each by the same share of the most that can be meant."""
+    robot = case.problem.robot
+
+    def wider(share: float) -> Problem:
+        changed = robot
+        for widening in widenings:
+            changed = widened(changed, widening, share * widening.most)
+        return case.problem.changed(robot=changed)
+
+    found = trials.smallest(wider, 1.0)
+    if found is not None:
+        names = [widening.name(len(robot)) for widening in widenings]
+        before = [plain(widening.limits) for widening in widenings]
+        after = [plain(widening.by(found[0] * widening.most)) for widening in widenings]
+        yield Remedy("limits", dict(zip(names, before, strict=True)), dict(zip(names, after, strict=True)))
 
 
 def plain(limits: Limits) -> float | list[float] | None:

@@ -129,6 +129,8 @@ def _gradient(robot: Robot, q: Floats, place: tuple[int, float, Floats], slope: 
 
 def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
     """List where the body in configuration `q` (n, 3) touches itself: of two segments the deepest place."""
+    from scipy.spatial.distance import cdist  # noqa: PLC0415
+
     robot, unit = problem.robot, problem.robot.mean_length
     if not robot.avoids_itself or len(robot) > PLACES // 4:
         return []
@@ -138,7 +140,7 @@ def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
     starts = np.concatenate([robot.base[None], robot.forward(q)[:-1]])
     points, radii = _points(starts[segments], q[segments], along), np.array(robot.radii)[segments]
     reached = (np.cumsum(q[:, 2]) - q[:, 2])[segments] + along * q[segments, 2]
-    gaps = np.linalg.norm(points[:, None] - points[None], axis=-1) - radii[:, None] - radii
+    gaps = cdist(points, points) - radii[:, None] - radii
     concerned = reached - reached[:, None] >= np.pi * np.maximum(radii[:, None], radii)
     found = []
     for a, b in {(segments[i], segments[j]) for i, j in np.argwhere(concerned & (gaps <= TOUCHING * unit))}:

@@ -1,7 +1,7 @@
 """Judge an answer by an independent, slow path: what `sinuous.measures` computes. `verify` uses no kernel.
 
 `find_worst` does: it only says of a failure what is missing, and has to be quick, also among large meshes. Its values
-are the same.
+are the same but for how densely the body is held against itself.
 """
 
 import math
@@ -16,6 +16,7 @@ from sinuous.measures.clearance import least_clearance
 from sinuous.measures.self_clearance import Meeting, least_self_clearance
 from sinuous.measures.targets import target_errors
 from sinuous.scene.nearest import least_gap
+from sinuous.solution.binding.contacts import self_contacts_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -140,7 +141,9 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
     ends = np.concatenate([robot.base[None], robot.forward(q)])
     unit = robot.mean_length
     clearance, where, which = _least_clearance(robot, problem.scene, q)
-    itself, segments = _meeting(robot, q, ends)
+    itself, segments = _seen(problem, q)
+    if overlap and min(clearance, itself) > 0.0:
+        itself, segments = _meeting(robot, q, ends)
     near, far = segments or (None, None)
     found = [
         (-clearance / unit, Worst("clearance", where, which, -clearance)),
@@ -157,6 +160,15 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
         found.append((miss / unit, Worst("position", segment, None, miss)))
         found.append((twist, Worst("angle", segment, None, twist)))
     return max(found, key=lambda pair: pair[0])[1]
+
+
+def _seen(problem: "Problem", q: Floats) -> Meeting:
+    """Where the body touches itself, as far as fewer places show it than `_meeting` looks at, in less time."""
+    contacts = self_contacts_of(problem, q)
+    if not contacts:
+        return Meeting(math.inf, None)
+    deepest = contacts[0]
+    return Meeting(deepest.clearance, (deepest.other_segment or deepest.segment, deepest.segment))
 
 
 def _least_clearance(robot: "Robot", scene: "Snapshot", q: Floats) -> tuple[float, int | None, str | None]:

@@ -16,7 +16,7 @@ def test_every_name_is_there() -> None:
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="'teleport'"):
-        _ = sn.teleport
+        _ = sn.teleport  # type: ignore[attr-defined]
 
 
 def test_kernels_as_users_have_them() -> None:

@@ -31,6 +31,7 @@ FLOORS = {
     "errors": 0,
     "caches": 0,
     "words": 0,
+    "types": 0,
     "frozen": 0,
     "garbage": 0,
     "writing": 0,

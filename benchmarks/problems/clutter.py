@@ -1,5 +1,7 @@
 """Anything that can be built, among obstacles of all kinds."""
 
+from typing import Any
+
 import numpy as np
 from numpy.random import Generator
 
@@ -40,7 +42,7 @@ def clutter(seed: int, count: int) -> ProblemSet:
 
 def _random_target(tip: Floats, rng: Generator) -> Target:
     """Ask for the position of a tip, and for nothing more, its direction, or its rotation."""
-    asked: dict[str, Floats] = rng.choice(np.array([{}, {"direction": tip[:3, 2]}, {"rotation": tip[:3, :3]}]))
+    asked: dict[str, Any] = rng.choice(np.array([{}, {"direction": tip[:3, 2]}, {"rotation": tip[:3, :3]}]))
     return Target(tip[:3, 3], **asked)
 
 

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.status import Status as Status
     from sinuous.solution.verification import Verification as Verification
+    from sinuous.solution.verification import Verifications as Verifications
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
@@ -89,7 +90,7 @@ _HOMES = {
     "solution.checking": ("check",),
     "solution.solution": ("Solution",),
     "solution.status": ("Status",),
-    "solution.verification": ("Verification",),
+    "solution.verification": ("Verification", "Verifications"),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
     "motion.job": ("Job", "load"),
@@ -100,12 +101,14 @@ _HOME = {name: home for home, names in _HOMES.items() for name in names}
 __all__ = [*_HOME, "__version__"]  # noqa: PLE0604
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
-    value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # a checker would take every name for one that is there
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
+        value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

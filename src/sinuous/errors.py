@@ -1,14 +1,18 @@
 """What goes wrong, in words: wrong input, and a solve that did not reach its target."""
 
 import reprlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sinuous.motion.track import Track
+    from sinuous.solution.solution import Solution
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
 _SHORT.maxlist = _SHORT.maxtuple = 6
 
 
-def shown(value: Any) -> str:
+def shown(value: object) -> str:
     """Text of a value, short enough for one line."""
     try:
         return " ".join(_SHORT.repr(value).split())
@@ -36,13 +40,13 @@ class InputError(ValueError):
         The file that holds the key, when it came from one.
     """
 
-    def __init__(self, key: str, problem: str, value: Any, expected: str, file: str | None = None) -> None:
+    def __init__(self, key: str, problem: str, value: object, expected: str, file: str | None = None) -> None:
         place = key if file is None else f"{file}: {key}"
         wrong = f" ({problem})" if problem else ""
         super().__init__(f"{place}: expected {expected}, got {shown(value)}{wrong}")
         self.key = key
         self.problem = problem
-        self.value = value
+        self.value: Any = value
         self.expected = expected
         self.file = file
 
@@ -66,6 +70,6 @@ class InputError(ValueError):
 class NotSolvedError(RuntimeError):
     """Raised by `raise_for_status()` of a solution that is not solved; `solution` holds it."""
 
-    def __init__(self, message: str, solution: Any) -> None:
+    def __init__(self, message: str, solution: "Solution | Track") -> None:
         super().__init__(message)
         self.solution = solution

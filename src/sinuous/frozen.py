@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import FrozenInstanceError
+from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -38,8 +39,13 @@ class Frozen:
         return type(self) is type(other) and same(self._content(), other._content())
 
     def _content(self) -> Mapping[str, Any]:
-        """What is compared: by default all attributes that users see."""
-        return {name: value for name, value in vars(self).items() if not name.startswith("_")}
+        """What is compared: by default all attributes that users see, but what was computed of the others and kept."""
+        own = type(self)
+        return {
+            name: value
+            for name, value in vars(self).items()
+            if not name.startswith("_") and not isinstance(getattr(own, name, None), cached_property)
+        }
 
     def __copy__(self) -> Self:
         return self

@@ -8,6 +8,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.types import Orientation, Orientations, Rows, Vector
 
 ROTATION_SLACK = 1e-6
 """How far, in any entry, a matrix may be from a rotation (numbers in files are rounded); it is then made exact."""
@@ -35,7 +36,7 @@ def rotation_matrix(key: str, value: Any) -> Floats:
     return result
 
 
-def any_rotation(rotation: Any, xyzw: Any) -> Floats | None:
+def any_rotation(rotation: Orientation | None, xyzw: Vector | None) -> Floats | None:
     """Read a rotation from the arguments of these names, of which at most one is given; `None` without any."""
     if xyzw is None:
         return None if rotation is None else rotation_matrix("rotation", rotation)
@@ -44,7 +45,7 @@ def any_rotation(rotation: Any, xyzw: Any) -> Floats | None:
     return rotation_matrix("xyzw", (w, x, y, z))
 
 
-def any_rotations(rotation: Any, xyzw: Any) -> Floats | None:
+def any_rotations(rotation: Orientations | None, xyzw: Rows | None) -> Floats | None:
     """Read many rotations (m, 3, 3) as `any_rotation` reads one."""
     if xyzw is None:
         return None if rotation is None else rotation_matrices("rotation", rotation)
@@ -109,7 +110,12 @@ def least_rotation(direction: Floats) -> Floats:
 
 
 def pose(
-    position: Any = None, *, direction: Any = None, rotation: Any = None, xyzw: Any = None, matrix: Any = None
+    position: Vector | None = None,
+    *,
+    direction: Vector | None = None,
+    rotation: Orientation | None = None,
+    xyzw: Vector | None = None,
+    matrix: Rows | None = None,
 ) -> Floats:
     """Make a pose, a 4x4 matrix.
 

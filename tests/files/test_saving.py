@@ -90,6 +90,7 @@ def test_a_robot_with_everything(tmp_path: Path) -> None:
     MIXED.save(tmp_path / "arm.yaml")
     found = sn.load(tmp_path / "arm.yaml")
     assert isinstance(found, sn.Robot)
+    MIXED.actuator_jacobian(np.zeros((len(MIXED), 3)))  # kept, but nothing that one says of a robot
     assert found.equals(MIXED)
     assert found.actuators == MIXED.actuators
     assert not found.equals(sn.Robot(MIXED.segments, name="arm"))
@@ -146,7 +147,7 @@ def test_obstacles_from_files_stay_where_they_are(tmp_path: Path) -> None:
 
 HELD = {
     "solid": sn.Mesh(*cube(), name="crate"),
-    "shell": sn.Mesh(*(part[:-1] if part.dtype == int else part for part in cube(2.0)), thickness=0.1),
+    "shell": sn.Mesh(cube(2.0)[0], cube(2.0)[1][:-1], thickness=0.1),
     "bodies": sn.Mesh(*together(cube(), cube(1.0, (0.5, 0.0, 0.0)))),
     "points": sn.PointCloud(np.eye(3), 0.1),
     "balls": sn.PointCloud(np.random.default_rng(0).normal(size=(50, 3)), np.linspace(0, 1, 50), name="scan"),

@@ -32,7 +32,8 @@ def tip_targets(robot: sn.Robot, count: int, max_bend: float = 1.2, seed: int = 
     """Targets that some configuration meets."""
     asked = {"position": None, "direction": np.s_[:3, 2], "rotation": np.s_[:3, :3]}[kind]
     poses = [robot.tip(q) for q in shapes(robot, count, max_bend, seed)]
-    return [sn.Target(p[:3, 3], **({} if asked is None else {kind: p[asked]})) for p in poses]
+    own: list[dict[str, Any]] = [{} if asked is None else {kind: pose[asked]} for pose in poses]
+    return [sn.Target(pose[:3, 3], **each) for pose, each in zip(poses, own, strict=True)]
 
 
 def solved_and_verified(solver: sn.Solver, targets: Any) -> int:

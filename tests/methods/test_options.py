@@ -16,7 +16,7 @@ class Sample(Options):
 
     rate: float = number(0.5, above=0.0, high=2.0)
     rounds: int = count(3, 1, 10)
-    metric: str = choice("second", "first", "second")
+    metric: str = choice("second", ("first", "second"))
     careful: bool = flag(True)
 
 

@@ -13,6 +13,7 @@ from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.options import Options
 from sinuous.methods.registry import METHODS
 from sinuous.solving.solver import Solver
+from sinuous.types import MethodName
 from tests.helpers import refused
 
 ARM = sn.Robot.uniform(5, (45, 70), 2.4)
@@ -20,7 +21,7 @@ EASY = sn.Target((60.0, 20.0, 240.0))
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_a_method_is_chosen_by_name_or_by_options(name: str) -> None:
+def test_a_method_is_chosen_by_name_or_by_options(name: MethodName) -> None:
     chosen = methods.options_class(name)
     assert methods.name_of(name) == name
     assert methods.with_options(name, []) == name
@@ -34,7 +35,7 @@ def test_a_method_is_chosen_by_name_or_by_options(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_a_solved_answer_is_one(name: str) -> None:
+def test_a_solved_answer_is_one(name: MethodName) -> None:
     solver = Solver(ARM, method=name, tolerance=sn.Tolerance(0.5, 0.02))
     solution = solver.solve(EASY)
     assert solution.method == name
@@ -45,7 +46,7 @@ def test_a_solved_answer_is_one(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_many_are_solved_like_one(name: str) -> None:
+def test_many_are_solved_like_one(name: MethodName) -> None:
     solver = Solver(ARM, method=name, tolerance=sn.Tolerance(0.5, 0.02))
     targets = [EASY, sn.Target((10.0, -90.0, 220.0)), sn.Target((0.0, 0.0, 1000.0))]
     for one, each in zip(map(solver.solve, targets), solver.solve_many(targets), strict=True):
@@ -56,7 +57,7 @@ def test_many_are_solved_like_one(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_what_a_method_does_not_handle_is_refused(name: str) -> None:
+def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
     can = METHODS[name].capabilities
     upright = np.eye(3)
     cases: tuple[tuple[bool, str, Any], ...] = (

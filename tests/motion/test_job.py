@@ -137,7 +137,7 @@ def test_results_that_do_not_fit_are_refused(tmp_path: Path) -> None:
     def read(**changes: Any) -> Any:
         return sn.Solution.from_dict({**good, **changes}, problem)
 
-    refused("", lambda: sn.Solution.from_dict([1], problem), "a result")
+    refused("", lambda: sn.Solution.from_dict([1], problem), "a result")  # type: ignore[arg-type]
     for key in ("status", "q", "seconds", "seed", "method", "start", "clearance"):
         without = {other: value for other, value in good.items() if other != key}
         refused(key, partial(sn.Solution.from_dict, without, problem), "missing")

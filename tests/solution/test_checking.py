@@ -51,10 +51,11 @@ def test_a_batch_is_the_same_as_one_by_one(scene: Any) -> None:
 
 
 def test_bad_input_is_refused() -> None:
-    refused("robot", lambda: sn.check(3, Q))  # type: ignore[arg-type]
+    three: Any = 3
+    refused("robot", lambda: sn.check(three, Q))
     refused("q", lambda: sn.check(ROBOT, Q[..., :2]), "3, 3)")
     refused("q", lambda: sn.check(ROBOT, np.full((3, 3), np.nan)))
-    refused("scene[0]", lambda: sn.check(ROBOT, Q, [3]))
-    refused("targets[0]", lambda: sn.check(ROBOT, Q, None, [3]))
+    refused("scene[0]", lambda: sn.check(ROBOT, Q, [three]))
+    refused("targets[0]", lambda: sn.check(ROBOT, Q, None, [three]))
     refused("targets[0].segment", lambda: sn.check(ROBOT, Q, None, sn.Target((0, 0, 1), segment=4)))
-    refused("tolerance", lambda: sn.check(ROBOT, Q, tolerance=0.1))
+    refused("tolerance", lambda: sn.check(ROBOT, Q, tolerance=three))

@@ -1,6 +1,7 @@
 """Explanations in words."""
 
 import json
+from typing import Any
 
 import pytest
 
@@ -57,6 +58,6 @@ def test_a_limit_that_stops_is_named_whatever_happens() -> None:
 
 
 @pytest.mark.parametrize("time", [-1.0, float("nan"), "2", None])
-def test_a_wrong_time_is_refused(time: object) -> None:
+def test_a_wrong_time_is_refused(time: Any) -> None:
     solution = sn.solve(ROBOT, sn.Target((0, 0, 2.5)))
     refused("time", lambda: solution.explain(time=time))

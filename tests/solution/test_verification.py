@@ -1,5 +1,7 @@
 """The slow path agrees with the fast one, and finds every kind of fault."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ import sinuous as sn
 from sinuous.measures.body import segment_ends
 from sinuous.problem.problem import Problem
 from sinuous.solution import verification
+from sinuous.types import SelfCollision
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.1, base=sn.pose((1, 2, 3), direction=(1, 1, 0)))
 Q = np.array([[0.5, 0.2, 1.0], [-0.7, 0.4, 0.9], [0.0, 1.1, 1.1], [0.3, -0.3, 1.0]])
@@ -17,7 +20,7 @@ def test_poses_agree_with_the_kernels() -> None:
     np.testing.assert_allclose(ends[1:], ROBOT.forward(Q), atol=1e-13)
 
 
-def problem(**changes: object) -> Problem:
+def problem(**changes: Any) -> Problem:
     pose = ROBOT.tip(Q)
     targets = changes.get("targets", sn.Target(pose[:3, 3], rotation=pose[:3, :3]))
     return Problem(ROBOT, targets, changes.get("scene"), sn.Tolerance(1e-4, 1e-3))
@@ -61,7 +64,7 @@ def test_an_overlap_is_found_and_named() -> None:
 CURLED = np.array([[2.7, 0.1, 1.0], [2.6, 0.0, 1.0], [2.6, 0.1, 1.0]])
 
 
-def through_itself(word: str) -> Problem:
+def through_itself(word: SelfCollision) -> Problem:
     robot = sn.Robot.uniform(3, (0.8, 1.2), 3.0, radius=0.15, self_collision=word)
     return Problem(robot, sn.Target(robot.tip(CURLED)[:3, 3]))
 

@@ -14,6 +14,7 @@ from sinuous.kernels.tables import SOLVED
 from sinuous.methods.registry import METHODS, capabilities
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
+from sinuous.types import MethodName
 
 ROBOT = sn.Robot.uniform(5, (0.8, 1.2), 2.0, radius=0.05)
 STRAIGHT = np.tile([0.0, 0.0, 1.0], (5, 1))
@@ -26,7 +27,7 @@ FAR: list[Obstacle] = [sn.Sphere((9.0, 0.01 * i, 0.0), 0.5) for i in range(2 * S
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_every_method_ends_when_there_is_no_time(method: str) -> None:
+def test_every_method_ends_when_there_is_no_time(method: MethodName) -> None:
     """After so many looks, with what it has then; most of them are not even through with one start."""
     scenes: list[list[Obstacle]] = [[], FAR] if capabilities(method).obstacles else [[]]
     for scene in scenes:
@@ -50,7 +51,7 @@ def test_the_first_start_is_told_whatever_it_is() -> None:
 
 
 @pytest.mark.parametrize("method", ["newton", "monte_carlo"])
-def test_a_proof_that_takes_too_long_is_none(method: str) -> None:
+def test_a_proof_that_takes_too_long_is_none(method: MethodName) -> None:
     solver = sn.Solver(ROBOT, [GRAZED], method=method, routes=False, max_starts=1)
     found = solver.solve(AHEAD, initial=STRAIGHT, time=1e-3)
     assert found.status is sn.Status.UNPROVED

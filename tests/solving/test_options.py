@@ -60,7 +60,7 @@ def test_wrong_values_are_refused_by_name(key: str, value: Any) -> None:
 
 
 @pytest.mark.parametrize("name", ["magic", "", "NEWTON"])
-def test_an_unknown_method_is_refused(name: str) -> None:
+def test_an_unknown_method_is_refused(name: Any) -> None:
     error = refused("method", lambda: SolveOptions(method=name))
     assert all(known in str(error) for known in registry.METHODS)
 
@@ -71,11 +71,12 @@ def test_an_unknown_option_is_answered_with_all_that_there_are() -> None:
 
 @pytest.mark.parametrize("old", RENAMED)
 def test_an_old_name_is_answered_with_the_new_one(old: str) -> None:
+    given: dict[str, Any] = {old: 5}
     calls = (
-        lambda: SolveOptions.of({old: 5}),
-        lambda: sn.Solver(ROBOT, **{old: 5}),
-        lambda: sn.solve(ROBOT, TARGET, **{old: 5}),
-        lambda: sn.solve_all(ROBOT, TARGET, **{old: 5}),
+        lambda: SolveOptions.of(given),
+        lambda: sn.Solver(ROBOT, **given),
+        lambda: sn.solve(ROBOT, TARGET, **given),
+        lambda: sn.solve_all(ROBOT, TARGET, **given),
     )
     for call in calls:
         refused(old, call, RENAMED[old])

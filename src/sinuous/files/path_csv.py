@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -76,7 +77,8 @@ def _target(header: tuple[str, ...], cells: list[str]) -> Target:
         raise InputError("", "wrong number of cells", cells, f"{len(header)}: {','.join(header)}")
     values = [_number(name, cell.strip()) for name, cell in zip(header, cells, strict=True)]
     orientation = HEADERS[header]
-    return Target(values[:3], **({} if orientation is None else {orientation: values[3:]}))
+    own: dict[str, Any] = {} if orientation is None else {orientation: values[3:]}
+    return Target(values[:3], **own)
 
 
 def _number(name: str, cell: str) -> float:

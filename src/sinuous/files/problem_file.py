@@ -24,7 +24,8 @@ from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.problem.tolerance import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.scene import Scene, as_scene
+from sinuous.scene.scene import Scene, SceneLike, as_scene
+from sinuous.types import Rows
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import described
 
@@ -76,11 +77,11 @@ class ProblemFile(Frozen):
         self,
         robot: Robot,
         target: Targets | None = None,
-        scene: Any = None,
+        scene: SceneLike | None = None,
         *,
         path: Iterable[Targets] | None = None,
         tolerance: Tolerance | None = None,
-        start: Any = None,
+        start: Rows | None = None,
         prefer: Preferences | None = None,
         file: str = "",
     ) -> None:

@@ -11,6 +11,7 @@ from sinuous.measures.targets import backbone_end
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
+from sinuous.types import BoundName
 
 
 class Bound(NamedTuple):
@@ -26,7 +27,7 @@ class Bound(NamedTuple):
         Whether it comes of the direction that is asked for: seen from the target, back to the base.
     """
 
-    name: str
+    name: BoundName
     needed: float
     available: float
     pointing: bool = False

@@ -1,6 +1,6 @@
 """Options of a method: a frozen dataclass whose fields say what may stand in them, for Python, shell and kernels."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -44,7 +44,7 @@ def count(default: int, low: int, high: int) -> Any:
     return field(default=default, metadata={"kind": Kind(check, _read_count)})
 
 
-def choice(default: str, *names: str) -> Any:
+def choice(default: str, names: Sequence[str]) -> Any:
     """Field for one of several words; the kernel sees its place among them."""
     expected = "one of " + ", ".join(names)
 
@@ -115,7 +115,7 @@ class Options:
         """
         kinds = {each.name: each.metadata["kind"] for each in fields(cls)}
         if cls.presets:
-            kinds["preset"] = choice("", *cls.presets).metadata["kind"]
+            kinds["preset"] = choice("", tuple(cls.presets)).metadata["kind"]
         known = "one of " + ", ".join(kinds) if kinds else "none: this method has no options"
         values: dict[str, Any] = {}
         for pair in pairs:

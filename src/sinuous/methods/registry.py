@@ -14,6 +14,7 @@ from sinuous.errors import InputError
 from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.method import Case, Method
 from sinuous.methods.options import Options
+from sinuous.types import MethodName
 
 if TYPE_CHECKING:
     from sinuous.problem.preferences import Preferences
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from sinuous.scene.scene import Scene
 
 
-Choice = str | Options
+Choice = MethodName | Options
 """How a method is chosen: its name, or its options."""
 
 
@@ -60,7 +61,7 @@ _OF_THE_TIP = Capabilities(
 """Of a method that looks at the tip alone, and at no obstacles."""
 
 
-METHODS: dict[str, Registered] = {
+METHODS: dict[MethodName, Registered] = {
     "newton": Registered(
         "newton.Newton",
         Capabilities(
@@ -126,9 +127,8 @@ def options_class(name: str) -> type[Options]:
     InputError
         When there is no such method.
     """
-    if not isinstance(name, str) or name not in METHODS:
-        raise InputError("method", "is not known", name, "one of " + ", ".join(METHODS))
-    home, _, class_name = METHODS[name].options.rpartition(".")
+    known = _known(name, "")
+    home, _, class_name = METHODS[known].options.rpartition(".")
     return cast(type[Options], getattr(import_module(f"sinuous.methods.{home}"), class_name))
 
 
@@ -142,10 +142,10 @@ def with_options(name: str, pairs: Iterable[str]) -> Choice:
     """
     pairs = list(pairs)
     chosen = options_class(name)
-    return chosen.parse(pairs) if pairs else name
+    return chosen.parse(pairs) if pairs else name_of(name)
 
 
-def name_of(method: Choice) -> str:
+def name_of(method: Choice | str) -> MethodName:
     """Return the name of a chosen method.
 
     Raises
@@ -153,9 +153,12 @@ def name_of(method: Choice) -> str:
     InputError
         When it is none.
     """
-    name = method.method if isinstance(method, Options) else method
+    return _known(method.method if isinstance(method, Options) else method, ", or its options")
+
+
+def _known(name: str, more: str) -> MethodName:
     if not isinstance(name, str) or name not in METHODS:
-        raise InputError("method", "is not known", method, "one of " + ", ".join(METHODS) + ", or its options")
+        raise InputError("method", "is not known", name, "one of " + ", ".join(METHODS) + more)
     return name
 
 

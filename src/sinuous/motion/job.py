@@ -1,7 +1,7 @@
 """A problem file as Python has it: read, changed, solved, saved, and joined with its results."""
 
 from pathlib import Path
-from typing import Any, TypeVar, overload
+from typing import Any, TypeVar, Unpack, overload
 
 from sinuous import checks
 from sinuous.errors import InputError
@@ -15,6 +15,7 @@ from sinuous.motion.track import Track, track
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
+from sinuous.solving.options import SolveArguments
 from sinuous.solving.solver import OneSolve, Solver
 
 
@@ -24,11 +25,11 @@ class Job(ProblemFile):
     Parameters as for `ProblemFile`. `load` reads one, `save` writes one.
     """
 
-    def solver(self, **options: Any) -> Solver:
+    def solver(self, **options: Unpack[SolveArguments]) -> Solver:
         """Prepare a solver; `options` as for `Solver`, which replace those of the file."""
         return Solver(self.robot, self.scene, **self._options(options))
 
-    def solve(self, **options: Any) -> Solution:
+    def solve(self, **options: Unpack[SolveArguments]) -> Solution:
         """Meet the target, or several at once; `options` as for `Solver`.
 
         Raises
@@ -40,7 +41,7 @@ class Job(ProblemFile):
             raise InputError("path", "is for track", len(self.waypoints), "target or targets", self.file or None)
         return OneSolve(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
 
-    def track(self, **options: Any) -> Track:
+    def track(self, **options: Unpack[SolveArguments]) -> Track:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`."""
         return track(self.robot, self.waypoints, self.scene, start=self.start, **self._options(options))
 
@@ -76,7 +77,7 @@ class Job(ProblemFile):
             raise InputError("file", "there are others", names, f"a result of {self.file or 'this problem'}")
         return found[-1]
 
-    def _options(self, given: dict[str, Any]) -> dict[str, Any]:
+    def _options(self, given: SolveArguments) -> SolveArguments:
         return {"tolerance": self.tolerance, "prefer": self.prefer, **given}
 
 

@@ -1,8 +1,8 @@
 """Follow a path: targets solved one after the other, each from the last."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 
@@ -12,16 +12,18 @@ from sinuous.errors import InputError, NotSolvedError
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
+from sinuous.scene.scene import SceneLike
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solving.solver import Solver
+from sinuous.solving.options import SolveArguments
+from sinuous.solving.solver import Initial, Solver
 
 if TYPE_CHECKING:
     from sinuous.solution.verification import Verification
 
 MOST_WAYPOINTS = 1_000_000
 
-BETWEEN = "unproved"
+BETWEEN: Literal["unproved"] = "unproved"
 """What a track says about the motion between its waypoints: waypoints are proved one by one, the motion is not."""
 
 
@@ -82,7 +84,7 @@ class Track:
         return float(np.hypot(steps[..., 0], steps[..., 1]).max()), float(np.abs(steps[..., 2]).max())
 
     @property
-    def between(self) -> str:
+    def between(self) -> Literal["unproved"]:
         """What is known of the motion between neighbouring waypoints."""
         return BETWEEN
 
@@ -103,7 +105,7 @@ class Track:
         return self
 
     @classmethod
-    def from_dict(cls, values: Any, problems: Iterable[Problem]) -> "Track":
+    def from_dict(cls, values: Mapping[str, Any], problems: Iterable[Problem]) -> "Track":
         """Make a track of its result as plain values, and of the problems of its waypoints, one after the other.
 
         Raises
@@ -176,11 +178,11 @@ class Track:
 def track(
     robot: Robot,
     targets: Iterable[Targets],
-    scene: Any = None,
+    scene: SceneLike | None = None,
     *,
-    start: "Solution | Any" = None,
+    start: Initial | None = None,
     progress: Callable[[Solution], object] | None = None,
-    **options: Any,
+    **options: Unpack[SolveArguments],
 ) -> Track:
     """Follow a path of targets.
 
@@ -229,7 +231,7 @@ def as_path(robot: Robot, targets: Iterable[Targets]) -> tuple[tuple[Target, ...
     return path
 
 
-def waypoints(solver: Solver, path: Iterable[Targets], start: "Solution | Any" = None) -> Iterator[Solution]:
+def waypoints(solver: Solver, path: Iterable[Targets], start: Initial | None = None) -> Iterator[Solution]:
     """Solve one waypoint after the other, each from the last that was solved, and yield what is found at once."""
     for targets in path:
         solution = solver.solve(targets, start)

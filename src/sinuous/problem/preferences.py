@@ -1,10 +1,10 @@
 """What to like better among all solutions."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from sinuous import checks
 from sinuous.frozen import Frozen
+from sinuous.types import Number
 
 
 @dataclass(frozen=True, init=False)
@@ -25,7 +25,7 @@ class Preferences(Frozen):
     bends: float
     clearance: float
 
-    def __init__(self, start: Any = 0.0, bends: Any = 0.0, clearance: Any = 0.0) -> None:
+    def __init__(self, start: Number = 0.0, bends: Number = 0.0, clearance: Number = 0.0) -> None:
         for key, value in (("start", start), ("bends", bends), ("clearance", clearance)):
             self._set(**{key: checks.number(key, value, low=0.0)})
 

@@ -1,18 +1,27 @@
 """The question: a robot, its targets, what stands around, and how exactly they must be met."""
 
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypedDict, Unpack
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only
-from sinuous.problem.target import Target, target_list, target_table
+from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.problem.tolerance import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.scene import Scene, as_snapshot
+from sinuous.scene.scene import Scene, SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
+
+
+class ProblemArguments(TypedDict, total=False):
+    """Arguments of `Problem`."""
+
+    robot: Robot
+    targets: Targets
+    scene: SceneLike | Snapshot | None
+    tolerance: Tolerance | None
 
 
 class _Open:
@@ -58,7 +67,13 @@ class Problem(Frozen, _Open):
 
     _tables: ClassVar[frozenset[str]] = frozenset({"_rows"})
 
-    def __init__(self, robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        targets: Targets,
+        scene: SceneLike | Snapshot | None = None,
+        tolerance: Tolerance | None = None,
+    ) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
         place = as_snapshot(scene)
@@ -72,9 +87,9 @@ class Problem(Frozen, _Open):
         )
         check_sizes(robot, place)
 
-    def changed(self, **values: Any) -> "Problem":
+    def changed(self, **values: Unpack[ProblemArguments]) -> "Problem":
         """Return the same problem with other values of some parameters."""
-        own = {key: getattr(self, key) for key in ("robot", "targets", "scene", "tolerance")}
+        own: dict[str, Any] = {key: getattr(self, key) for key in ("robot", "targets", "scene", "tolerance")}
         return Problem(**{**own, **values})
 
     def _content(self) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import repeat
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypedDict, Unpack
 
 import numpy as np
 
@@ -14,8 +14,19 @@ from sinuous.frozen import Frozen
 from sinuous.packing import read_only, target_row, target_rows
 from sinuous.poses import any_rotation, any_rotations
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
+from sinuous.types import Orientation, Orientations, Rows, Vector, Whole
 
 MOST_TARGETS = 1000
+
+
+class TargetArguments(TypedDict, total=False):
+    """Arguments of `Target`."""
+
+    position: Vector | None
+    direction: Vector | None
+    rotation: Orientation | None
+    segment: Whole | None
+    xyzw: Vector | None
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -56,12 +67,12 @@ class Target(Frozen):
 
     def __init__(
         self,
-        position: Any = None,
+        position: Vector | None = None,
         *,
-        direction: Any = None,
-        rotation: Any = None,
-        segment: Any = None,
-        xyzw: Any = None,
+        direction: Vector | None = None,
+        rotation: Orientation | None = None,
+        segment: Whole | None = None,
+        xyzw: Vector | None = None,
     ) -> None:
         matrix = any_rotation(rotation, xyzw)
         if position is None and direction is None and matrix is None:
@@ -76,7 +87,12 @@ class Target(Frozen):
 
     @classmethod
     def each(
-        cls, position: Any = None, *, direction: Any = None, rotation: Any = None, xyzw: Any = None
+        cls,
+        position: Rows | None = None,
+        *,
+        direction: Rows | None = None,
+        rotation: Orientations | None = None,
+        xyzw: Rows | None = None,
     ) -> "tuple[Target, ...]":
         """Make many targets of the tip, checked together: equal to those made one by one, in a tenth of the time.
 
@@ -115,9 +131,9 @@ class Target(Frozen):
             targets.append(target)
         return tuple(targets)
 
-    def changed(self, **values: Any) -> "Target":
+    def changed(self, **values: Unpack[TargetArguments]) -> "Target":
         """Return the same target with other values of some parameters."""
-        own = {key: getattr(self, key) for key in ("position", "direction", "rotation", "segment")}
+        own: dict[str, Any] = {key: getattr(self, key) for key in ("position", "direction", "rotation", "segment")}
         return Target(**{**own, **values})
 
     @property

@@ -1,12 +1,12 @@
 """How exactly targets must be met."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.robot import Robot
+from sinuous.types import Number
 
 RELATIVE_POSITION = 1e-4
 ANGLE = 1e-3
@@ -27,7 +27,7 @@ class Tolerance(Frozen):
     position: float | None
     angle: float
 
-    def __init__(self, position: Any = None, angle: Any = ANGLE) -> None:
+    def __init__(self, position: Number | None = None, angle: Number = ANGLE) -> None:
         self._set(
             position=None if position is None else checks.number("position", position, above=0.0),
             angle=checks.number("angle", angle, above=0.0),
@@ -38,7 +38,7 @@ class Tolerance(Frozen):
         return Tolerance(RELATIVE_POSITION * robot.mean_length, self.angle) if self.position is None else self
 
 
-def as_tolerance(tolerance: Any) -> Tolerance:
+def as_tolerance(tolerance: Tolerance | None) -> Tolerance:
     """Check tolerances; `None` stands for the defaults."""
     if tolerance is None:
         return Tolerance()

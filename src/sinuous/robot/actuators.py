@@ -8,7 +8,6 @@ each of them does to it.
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.names import listed_names
+from sinuous.types import Limits, Names, Number, Vector, Whole
 
 MOST_LINES = 64
 
@@ -44,7 +44,13 @@ class Lines(Frozen):
     names: tuple[str, ...] | None
 
     def __init__(
-        self, count: Any = None, radius: Any = None, angle: Any = None, *, angles: Any = None, names: Any = None
+        self,
+        count: Whole | None = None,
+        radius: Number | None = None,
+        angle: Number | None = None,
+        *,
+        angles: Vector | None = None,
+        names: Names | None = None,
     ) -> None:
         if (count is None) == (angles is None):
             raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
@@ -82,13 +88,13 @@ class Tendons(Lines):
 
     def __init__(
         self,
-        count: Any = None,
-        radius: Any = None,
-        angle: Any = None,
+        count: Whole | None = None,
+        radius: Number | None = None,
+        angle: Number | None = None,
         *,
-        angles: Any = None,
-        displacement: Any = None,
-        names: Any = None,
+        angles: Vector | None = None,
+        displacement: Limits | None = None,
+        names: Names | None = None,
     ) -> None:
         super().__init__(count, radius, angle, angles=angles, names=names)
         self._set(displacement=_limits_about_zero("displacement", displacement))
@@ -108,20 +114,20 @@ class Chambers(Lines):
 
     def __init__(
         self,
-        count: Any = None,
-        radius: Any = None,
-        angle: Any = None,
+        count: Whole | None = None,
+        radius: Number | None = None,
+        angle: Number | None = None,
         *,
-        angles: Any = None,
-        length: Any = None,
-        names: Any = None,
+        angles: Vector | None = None,
+        length: Limits | None = None,
+        names: Names | None = None,
     ) -> None:
         super().__init__(count, radius, angle, angles=angles, names=names)
         pair = (-math.inf, math.inf) if length is None else checks.interval("length", length, low=0.0)
         self._set(length=pair)
 
 
-def _limits_about_zero(key: str, value: Any) -> tuple[float, float]:
+def _limits_about_zero(key: str, value: Limits | None) -> tuple[float, float]:
     if value is None:
         return -math.inf, math.inf
     pair = checks.interval(key, value)

@@ -1,6 +1,7 @@
 """Actuators that see any coordinates of the robot: antagonistic pairs, differentials, stages."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,10 +12,14 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.names import listed_names
+from sinuous.types import HasArray, Names, Number, Rows, Vector
 
 MOST_ACTUATORS = 10_000
 
 UNLIMITED = (-math.inf, math.inf)
+
+RowLimits = HasArray | Sequence[Number | Vector | None]
+"""A pair [low, high] for all rows, or one for each; None stands for no limits."""
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -42,7 +47,7 @@ class Actuators(Frozen):
     names: tuple[str, ...]
     limits: tuple[tuple[float, float], ...]
 
-    def __init__(self, matrix: Any, names: Any = None, limits: Any = None) -> None:
+    def __init__(self, matrix: Rows, names: Names | None = None, limits: RowLimits | None = None) -> None:
         rows = checks.array("matrix", matrix, (None, None))
         count = checks.integer("len(matrix)", len(rows), 1, MOST_ACTUATORS)
         for i, row in enumerate(rows):

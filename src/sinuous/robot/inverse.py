@@ -1,7 +1,6 @@
 """From the values of actuators back to configurations: least squares, once factored for every robot."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MIN_LENGTH
 from sinuous.robot.actuation import Actuation, flat, product
+from sinuous.types import Batch, Stack
 
 RANK = 1e-9
 """Actuators that are as nearly dependent as this, relative to their weights, count as dependent."""
@@ -88,7 +88,7 @@ class Inverse(Frozen):
             raise InputError("initial", "missing", None, expected)
 
 
-def fitting(values: Any, initial: Any, actuators: int, segments: int) -> tuple[Floats, Floats | None]:
+def fitting(values: Stack, initial: Batch | None, actuators: int, segments: int) -> tuple[Floats, Floats | None]:
     """Check values (..., m) and a reference (..., n, 3) or none; their axes in front must broadcast."""
     given = checks.stack("actuators", values, (actuators,))
     if initial is None:

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from sinuous.checks import Floats
 from sinuous.robot.actuation import Actuation
 from sinuous.robot.segment import Segment
+from sinuous.types import LimitKind
 
-Violation = tuple[str, int, float]
+Violation = tuple[LimitKind, int, float]
 """A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated."""
 
 
@@ -37,7 +38,7 @@ def violations(
 
 def _amounts(
     segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats
-) -> Iterator[tuple[str, NDArray[Any], Floats]]:
+) -> Iterator[tuple[LimitKind, NDArray[Any], Floats]]:
     """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""
     numbers = np.arange(1, len(segments) + 1)
     low, high = np.array([segment.length for segment in segments]).T

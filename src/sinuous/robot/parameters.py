@@ -1,15 +1,14 @@
 """Bending vectors and the arc parameters of the literature: curvature, angle of the bending plane, length."""
 
-from typing import Any
-
 import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.types import Number, Stack
 
 
-def from_arc_parameters(curvature: Any, plane_angle: Any, length: Any) -> Floats:
+def from_arc_parameters(curvature: Number | Stack, plane_angle: Number | Stack, length: Number | Stack) -> Floats:
     """Configuration (..., 3) of segments with these curvatures (1 / length), bending-plane angles (rad) and lengths.
 
     Webster & Jones 2010: (kappa, phi, l). The arrays broadcast; `(n,)` arrays make one configuration (n, 3).
@@ -20,7 +19,7 @@ def from_arc_parameters(curvature: Any, plane_angle: Any, length: Any) -> Floats
     return np.stack([kappa * arc * np.cos(phi), kappa * arc * np.sin(phi), arc], axis=-1)
 
 
-def arc_parameters(q: Any) -> tuple[Floats, Floats, Floats]:
+def arc_parameters(q: Stack) -> tuple[Floats, Floats, Floats]:
     """Curvature (1 / length), bending-plane angle (rad; 0 when straight) and length of every segment, each (..., n).
 
     A segment of length 0 has no curvature unless it is straight (then 0).

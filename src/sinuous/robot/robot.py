@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 
 import numpy as np
 
@@ -23,13 +23,30 @@ from sinuous.robot.limits import Violation
 from sinuous.robot.names import optional_name, segment_names
 from sinuous.robot.segment import Segment
 from sinuous.robot.thickness import curvature_limits, held_back
+from sinuous.types import Batch, Limits, Number, Rows, SelfCollision, Stack, Whole
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
 
 MOST_SEGMENTS = 10_000
 
-SELF_COLLISION = ("avoid", "allow")
-"""What may be said of a body that runs through itself."""
+
+class WholeArguments(TypedDict, total=False):
+    """Arguments of `Robot` that are not those of its segments."""
+
+    mount: Number
+    base: Rows | None
+    tool: Rows | None
+    self_collision: SelfCollision
+    actuators: Actuators | None
+    name: str | None
+
+
+class RobotArguments(WholeArguments, total=False):
+    """Arguments of `Robot`."""
+
+    segments: Iterable[Segment]
+    radius: Number | None
+
 
 REPLACED = {
     "tendon_displacements": "to_actuators",
@@ -95,7 +112,7 @@ class Robot(Frozen):
     mount: float
     base: Floats
     tool: Floats
-    self_collision: str
+    self_collision: SelfCollision
     linear: Actuators | None
     name: str | None
     limits: Floats
@@ -108,13 +125,13 @@ class Robot(Frozen):
         self,
         segments: Iterable[Segment],
         *,
-        radius: Any = None,
-        mount: Any = 0.0,
-        base: Any = None,
-        tool: Any = None,
-        self_collision: Any = "avoid",
+        radius: Number | None = None,
+        mount: Number = 0.0,
+        base: Rows | None = None,
+        tool: Rows | None = None,
+        self_collision: SelfCollision = "avoid",
         actuators: Actuators | None = None,
-        name: Any = None,
+        name: str | None = None,
     ) -> None:
         if not isinstance(segments, Iterable):
             raise InputError("segments", "", segments, "a list of Segment")
@@ -127,7 +144,7 @@ class Robot(Frozen):
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
         if radius is not None:
             listed = tuple(segment.changed(radius=radius) for segment in listed)
-        checks.choice("self_collision", self_collision, SELF_COLLISION)
+        checks.choice("self_collision", self_collision, get_args(SelfCollision))
         if not (actuators is None or isinstance(actuators, Actuators)):
             raise InputError("actuators", "", actuators, "Actuators or nothing")
         radii = tuple(segment.radius for segment in listed)
@@ -154,15 +171,15 @@ class Robot(Frozen):
     @classmethod
     def uniform(
         cls,
-        count: Any,
-        length: Any,
-        max_bend: Any = math.pi,
-        max_curvature: Any = None,
-        radius: Any = 0.0,
+        count: Whole,
+        length: Limits,
+        max_bend: Number = math.pi,
+        max_curvature: Number | None = None,
+        radius: Number = 0.0,
         *,
         tendons: Tendons | None = None,
         chambers: Chambers | None = None,
-        **whole: Any,
+        **whole: Unpack[WholeArguments],
     ) -> "Robot":
         """Make a robot of `count` equal segments.
 
@@ -172,10 +189,10 @@ class Robot(Frozen):
         segment = Segment(length, max_bend, max_curvature, radius, tendons, chambers)
         return cls([segment] * number, **whole)
 
-    def changed(self, **values: Any) -> "Robot":
+    def changed(self, **values: Unpack[RobotArguments]) -> "Robot":
         """Return the same robot with other values of some parameters."""
         names = ("segments", "mount", "base", "tool", "self_collision", "name")
-        own = {key: getattr(self, key) for key in names} | {"actuators": self.linear}
+        own: dict[str, Any] = {key: getattr(self, key) for key in names} | {"actuators": self.linear}
         return Robot(**{**own, **values})
 
     def __len__(self) -> int:
@@ -215,11 +232,11 @@ class Robot(Frozen):
         """
         write_document(file, self.to_dict())
 
-    def configuration(self, key: str, q: Any) -> Floats:
+    def configuration(self, key: str, q: Batch) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
         return checks.stack(key, q, (len(self), 3))
 
-    def forward(self, q: Any) -> Floats:
+    def forward(self, q: Batch) -> Floats:
         """Poses (..., n, 4, 4) of the ends of all segments in the world; the tool is not applied."""
         frames, lead = self._frames(q)
         poses = np.zeros((*frames.shape[:2], 4, 4))
@@ -228,12 +245,12 @@ class Robot(Frozen):
         poses[..., 3, 3] = 1.0
         return poses[:, 1:].reshape(*lead, len(self), 4, 4)
 
-    def tip(self, q: Any) -> Floats:
+    def tip(self, q: Batch) -> Floats:
         """Pose (..., 4, 4) of the tool (of the tip, without one) in the world."""
         result: Floats = self.forward(q)[..., -1, :, :] @ self.tool
         return result
 
-    def backbone(self, q: Any, samples: int = 20) -> Floats:
+    def backbone(self, q: Batch, samples: Whole = 20) -> Floats:
         """Points (..., n * samples + 1, 3) of the backbone from base to tip, evenly spaced within each segment."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
@@ -244,7 +261,7 @@ class Robot(Frozen):
         batch.points_of(flat, frames, count, points)
         return points.reshape(*lead, *points.shape[1:])
 
-    def jacobian(self, q: Any, segment: int | None = None) -> Floats:
+    def jacobian(self, q: Batch, segment: Whole | None = None) -> Floats:
         """Geometric Jacobian (..., 6, 3 n) of the end of `segment` (1 = first; the last, the default, means the tool).
 
         Rows 0 to 2 are the angular velocity, rows 3 to 5 the velocity of that point, both in world axes; columns are
@@ -259,7 +276,7 @@ class Robot(Frozen):
         batch.jacobians_of(flat, frames, packing.pose_row(self.tool), end - 1, np.empty((len(self), 18)), out)
         return out.reshape(*lead, 6, 3 * len(self))
 
-    def _frames(self, q: Any) -> tuple[Floats, tuple[int, ...]]:
+    def _frames(self, q: Batch) -> tuple[Floats, tuple[int, ...]]:
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         checked = self.configuration("q", q)
@@ -269,7 +286,7 @@ class Robot(Frozen):
         batch.frames_of(flat, packing.pose_row(self.base), frames)
         return frames, lead
 
-    def excess(self, q: Any) -> float:
+    def excess(self, q: Batch) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
         Bends and lengths count in their own units (rad, length unit), actuators in the length unit: the values of
@@ -277,29 +294,29 @@ class Robot(Frozen):
         """
         return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
 
-    def violations(self, q: Any) -> list[Violation]:
+    def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 
         `length` and `actuator` count in the length unit, `bend` and `curvature` in rad: the latter is the bend beyond
         what the curvature allows at this length.
         """
         slack = 1e-11 * max(1.0, self.mean_length)
-        q = checks.array("q", q, (len(self), 3))
-        return limits.violations(self.segments, self.curvatures, self.drive, q, slack)
+        checked = checks.array("q", q, (len(self), 3))
+        return limits.violations(self.segments, self.curvatures, self.drive, checked, slack)
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:
         """All actuators: segment by segment tendons, then chambers; at the end those of `Actuators`."""
         return self.drive.actuators
 
-    def to_actuators(self, q: Any) -> Floats:
+    def to_actuators(self, q: Batch) -> Floats:
         """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
 
         Of a tendon it is the displacement (positive is pulled), of a chamber the length, both in the length unit.
         """
         return self.drive.values(self.configuration("q", q))
 
-    def from_actuators(self, actuators: Any, initial: Any = None) -> Floats:
+    def from_actuators(self, actuators: Stack, initial: Batch | None = None) -> Floats:
         """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
 
         Least squares where values contradict each other. Coordinates that cannot move are what they are.
@@ -321,7 +338,7 @@ class Robot(Frozen):
             self._inverse.refuse_undetermined(self.segment_names)
         return self._inverse.configuration(values, reference)
 
-    def actuator_jacobian(self, q: Any) -> Floats:
+    def actuator_jacobian(self, q: Batch) -> Floats:
         """Derivative (..., m, 3 n) of the values of all actuators, read-only.
 
         Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every

@@ -2,14 +2,27 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.names import optional_name
+from sinuous.types import Limits, Number
 from sinuous.writing.plain import described, plain
+
+
+class SegmentArguments(TypedDict, total=False):
+    """Arguments of `Segment`."""
+
+    length: Limits
+    max_bend: Number
+    max_curvature: Number | None
+    radius: Number
+    tendons: Tendons | None
+    chambers: Chambers | None
+    name: str | None
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -51,13 +64,13 @@ class Segment(Frozen):
 
     def __init__(
         self,
-        length: Any,
-        max_bend: Any = math.pi,
-        max_curvature: Any = None,
-        radius: Any = 0.0,
+        length: Limits,
+        max_bend: Number = math.pi,
+        max_curvature: Number | None = None,
+        radius: Number = 0.0,
         tendons: Tendons | None = None,
         chambers: Chambers | None = None,
-        name: Any = None,
+        name: str | None = None,
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
@@ -80,9 +93,11 @@ class Segment(Frozen):
             name=optional_name(name),
         )
 
-    def changed(self, **values: Any) -> "Segment":
+    def changed(self, **values: Unpack[SegmentArguments]) -> "Segment":
         """Return the same segment with other values of some parameters."""
-        own = {key: value for key, value in vars(self).items() if key != "max_curvature" or math.isfinite(value)}
+        own: dict[str, Any] = {
+            key: value for key, value in vars(self).items() if key != "max_curvature" or math.isfinite(value)
+        }
         return Segment(**{**own, **values})
 
     def to_dict(self) -> dict[str, Any]:

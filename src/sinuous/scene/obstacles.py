@@ -18,6 +18,7 @@ from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.packing import primitive_row
 from sinuous.poses import any_rotation, least_rotation
 from sinuous.scene.sources import Source
+from sinuous.types import Number, Orientation, Truth, Vector
 
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False
@@ -42,14 +43,14 @@ class Obstacle(Frozen, ABC):
         """What problem files call such an obstacle: `half_space`."""
         return "".join(f"_{c.lower()}" if c.isupper() else c for c in type(self).__name__).lstrip("_")
 
-    def named(self, name: Any) -> Self:
+    def named(self, name: str | None) -> Self:
         """Return the same obstacle with another name, or None for none."""
         twin = object.__new__(type(self))
         twin._set(**vars(self))
         twin._keep(name)
         return twin
 
-    def _keep(self, name: Any, **values: Any) -> None:
+    def _keep(self, name: str | None, **values: Any) -> None:
         self._set(name=None if name is None else checks.text("name", name), **values)
 
 
@@ -102,7 +103,7 @@ class Sphere(Primitive):
     radius: float
     inside: bool
 
-    def __init__(self, center: Any, radius: Any, inside: Any = False, name: Any = None) -> None:
+    def __init__(self, center: Vector, radius: Number, inside: Truth = False, name: str | None = None) -> None:
         self._keep(
             name,
             center=checks.vector("center", center),
@@ -145,7 +146,14 @@ class Box(Primitive):
     inside: bool
 
     def __init__(
-        self, center: Any, size: Any, rotation: Any = None, inside: Any = False, name: Any = None, *, xyzw: Any = None
+        self,
+        center: Vector,
+        size: Vector,
+        rotation: Orientation | None = None,
+        inside: Truth = False,
+        name: str | None = None,
+        *,
+        xyzw: Vector | None = None,
     ) -> None:
         extents, turned = checks.vector("size", size), any_rotation(rotation, xyzw)
         if not (extents > 0.0).all():
@@ -192,7 +200,7 @@ class Capsule(Primitive):
     end: Floats
     radius: float
 
-    def __init__(self, start: Any, end: Any, radius: Any, name: Any = None) -> None:
+    def __init__(self, start: Vector, end: Vector, radius: Number, name: str | None = None) -> None:
         self._keep(
             name,
             start=checks.vector("start", start),
@@ -230,7 +238,9 @@ class Cylinder(Primitive):
     radius: float
     inside: bool
 
-    def __init__(self, start: Any, end: Any, radius: Any, inside: Any = False, name: Any = None) -> None:
+    def __init__(
+        self, start: Vector, end: Vector, radius: Number, inside: Truth = False, name: str | None = None
+    ) -> None:
         first, last = checks.vector("start", start), checks.vector("end", end)
         if np.array_equal(first, last):
             raise InputError("end", "is where the cylinder starts", last.tolist(), "another point than start")
@@ -269,7 +279,7 @@ class HalfSpace(Primitive):
     point: Floats
     normal: Floats
 
-    def __init__(self, point: Any, normal: Any, name: Any = None) -> None:
+    def __init__(self, point: Vector, normal: Vector, name: str | None = None) -> None:
         self._keep(name, point=checks.vector("point", point), normal=checks.direction("normal", normal))
 
     @property

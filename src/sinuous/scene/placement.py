@@ -9,6 +9,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.poses import pose
+from sinuous.types import Number, Orientation, Vector
 from sinuous.writing.plain import pose_arguments
 
 
@@ -30,7 +31,13 @@ class Placement(Frozen):
     scale: float
     pose: Floats
 
-    def __init__(self, scale: Any, position: Any = None, rotation: Any = None, xyzw: Any = None) -> None:
+    def __init__(
+        self,
+        scale: Number,
+        position: Vector | None = None,
+        rotation: Orientation | None = None,
+        xyzw: Vector | None = None,
+    ) -> None:
         self._set(scale=checks.number("scale", scale, above=0.0), pose=pose(position, rotation=rotation, xyzw=xyzw))
 
     @property

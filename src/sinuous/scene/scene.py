@@ -14,6 +14,7 @@ from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.snapshot import Snapshot
 from sinuous.scene.sources import entries_of
+from sinuous.types import Number, Rows, Stack, Vector
 from sinuous.writing.documents import write_document
 
 
@@ -61,7 +62,7 @@ class Scene:
         """Return the obstacles as they are now, frozen; the same object until the next update."""
         return self._snapshot
 
-    def prepare(self, progress: Callable[[str, float], None] | None = None) -> None:
+    def prepare(self, progress: Callable[[str, float], object] | None = None) -> None:
         """Compute what solving needs to know of meshes, clouds and grids; without this, the first use does.
 
         Parameters
@@ -132,7 +133,7 @@ class Scene:
         """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
         return self._snapshot.name(index)
 
-    def update(self, points: Any, radius: Any = None, name: str | None = None) -> None:
+    def update(self, points: Rows, radius: Number | Vector | None = None, name: str | None = None) -> None:
         """Replace a point cloud by what is seen now; a `Solver` made before goes on with the new one.
 
         A solve that is under way ends with the old one, and a solution keeps the one that it was solved in. The new
@@ -166,7 +167,7 @@ class Scene:
         (self._snapshot,) = state
         self._lock = threading.Lock()
 
-    def distance(self, points: Any) -> Floats:
+    def distance(self, points: Stack) -> Floats:
         """Signed distance (...) of points (..., 3) to the nearest obstacle; infinite in an empty scene.
 
         Exact: no samples are interpolated, and a `Field` is asked itself. Of a `Grid` of distances nothing more is
@@ -174,11 +175,11 @@ class Scene:
         """
         return self._snapshot.distance(points)
 
-    def at_most(self, points: Any) -> Floats:
+    def at_most(self, points: Stack) -> Floats:
         """Upper bound (...) of the distance of points (..., 3): the same, but near a `Grid` of distances."""
         return self._snapshot.at_most(points)
 
-    def gradient(self, points: Any) -> Floats:
+    def gradient(self, points: Stack) -> Floats:
         """Gradient (..., 3) of the distance at points (..., 3): a unit vector away from the nearest obstacle.
 
         Where the distance has a kink one of its sides is given; zero in an empty scene. That of a `Field` is taken by
@@ -186,7 +187,7 @@ class Scene:
         """
         return self._snapshot.gradient(points)
 
-    def nearest(self, points: Any) -> NDArray[np.int64]:
+    def nearest(self, points: Stack) -> NDArray[np.int64]:
         """Index (...) of the obstacle nearest to points (..., 3); -1 in an empty scene."""
         return self._snapshot.nearest(points)
 
@@ -202,13 +203,17 @@ def _find_cloud(snapshot: Snapshot, name: str | None) -> tuple[int, PointCloud]:
     return found[0]
 
 
-def as_scene(scene: Any) -> Scene:
+SceneLike = Scene | Iterable[Obstacle | Scene]
+"""What may be given for a scene."""
+
+
+def as_scene(scene: SceneLike | None) -> Scene:
     """Check a scene; `None` is the empty one, a list of obstacles their union."""
     if scene is None:
         return Scene()
     return scene if isinstance(scene, Scene) else Scene(scene)
 
 
-def as_snapshot(scene: Any) -> Snapshot:
+def as_snapshot(scene: SceneLike | Snapshot | None) -> Snapshot:
     """Check a scene, and take its obstacles as they are now."""
     return scene if isinstance(scene, Snapshot) else as_scene(scene).snapshot()

@@ -15,6 +15,7 @@ from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field, evaluate
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.prepared.parts import Part, join, live, prepare
+from sinuous.types import Stack
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -65,14 +66,14 @@ class Snapshot(Frozen):
         assert self._group is not None
         return self._group
 
-    def prepare(self, progress: Callable[[str, float], None] | None = None) -> None:
+    def prepare(self, progress: Callable[[str, float], object] | None = None) -> None:
         """Compute what the kernels read, if that is not done yet; see `Scene.prepare`."""
         with self._lock:
             if self._group is None:
                 parts = [self._part(i, progress) for i in range(len(self))]
                 self._set(_parts=parts, _group=join(parts))
 
-    def _part(self, index: int, progress: Callable[[str, float], None] | None) -> Part:
+    def _part(self, index: int, progress: Callable[[str, float], object] | None) -> Part:
         name = self.name(index)
         return prepare(self._obstacles[index], name, None if progress is None else partial(progress, name))
 
@@ -121,28 +122,28 @@ class Snapshot(Frozen):
         """Name of an obstacle; one that has none is called by its kind and place in the list, like `sphere[3]`."""
         return self._obstacles[index].name or f"{self._obstacles[index].kind}[{index}]"
 
-    def distance(self, points: Floats) -> Floats:
+    def distance(self, points: Stack) -> Floats:
         """Signed distance (...) of points (..., 3); see `Scene.distance`."""
         return self._query(points)[0]
 
-    def at_most(self, points: Floats) -> Floats:
+    def at_most(self, points: Stack) -> Floats:
         """Upper bound (...) of the distance of points (..., 3); see `Scene.at_most`."""
         return self._query(points)[3]
 
-    def gradient(self, points: Floats) -> Floats:
+    def gradient(self, points: Stack) -> Floats:
         """Gradient (..., 3) of the distance at points (..., 3); see `Scene.gradient`."""
         return self._query(points)[1]
 
-    def nearest(self, points: Floats) -> NDArray[np.int64]:
+    def nearest(self, points: Stack) -> NDArray[np.int64]:
         """Index (...) of the obstacle nearest to points (..., 3); -1 where there is none."""
         return self._query(points)[2]
 
-    def distance_to(self, index: int, points: Floats) -> tuple[Floats, Floats]:
+    def distance_to(self, index: int, points: Stack) -> tuple[Floats, Floats]:
         """Signed distance (...) of points (..., 3) to one obstacle, and its gradient (..., 3); see `Scene.distance`."""
         return self._query(points, (index,))[:2]
 
     def _query(
-        self, points: Floats, among: Sequence[int] | None = None
+        self, points: Stack, among: Sequence[int] | None = None
     ) -> tuple[Floats, Floats, NDArray[np.int64], Floats]:
         from sinuous.kernels.fields import distances  # noqa: PLC0415
 

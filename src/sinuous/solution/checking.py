@@ -1,23 +1,60 @@
 """Judge shapes from elsewhere, measured or planned: by the independent path, without a solve."""
 
+from collections.abc import Sequence
 from dataclasses import fields
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
 from sinuous.errors import InputError
 from sinuous.problem.problem import check_sizes
-from sinuous.problem.target import target_list, target_table
-from sinuous.problem.tolerance import as_tolerance
+from sinuous.problem.target import Targets, target_list, target_table
+from sinuous.problem.tolerance import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import as_snapshot
-from sinuous.solution.verification import Verification, verified
+from sinuous.scene.scene import SceneLike, as_snapshot
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.verification import Verification, Verifications, verified
+from sinuous.types import Batch, Number
 
 KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}
 """What arrays of these attributes of a verification hold; all others are numbers."""
 
 
-def check(robot: Robot, q: Any, scene: Any = None, targets: Any = None, *, tolerance: Any = None) -> Verification:
+@overload
+def check(
+    robot: Robot,
+    q: Sequence[Sequence[Number]],
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+) -> Verification: ...
+@overload
+def check(
+    robot: Robot,
+    q: Sequence[Sequence[Sequence[Number]]],
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+) -> Verifications: ...
+@overload
+def check(
+    robot: Robot,
+    q: Batch,
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+) -> Any: ...
+def check(
+    robot: Robot,
+    q: Batch,
+    scene: SceneLike | Snapshot | None = None,
+    targets: Targets | None = None,
+    *,
+    tolerance: Tolerance | None = None,
+) -> Any:
     """Judge shapes: limits, clearance, and targets where there are any. No kernel is used, nothing is solved.
 
     Parameters
@@ -33,9 +70,8 @@ def check(robot: Robot, q: Any, scene: Any = None, targets: Any = None, *, toler
 
     Returns
     -------
-    Verification
-        Of many configurations every attribute is an array (...); where `segment`, `obstacle` and `self_segments` are
-        None for a single one, so are their entries.
+    Verification or Verifications
+        Of many configurations every attribute is an array (...).
 
     Raises
     ------
@@ -54,11 +90,11 @@ def check(robot: Robot, q: Any, scene: Any = None, targets: Any = None, *, toler
     return found[0] if shapes.ndim == 2 else _stacked(found, shapes.shape[:-2])
 
 
-def _stacked(found: list[Verification], lead: tuple[int, ...]) -> Verification:
+def _stacked(found: list[Verification], lead: tuple[int, ...]) -> Verifications:
     arrays: dict[str, Any] = {}
     for name in (field.name for field in fields(Verification)):
         values = np.empty(len(found), KINDS.get(name, np.float64))
         for i, one in enumerate(found):
             values[i] = getattr(one, name)
         arrays[name] = values.reshape(lead)
-    return Verification(**arrays)
+    return Verifications(**arrays)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from sinuous.measures.reach import bounds
 from sinuous.measures.targets import backbone_end
 from sinuous.scene.nearest import room_at
+from sinuous.types import BoundName
 from sinuous.words import number
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Reason:
         Whether the direction that is asked for is part of the reason.
     """
 
-    bound: str
+    bound: BoundName
     needed: float
     available: float
     obstacle: str | None = None

@@ -1,8 +1,9 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
 import textwrap
+from collections.abc import Mapping
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unre
 from sinuous.solution.remedies.trials import Case
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
+from sinuous.types import Number, StartKind
 from sinuous.words import listed
 
 if TYPE_CHECKING:
@@ -130,9 +132,9 @@ class Solution:
         return self._outcome.starts
 
     @property
-    def start(self) -> str:
+    def start(self) -> StartKind:
         """Which kind of start won: given, arc, random or route."""
-        return SOURCES[self._outcome.source]
+        return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
     def route(self) -> Floats | None:
@@ -209,7 +211,7 @@ class Solution:
         limits = [each for each in self.binding if each.key is not None]
         return f"{self.status.sentence}: {listed(in_words(limits, len(self.problem.robot)))}"
 
-    def explain(self, time: Any = 2.0) -> Explanation:
+    def explain(self, time: Number = 2.0) -> Explanation:
         """Say why it ended like this, and what would help.
 
         Every change that is told was tried: with it the problem is solved and proved. What is found is the same each
@@ -272,7 +274,7 @@ class Solution:
         return self
 
     @classmethod
-    def from_dict(cls, values: Any, problem: "Problem") -> "Solution":
+    def from_dict(cls, values: Mapping[str, Any], problem: "Problem") -> "Solution":
         """Make a solution of its result as plain values, and of the problem that it answers.
 
         It says what the result says; `verify` recomputes that.

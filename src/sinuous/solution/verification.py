@@ -6,9 +6,10 @@ are the same but for how densely the body is held against itself.
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.measures.body import SAMPLES, segment_ends
@@ -17,6 +18,7 @@ from sinuous.measures.self_clearance import Meeting, least_self_clearance
 from sinuous.measures.targets import target_errors
 from sinuous.scene.nearest import least_gap
 from sinuous.solution.binding.contacts import self_contacts_of
+from sinuous.types import Constraint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,6 +32,10 @@ if TYPE_CHECKING:
 LIMIT_SLACK = 1e-9
 ROUNDING = 1e-9
 """What rounding may add to an error, relative to the robot's length."""
+
+
+WorstKind = Constraint | Literal["position", "angle"]
+"""What may be worst."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,7 @@ class Worst:
         The segment that it touches, for `self_clearance`; not beyond `segment`.
     """
 
-    constraint: str
+    constraint: WorstKind
     segment: int | None
     obstacle: str | None
     amount: float
@@ -69,7 +75,7 @@ class Worst:
 
 @dataclass(frozen=True)
 class Verification:
-    """What the slow path found; of many shapes (see `check`) every attribute is an array.
+    """What the slow path found.
 
     Attributes
     ----------
@@ -99,6 +105,29 @@ class Verification:
     obstacle: str | None
     self_clearance: float
     self_segments: tuple[int, int] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Verifications:
+    """What the slow path found of many shapes; every attribute is an array (...), see `Verification`.
+
+    Attributes
+    ----------
+    ok : ndarray of bool
+    position_error, angle_error, excess, clearance, self_clearance : ndarray
+    segment, obstacle, self_segments : ndarray of object
+        With None where a single one has it.
+    """
+
+    ok: NDArray[np.bool_]
+    position_error: Floats
+    angle_error: Floats
+    excess: Floats
+    clearance: Floats
+    segment: NDArray[np.object_]
+    obstacle: NDArray[np.object_]
+    self_clearance: Floats
+    self_segments: NDArray[np.object_]
 
 
 def verify(problem: "Problem", q: Floats) -> Verification:

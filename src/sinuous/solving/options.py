@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypedDict
 
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.types import Number, Truth, Whole
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -18,6 +19,18 @@ MAX_STARTS = 1000
 
 RENAMED = {"start": "initial", "starts": "max_starts"}
 """What options were called before, and what they are called now."""
+
+
+class SolveArguments(TypedDict, total=False):
+    """Options of a solve as keyword arguments; see `SolveOptions`."""
+
+    tolerance: Tolerance | None
+    method: registry.Choice
+    prefer: Preferences | None
+    time: Number
+    max_starts: Whole
+    seed: Whole
+    routes: Truth
 
 
 @dataclass(frozen=True)
@@ -73,7 +86,7 @@ class SolveOptions:
             object.__setattr__(self, key, value)
 
     @classmethod
-    def of(cls, given: dict[str, Any]) -> "SolveOptions":
+    def of(cls, given: Mapping[str, Any]) -> "SolveOptions":
         """Make options of keyword arguments; one that was renamed is refused with its new name."""
         refuse_renamed({key: value for key, value in given.items() if key not in cls.__dataclass_fields__})
         return cls(**given)

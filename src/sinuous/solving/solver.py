@@ -2,7 +2,7 @@
 
 import time as clock
 from collections.abc import Iterable
-from typing import Any, ClassVar, Never, Self
+from typing import Any, ClassVar, Never, Self, Unpack
 
 import numpy as np
 
@@ -16,22 +16,26 @@ from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene, as_scene
+from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solving.again import Again
 from sinuous.solving.base import base_blocked
-from sinuous.solving.options import SolveOptions, refuse_renamed
+from sinuous.solving.options import SolveArguments, SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
-from sinuous.solving.search import UNDECIDED, Distinct, FirstSolved
+from sinuous.solving.search import UNDECIDED, Distinct, FirstSolved, Follow
 from sinuous.solving.sources import Batch, Question
+from sinuous.types import Number, Rows, Whole
 
 CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
 TOGETHER = 256
 """Most problems that `solve_many` hands over in one call."""
+
+Initial = Solution | Rows
+"""What a solve may begin from: a solution, or a configuration (n, 3)."""
 
 
 class Solver:
@@ -60,7 +64,7 @@ class Solver:
     _ahead: ClassVar[bool] = True
     """Whether the search for routes is compiled, or loaded, before the first solve."""
 
-    def __init__(self, robot: Robot, scene: Any = None, **options: Any) -> None:
+    def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
         place, chosen = as_scene(scene), SolveOptions.of(options)
@@ -93,7 +97,7 @@ class Solver:
         self._look_at_base()
 
     def solve(
-        self, target: Targets, initial: "Solution | Any" = None, *, time: Any = None, **renamed: Never
+        self, target: Targets, initial: Initial | None = None, *, time: Number | None = None, **renamed: Never
     ) -> Solution:
         """Find a configuration that meets the target, or several targets at once.
 
@@ -135,7 +139,7 @@ class Solver:
             outcome = self._go_on(outcome, problem, given, budget[3])
         return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
 
-    def build(self, target: Targets, initial: "Solution | Any" = None) -> Call:
+    def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
         problem, _ = self._problem(target)
         given = self._no_initial if initial is None else self._given("initial", initial)
@@ -144,9 +148,9 @@ class Solver:
     def solve_many(
         self,
         targets: Iterable[Targets],
-        initial: Iterable["Solution | Any"] | None = None,
+        initial: Iterable[Initial] | None = None,
         *,
-        time: Any = None,
+        time: Number | None = None,
         **renamed: Never,
     ) -> list[Solution]:
         """Solve independent targets, as `solve` does one by one, in few calls of the compiled code.
@@ -201,11 +205,11 @@ class Solver:
     def solve_all(
         self,
         target: Targets,
-        initial: "Solution | Any" = None,
+        initial: Initial | None = None,
         *,
-        count: int = 8,
-        apart: float = 0.02,
-        time: Any = None,
+        count: Whole = 8,
+        apart: Number = 0.02,
+        time: Number | None = None,
         **renamed: Never,
     ) -> list[Solution]:
         """Find several distinct solutions, best first.
@@ -274,7 +278,7 @@ class Solver:
             place = self._place = scene, base_blocked(self.robot, scene)
         return place
 
-    def _budget(self, given: int, time: Any) -> Budget:
+    def _budget(self, given: int, time: Number) -> Budget:
         """What the first call may spend, after so many initial configurations."""
         return 0, self._portfolio.opening.own(given), self.options.seed, checks.number("time", time, low=0.0)
 
@@ -290,7 +294,7 @@ class Solver:
         search.pursue(self._portfolio.further(question), self._follow(problem, given))
         return search.outcome
 
-    def _follow(self, problem: Problem, given: Floats) -> Any:
+    def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""
         reference = given[0] if len(given) else None
 
@@ -308,7 +312,7 @@ class Solver:
         unit = self.robot.mean_length / len(self.robot)
         return np.asarray((((q - reference) / [1.0, 1.0, unit]) ** 2).sum(axis=(1, 2)))
 
-    def _given(self, key: str, initial: Any) -> Floats:
+    def _given(self, key: str, initial: Initial) -> Floats:
         if isinstance(initial, Solution):
             initial = initial.q
         given = checks.array(key, initial, (len(self.robot), 3))
@@ -331,7 +335,12 @@ def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
 
 
 def solve(
-    robot: Robot, target: Targets, scene: Any = None, *, initial: "Solution | Any" = None, **options: Any
+    robot: Robot,
+    target: Targets,
+    scene: SceneLike | None = None,
+    *,
+    initial: Initial | None = None,
+    **options: Unpack[SolveArguments],
 ) -> Solution:
     """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
     return OneSolve(robot, scene, **options).solve(target, initial)
@@ -340,12 +349,12 @@ def solve(
 def solve_all(
     robot: Robot,
     target: Targets,
-    scene: Any = None,
+    scene: SceneLike | None = None,
     *,
-    initial: "Solution | Any" = None,
-    count: int = 8,
-    apart: float = 0.02,
-    **options: Any,
+    initial: Initial | None = None,
+    count: Whole = 8,
+    apart: Number = 0.02,
+    **options: Unpack[SolveArguments],
 ) -> list[Solution]:
     """Find several distinct solutions, ranked; parameters as for `Solver` and `Solver.solve_all`."""
     return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.methods.registry import METHODS
+from sinuous.methods.registry import METHODS, name_of
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
@@ -36,7 +36,7 @@ class Step(NamedTuple):
 
 def steps(methods: Iterable[str] = METHODS) -> list[Step]:
     """List what to use so that these methods, and all that goes with them, are compiled; what most need comes first."""
-    chosen = tuple(dict.fromkeys(methods))
+    chosen = tuple(dict.fromkeys(map(name_of, methods)))
     own = [
         Step("single solves", partial(OneSolve, ROBOT, FAR)),
         Step("routes among obstacles", partial(Solver, ROBOT, FAR)),

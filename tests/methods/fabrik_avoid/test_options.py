@@ -4,6 +4,7 @@ import numpy as np
 
 import sinuous as sn
 from sinuous.methods.fabrik_avoid.options import FabrikAvoid
+from sinuous.types import MethodName
 from tests.helpers import refused
 from tests.methods import laws
 
@@ -27,7 +28,7 @@ def scenes() -> list[sn.Scene]:
 
 
 def test_it_steps_aside_where_fabrikc_runs_into_obstacles() -> None:
-    solved = {"fabrik_avoid": 0, "fabrikc": 0}
+    solved: dict[MethodName, int] = {"fabrik_avoid": 0, "fabrikc": 0}
     for scene in scenes():
         free = [
             ARM.tip(q)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import costs as path_costs
+from sinuous.methods.opti_path.arguments import OrientationCost
 from sinuous.methods.opti_path.costs import Setting, Weights
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.opti_path.path import Aim, get_arc
@@ -75,7 +76,7 @@ def test_the_options_are_in_the_order_that_the_kernel_reads() -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("orientation", ["squared", "norm"])
-def test_an_arc_costs_what_the_paper_says(seed: int, orientation: str) -> None:
+def test_an_arc_costs_what_the_paper_says(seed: int, orientation: OrientationCost) -> None:
     chosen, points = OptiPath(orientation=orientation), wavy(seed)
     own = setting(orientation=orientation)
     path = make_path(points, chosen.dead_band)

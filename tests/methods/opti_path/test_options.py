@@ -11,6 +11,7 @@ from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path import starts as path_starts
 from sinuous.methods.opti_path import steps as path_steps
+from sinuous.methods.opti_path.arguments import Exponent, PotentialKind
 from sinuous.methods.opti_path.costs import Setting, Weights
 from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
@@ -61,7 +62,7 @@ def test_the_faithful_mode_solves_them_and_the_literal_exponent_does_not(target:
         assert literal.worst is not None
 
 
-def lengths_after(target: sn.Target, iterations: int, exponent: str) -> Floats:
+def lengths_after(target: sn.Target, iterations: int, exponent: Exponent) -> Floats:
     """Largest length of an arc in every iteration, without any limit of a step, by the kernels alone."""
     chosen = sn.OptiPath.faithful(
         exponent=exponent, orientation="norm", orientation_weight=0.17, regularisation=10.0, largest_step=0.0
@@ -178,7 +179,7 @@ def tracking_scene(seed: int, spheres: int) -> tuple[sn.Robot, list[sn.Target], 
 
 
 @pytest.mark.parametrize("potential", ["grid", "exact"])
-def test_a_path_through_spheres_is_tracked(potential: str) -> None:
+def test_a_path_through_spheres_is_tracked(potential: PotentialKind) -> None:
     robot, path, scene = tracking_scene(1, 70)
     solver = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential))
     solution = solver.solve(path[0])

@@ -76,7 +76,7 @@ def test_wrong_values_are_refused() -> None:
     refused("values", lambda: Grid(np.zeros((0, 3, 3)), ORIGIN, 1), "(shape (0, 3, 3))")
     refused("values", lambda: Grid(3 * np.ones((3, 3, 3), int), ORIGIN, 1), "only 0 and 1", "got 3")
     refused("values", lambda: Grid(-np.ones((3, 3, 3), int), ORIGIN, 1), "got -1")
-    refused("values", lambda: Grid("values", ORIGIN, 1))
+    refused("values", lambda: Grid("values", ORIGIN, 1))  # type: ignore[arg-type]
     refused("values", lambda: Grid([[[0, 1], [2]]], ORIGIN, 1))
     refused("values", lambda: Grid(good.astype(complex), ORIGIN, 1), "complex128")
     for bad in (np.nan, np.inf):

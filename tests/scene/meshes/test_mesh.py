@@ -169,7 +169,7 @@ def test_wrong_arrays_are_refused() -> None:
     vertices, faces = cube()
     refused("vertices", lambda: Mesh(vertices[:, :2], faces), "(shape (8, 2))")
     refused("vertices", lambda: Mesh([], faces), "at least one point")
-    refused("vertices", lambda: Mesh("cube", faces))
+    refused("vertices", lambda: Mesh("cube", faces))  # type: ignore[arg-type]
     refused(
         "vertices[3]", lambda: Mesh(np.where(np.arange(8)[:, None] == 3, np.nan, vertices), faces), "3 finite numbers"
     )
@@ -188,7 +188,7 @@ def test_wrong_options_are_refused() -> None:
     refused_each("thickness", [*NOT_NUMBERS, -1.0], lambda value: Mesh(*OPEN, thickness=value))
     refused("thickness", lambda: Mesh(*cube(), thickness=0.1), "open meshes", "a solid")
     refused("inside", lambda: Mesh(*OPEN, inside=True), "watertight", "3 edges with one triangle only (holes)")
-    refused("inside", lambda: Mesh(*cube(), inside=1), "true or false")
+    refused("inside", lambda: Mesh(*cube(), inside=1), "true or false")  # type: ignore[arg-type]
 
 
 def test_wrong_files_are_refused(tmp_path: Path) -> None:

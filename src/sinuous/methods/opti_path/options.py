@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, Unpack, get_args
 
 import numpy as np
 
@@ -16,6 +16,15 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.compiled import Entry
 from sinuous.methods.method import Case
+from sinuous.methods.opti_path.arguments import (
+    Exponent,
+    Gradient,
+    Metric,
+    OptiPathArguments,
+    OrientationCost,
+    PotentialKind,
+    Schedule,
+)
 from sinuous.methods.opti_path.potential import sample
 from sinuous.methods.opti_path.search import search, workspace_size
 from sinuous.methods.options import Options, choice, count, flag, number
@@ -121,17 +130,17 @@ class OptiPath(Options):
     method: ClassVar[str] = "opti_path"
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({"faithful": FAITHFUL})
 
-    gradient: str = choice("adjoint", "adjoint", "differences")
+    gradient: Gradient = choice("adjoint", get_args(Gradient))
     disturbance: float = number(2e-4, above=0.0, high=0.1)
     attenuation: float = number(0.5, low=0.0, high=1.0)
-    exponent: str = choice("adjacent", "adjacent", "literal")
-    orientation: str = choice("squared", "squared", "norm")
+    exponent: Exponent = choice("adjacent", get_args(Exponent))
+    orientation: OrientationCost = choice("squared", get_args(OrientationCost))
     length_weight: float = number(1.0, low=0.0)
     orientation_weight: float = number(0.25, low=0.0)
     obstacle_weight: float = number(0.3, low=0.0)
-    schedule: str = choice("gated", "constant", "length", "orientation", "cooling", "gated")
+    schedule: Schedule = choice("gated", get_args(Schedule))
     cooling: float = number(0.97, above=0.0, high=1.0)
-    metric: str = choice("difference", "identity", "difference", "acceleration")
+    metric: Metric = choice("difference", get_args(Metric))
     regularisation: float = number(5.0, above=0.0)
     largest_step: float = number(0.2, low=0.0)
     slope: float = number(1.0, low=0.0)
@@ -139,7 +148,7 @@ class OptiPath(Options):
     arcs_weight: float = number(3.0, low=0.0)
     samples: int = count(8, 0, 1000)
     project: bool = flag(True)
-    potential: str = choice("grid", "grid", "exact")
+    potential: PotentialKind = choice("grid", get_args(PotentialKind))
     spacing: float = number(0.0, low=0.0)
     iterations: int = count(300, 0, 10**9)
     blend: float = number(2.0, low=0.0)
@@ -151,12 +160,13 @@ class OptiPath(Options):
     settle: int = count(1, 0, 1000)
 
     @classmethod
-    def faithful(cls, **changes: Any) -> Self:
+    def faithful(cls, **changes: Unpack[OptiPathArguments]) -> Self:
         """Return the paper's method without repairs, with central differences; `changes` are other options.
 
         Only what could not work is not literal: the exponent of the attenuation and the square of the orientation cost.
         """
-        return cls(**{**FAITHFUL, **changes})
+        values: dict[str, Any] = {**FAITHFUL, **changes}
+        return cls(**values)
 
     def entry(self, case: Case) -> Entry:
         """Return the compiled search, with the potential sampled for this scene; see `Options.entry`."""

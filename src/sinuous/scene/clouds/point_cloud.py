@@ -12,6 +12,7 @@ from sinuous.errors import InputError
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
 from sinuous.scene.sources import Source
+from sinuous.types import Number, Orientation, Rows, Vector
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -40,7 +41,7 @@ class PointCloud(Obstacle):
     points: Floats
     radii: Floats
 
-    def __init__(self, points: Any, radius: Any, *, name: Any = None) -> None:
+    def __init__(self, points: Rows, radius: Number | Vector, *, name: str | None = None) -> None:
         places = checks.points("points", points)
         self._keep(name, points=places, radii=_radii(radius, len(places)))
 
@@ -58,13 +59,13 @@ class PointCloud(Obstacle):
     def load(
         cls,
         file: str | Path,
-        radius: Any,
-        scale: Any = 1.0,
-        position: Any = None,
-        rotation: Any = None,
-        name: Any = None,
+        radius: Number | Vector,
+        scale: Number = 1.0,
+        position: Vector | None = None,
+        rotation: Orientation | None = None,
+        name: str | None = None,
         *,
-        xyzw: Any = None,
+        xyzw: Vector | None = None,
     ) -> "PointCloud":
         """Read a cloud from a PLY (needs the extra `mesh`), PCD, NPY, XYZ, TXT or CSV file.
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.grids.samples import check_lipschitz, sample_points
 from sinuous.scene.obstacles import Obstacle
+from sinuous.types import Number, Vector
 
 MOST = 2**26
 """Samples of a field: half a gigabyte."""
@@ -52,14 +53,20 @@ class Field(Obstacle):
 
     is_function: ClassVar[bool] = True
 
-    function: Callable[[Floats], Any]
+    function: Callable[[Floats], Vector]
     low: Floats
     high: Floats
     spacing: float
     values: Floats
 
     def __init__(
-        self, function: Callable[[Floats], Any], low: Any, high: Any, spacing: Any, *, name: Any = None
+        self,
+        function: Callable[[Floats], Vector],
+        low: Vector,
+        high: Vector,
+        spacing: Number,
+        *,
+        name: str | None = None,
     ) -> None:
         if not callable(function):
             raise InputError("function", "", function, "a function from points (m, 3) to distances (m,)")
@@ -88,7 +95,7 @@ def _shape(extent: Floats, spacing: float) -> tuple[int, ...]:
     return tuple(max(1, math.ceil(s - 1e-9)) + 1 for s in steps.tolist())
 
 
-def _sampled(function: Callable[[Floats], Any], low: Floats, spacing: float, shape: tuple[int, ...]) -> Floats:
+def _sampled(function: Callable[[Floats], Vector], low: Floats, spacing: float, shape: tuple[int, ...]) -> Floats:
     values = np.empty(math.prod(shape))
     for first in range(0, len(values), CHUNK):
         last = min(first + CHUNK, len(values))
@@ -96,7 +103,7 @@ def _sampled(function: Callable[[Floats], Any], low: Floats, spacing: float, sha
     return values.reshape(shape)
 
 
-def evaluate(function: Callable[[Floats], Any], points: Floats) -> Floats:
+def evaluate(function: Callable[[Floats], Vector], points: Floats) -> Floats:
     """Call a signed distance for points (m, 3) and check what it returns.
 
     Raises

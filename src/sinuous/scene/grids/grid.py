@@ -13,6 +13,7 @@ from sinuous.errors import InputError
 from sinuous.scene.grids.samples import check_lipschitz
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.sources import Source
+from sinuous.types import Number, Occupancy, Vector
 
 
 @dataclass(frozen=True, init=False, eq=False)
@@ -53,7 +54,7 @@ class Grid(Obstacle):
     origin: Floats
     spacing: float
 
-    def __init__(self, values: Any, origin: Any, spacing: Any, *, name: Any = None) -> None:
+    def __init__(self, values: Occupancy, origin: Vector, spacing: Number, *, name: str | None = None) -> None:
         start, step = checks.vector("origin", origin), checks.number("spacing", spacing, above=0.0)
         self._keep(name, values=_checked("values", values, step), origin=start, spacing=step)
 
@@ -63,7 +64,7 @@ class Grid(Obstacle):
         return bool(self.values.dtype == np.bool_)
 
     @classmethod
-    def load(cls, file: str | Path, name: Any = None) -> "Grid":
+    def load(cls, file: str | Path, name: str | None = None) -> "Grid":
         """Read an NPZ file with the arrays `values`, `origin` and `spacing`; nothing in it is ever unpickled.
 
         Raises

@@ -15,6 +15,7 @@ from sinuous.scene.meshes.topology import Integers
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
 from sinuous.scene.sources import Source
+from sinuous.types import Number, Orientation, Rows, Triangles, Truth, Vector
 
 ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
@@ -75,7 +76,13 @@ class Mesh(Obstacle):
     scale: float | None
 
     def __init__(
-        self, vertices: Any, faces: Any, *, thickness: Any = 0.0, inside: Any = False, name: Any = None
+        self,
+        vertices: Rows,
+        faces: Triangles,
+        *,
+        thickness: Number = 0.0,
+        inside: Truth = False,
+        name: str | None = None,
     ) -> None:
         places = checks.points("vertices", vertices)
         clean, used, solid, defects = mend(places, _indices(faces, len(places)))
@@ -101,14 +108,14 @@ class Mesh(Obstacle):
     def load(
         cls,
         file: str | Path,
-        scale: Any,
-        position: Any = None,
-        rotation: Any = None,
-        thickness: Any = 0.0,
-        inside: Any = False,
-        name: Any = None,
+        scale: Number,
+        position: Vector | None = None,
+        rotation: Orientation | None = None,
+        thickness: Number = 0.0,
+        inside: Truth = False,
+        name: str | None = None,
         *,
-        xyzw: Any = None,
+        xyzw: Vector | None = None,
     ) -> "Mesh":
         """Read a mesh from an STL, PLY, OBJ or GLB file; needs the extra `mesh`.
 

@@ -15,7 +15,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import ITEM_KIND, LEVELS, TRIANGLES
 from sinuous.scene.prepared import kept
 
-Progress = Callable[[float], None]
+Progress = Callable[[float], object]
 """Called with the share of the work that is done, 0 to 1."""
 
 LEAST, MOST = 2**18, 2_000_000

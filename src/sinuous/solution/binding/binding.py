@@ -20,6 +20,7 @@ from sinuous.solution.binding.contacts import Contact, contacts_of, self_contact
 from sinuous.solution.binding.limits import Limit, limits_of, normal
 from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.binding.rest import at_rest
+from sinuous.types import Constraint
 
 ACTIVE, WIDER = 1e-6, (1e-3, 0.1)
 """Slack up to which a limit counts as met: rad, or lengths of a mean segment; and where none is, up to which then."""
@@ -56,7 +57,7 @@ class Binding:
         The segment that it touches, for `self_clearance`.
     """
 
-    constraint: str
+    constraint: Constraint
     segment: int | None
     obstacle: str | None
     value: float
@@ -69,7 +70,7 @@ class Binding:
     def of(cls, met: Limit | Contact) -> "Binding":
         """Make it of a limit or a contact."""
         if isinstance(met, Contact):
-            kind = "clearance" if met.other_segment is None else "self_clearance"
+            kind: Constraint = "clearance" if met.other_segment is None else "self_clearance"
             return cls(kind, met.segment, met.obstacle, met.clearance, 0.0, other_segment=met.other_segment)
         return cls(met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key)
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
+from sinuous.types import LimitKind
 
 KEYS = {"tendon": "tendons.displacement", "chamber": "chambers.length", "linear": "actuators.limits"}
 """What the problem file calls the limits of an actuator, by its kind."""
@@ -37,7 +38,7 @@ class Limit(NamedTuple):
         By how much the slack shrinks with `bend_x`, `bend_y`, `length` of each segment.
     """
 
-    constraint: str
+    constraint: LimitKind
     segment: int
     actuator: str | None
     key: str
@@ -54,8 +55,8 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
     for number, (segment, tightest, (ux, uy, length)) in enumerate(parts, 1):
         for i, sign in enumerate((-1.0, 1.0)):
             slack = sign * (segment.length[i] - length)
-            own = "length", number, None, f"length[{i}]", length, segment.length[i]
-            yield Limit(*own, slack, _at(count, number, (0.0, 0.0, sign)))
+            end = number, None, f"length[{i}]", length, segment.length[i]
+            yield Limit("length", *end, slack, _at(count, number, (0.0, 0.0, sign)))
         bend = math.hypot(ux, uy)
         most = segment.max_bend if segment.length[1] > 0.0 else 0.0
         outward = [(ux / bend, uy / bend)] if bend > 0.0 else [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
@@ -64,8 +65,8 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
             if math.isfinite(tightest):
                 curvature = bend / length if length > 0.0 else 0.0
                 key = "max_curvature" if tightest == segment.max_curvature else "radius"
-                own = "curvature", number, None, key, curvature, tightest
-                yield Limit(*own, tightest * length - bend, _at(count, number, (x, y, -tightest)))
+                own = number, None, key, curvature, tightest
+                yield Limit("curvature", *own, tightest * length - bend, _at(count, number, (x, y, -tightest)))
     yield from _actuators(robot, q)
 
 
@@ -77,8 +78,8 @@ def _actuators(robot: Robot, q: Floats) -> Iterator[Limit]:
         for i, sign in enumerate((-1.0, 1.0)):
             limit = actuator.limits[i]
             if math.isfinite(limit):
-                own = "actuator", actuator.segment, actuator.name, f"{key}[{i}]", value, limit
-                yield Limit(*own, sign * (limit - value) / gain, (sign / gain) * row.reshape(-1, 3))
+                own = actuator.segment, actuator.name, f"{key}[{i}]", value, limit
+                yield Limit("actuator", *own, sign * (limit - value) / gain, (sign / gain) * row.reshape(-1, 3))
 
 
 def _at(segments: int, number: int, weights: tuple[float, float, float]) -> Floats:

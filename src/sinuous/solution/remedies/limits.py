@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from sinuous import words
 from sinuous.problem.problem import Problem
@@ -160,4 +161,5 @@ def _with(segment: Segment, key: str, limits: Limits) -> Segment:
         own = segment.chambers
         own_then = Chambers(angles=own.angles, radius=own.radius, length=limits, names=own.names)
         return segment.changed(chambers=own_then)
-    return segment.changed(**{key: limits})
+    changes: dict[str, Any] = {key: limits}
+    return segment.changed(**changes)

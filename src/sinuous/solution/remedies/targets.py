@@ -157,7 +157,7 @@ def _without(trials: Trials, case: Case, i: int, key: str) -> Iterator[Floats]:
 
 
 def _looser(problem: Problem, **values: float) -> Problem:
-    own = {"position": problem.tolerance.position, "angle": problem.tolerance.angle}
+    own: dict[str, Any] = {"position": problem.tolerance.position, "angle": problem.tolerance.angle}
     return problem.changed(tolerance=Tolerance(**{**own, **values}))
 
 

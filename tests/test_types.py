@@ -1,0 +1,104 @@
+"""What type checkers see of the package: precise types, with which they find mistakes in users' code."""
+
+import inspect
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import UnionType
+from typing import Any, get_args, get_type_hints
+
+import pytest
+
+import sinuous as sn
+from sinuous import types
+from sinuous.kernels.tables import SOURCES
+from sinuous.methods.opti_path.arguments import OptiPathArguments
+from sinuous.methods.registry import METHODS
+from sinuous.problem.problem import ProblemArguments
+from sinuous.problem.target import TargetArguments
+from sinuous.robot.robot import RobotArguments
+from sinuous.robot.segment import SegmentArguments
+from sinuous.solving.options import SolveArguments, SolveOptions
+
+ROOT = Path(__file__).parent.parent
+CODE = ROOT / "tests" / "user_code"
+
+FLAGS = ("--strict", "--ignore-missing-imports", "--config-file=", f"--cache-dir={ROOT / '.mypy_cache' / 'user_code'}")
+
+
+def test_a_checker_finds_every_mistake_and_nothing_else() -> None:
+    files = [str(CODE / name) for name in ("correct.py", "mistakes.py")]
+    done = subprocess.run([sys.executable, "-m", "mypy", *FLAGS, *files], capture_output=True, text=True, check=False)
+    found = re.findall(r"(\w+)\.py:(\d+): error", done.stdout)
+    assert [name for name, _ in found if name != "mistakes"] == [], done.stdout
+    lines = (CODE / "mistakes.py").read_text(encoding="utf-8").splitlines()
+    planted = set(range(lines.index("# Mistakes:") + 2, len(lines) + 1))
+    assert len(planted) > 50
+    assert {int(line) for _, line in found} == planted, done.stdout + done.stderr
+
+
+def test_the_wheel_says_that_it_is_typed() -> None:
+    assert (Path(sn.__file__).parent / "py.typed").exists()
+
+
+RETURN_ANYTHING = {"load", "check"}
+"""What depends on a file, or on the shape of an array, which no checker knows."""
+
+
+def callables() -> Iterator[tuple[str, Any]]:
+    """Functions that users call: constructors and methods of public classes, and public functions."""
+    for name in sn.__all__:
+        noun = getattr(sn, name)
+        if inspect.isclass(noun):
+            yield name, noun.__init__
+            for key, member in vars(noun).items():
+                plain = member.__func__ if isinstance(member, classmethod) else member
+                if not key.startswith("_") and inspect.isfunction(plain):
+                    yield f"{name}.{key}", plain
+        elif inspect.isfunction(noun):
+            yield name, noun
+
+
+def says_nothing(annotation: Any) -> bool:
+    if isinstance(annotation, str):
+        return "Any" in re.split(r"\s*\|\s*", annotation)
+    one_of = get_args(annotation) if isinstance(annotation, UnionType) else ()
+    return annotation in (Any, inspect.Parameter.empty) or Any in one_of
+
+
+@pytest.mark.parametrize(
+    ("name", "function"), [*callables()], ids=lambda value: value if isinstance(value, str) else ""
+)
+def test_no_argument_takes_anything(name: str, function: Any) -> None:
+    signature = inspect.signature(function)
+    for key, parameter in signature.parameters.items():
+        variadic = parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL)
+        assert key in ("self", "cls") or variadic or not says_nothing(parameter.annotation), key
+    returned = signature.return_annotation
+    assert name.rpartition(".")[2] in RETURN_ANYTHING or returned is signature.empty or not says_nothing(returned)
+
+
+def test_words_are_those_that_the_code_has() -> None:
+    assert set(get_args(types.MethodName)) == set(METHODS)
+    assert get_args(types.StartKind) == SOURCES
+
+
+@pytest.mark.parametrize(
+    ("constructor", "arguments"),
+    [
+        (sn.Robot, RobotArguments),
+        (sn.Segment, SegmentArguments),
+        (sn.Target, TargetArguments),
+        (sn.Problem, ProblemArguments),
+        (sn.OptiPath, OptiPathArguments),
+        (SolveOptions, SolveArguments),
+    ],
+)
+def test_keyword_arguments_are_those_of_the_constructor(constructor: Any, arguments: Any) -> None:
+    parameters = inspect.signature(constructor).parameters
+    assert set(get_type_hints(arguments)) == set(parameters)
+    if constructor in (sn.Robot, sn.Segment, sn.OptiPath):
+        for key, hint in get_type_hints(arguments).items():
+            assert hint == parameters[key].annotation, key

@@ -1,0 +1,67 @@
+"""Code with a mistake in every line below the mark, all of which a type checker finds. It is checked, not run."""
+
+import sinuous as sn
+
+robot = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=4))
+scene = sn.Scene([sn.Sphere((0, 0, 0), 1)])
+target = sn.Target((0, 0, 100))
+solution = sn.solve(robot, target, scene)
+q = [[0.0, 0.0, 50.0]] * 3
+# Mistakes:
+sn.Sphere("origin", 1)
+sn.Sphere(5, 1)
+sn.Sphere((0, 0, 0), "1")
+sn.Sphere((0, 0, 0), (1, 2))
+sn.Sphere((0, 0, 0), radius=1, outside=True)
+sn.Sphre((0, 0, 0), 1)
+sn.Box((0, 0, 0), size=1)
+sn.Box((0, 0, 0), (1, 1, 1), inside=1)
+sn.Box((0, 0, 0), (1, 1, 1), rotation="x")
+sn.Mesh([[0, 0, 0]], [[0.5, 1.5, 2.5]])
+sn.PointCloud(["a", "b"], 1)
+sn.Field(3, (0, 0, 0), (1, 1, 1), 0.1)
+sn.Scene([target])
+sn.Scene([(0, 0, 0)])
+sn.Segment("long")
+sn.Segment(50, tendons=[sn.Tendons(3, 4)])
+sn.Segment(50, radius=None)
+sn.Robot([50, 60])
+sn.Robot([sn.Segment(50)], self_collision="never")
+sn.Robot.uniform(3, 50, selfcollision="allow")
+sn.Robot.uniform(2.5, 50)
+sn.Tendons(3, 4, names="abc")
+sn.Actuators("eye")
+sn.Target((0, 0, 1), direction="up")
+sn.Target((0, 0, 1), segment="tip")
+sn.Target("tip")
+sn.Tolerance(position="1 mm")
+sn.Tolerance(0.1, rotation=0.1)
+sn.Preferences(clearance=(1, 2))
+sn.Solver(robot, scene, method="newtn")
+sn.Solver(robot, scene, method=sn.OptiPath)
+sn.Solver(robot, scene, time="1")
+sn.Solver(robot, scene, seeds=3)
+sn.Solver(scene, robot)
+sn.OptiPath(metric="euclid")
+sn.OptiPath.faithful(metrics="identity")
+sn.solve(robot, (0, 0, 100))
+sn.solve(robot, target, target)
+sn.solve(robot, target, scene, start=q)
+sn.solve(robot, target, initial="q.json")
+solution.clearence
+solution.q.summ()
+solution.explain("long")
+solution.clearance + 1
+robot.tip([0.0, 0.0, 50.0])
+robot.from_actuators("pull")
+robot.changed(lenght=50)
+scene.distance("origin")
+scene.update(radius=3)
+sn.track(robot, target)
+sn.check(robot, q, scene).okay
+sn.check(robot, [q, q], scene).ok.any().foo
+sn.load("arm.yaml", sn.Robot).solve()
+sn.load(3)
+sn.pose(direction=1)
+solution.start == "routes"
+solution.to_dict().q

@@ -217,7 +217,7 @@ def test_copies_of_solutions_and_tracks_say_the_same() -> None:
         assert not again.q.flags.writeable
     stuck = sn.Solver(ROBOT, SCENE).solve(sn.Target((0, 0, 9)))
     for again in copies(stuck):
-        assert (again.reason, again.worst, repr(again)) == (stuck.reason, stuck.worst, repr(stuck))
+        assert (again.reason, again.worst, str(again)) == (stuck.reason, stuck.worst, str(stuck))
     track = sn.track(ROBOT, [TARGET, TARGET], SCENE)
     for again in copies(track):
         assert again.to_dict() == track.to_dict()

@@ -32,6 +32,7 @@ FLOORS = {
     "caches": 0,
     "words": 0,
     "types": 0,
+    "brief": 0,
     "frozen": 0,
     "garbage": 0,
     "writing": 0,

@@ -7,8 +7,10 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from sinuous.brief import Brief
 
-class Frozen:
+
+class Frozen(Brief):
     """Attributes cannot be set, and arrays stay read-only when they are pickled. A copy is the object itself.
 
     NumPy forgets in a pickle that an array was read-only. So every array that is unpickled is made read-only, except
@@ -19,9 +21,6 @@ class Frozen:
 
     _tables: ClassVar[frozenset[str]] = frozenset()
     """Names of the attributes that kernels read."""
-
-    _arguments: ClassVar[Mapping[str, str]] = {}
-    """Arguments of the constructor that are kept as an attribute of another name."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise FrozenInstanceError(f"cannot set {name!r}: {type(self).__name__} is frozen")

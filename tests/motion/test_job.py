@@ -90,7 +90,7 @@ def test_a_solution_comes_back_from_its_result(tmp_path: Path, name: str, time: 
     values = json.loads(json.dumps(solution.to_dict(), allow_nan=False))
     again = sn.Solution.from_dict(values, solution.problem)
     assert again.to_dict() == solution.to_dict()
-    assert repr(again) == repr(solution)
+    assert str(again) == str(solution)
     assert not again.q.flags.writeable
     assert again.verify() == solution.verify()
     (tmp_path / "result.json").write_text(json.dumps(values))

@@ -53,7 +53,7 @@ def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:
     assert [solution.status for solution in track.solutions] == ["solved", "out_of_reach", "solved"]
     assert track.status is sn.Status.OUT_OF_REACH
     assert track.solutions[2].start == "given"
-    assert "2 of 3 waypoints; waypoint 2: " in repr(track)
+    assert "2 of 3 waypoints; waypoint 2: " in str(track)
     with pytest.raises(sn.NotSolvedError) as caught:
         track.raise_for_status()
     assert caught.value.solution is track
@@ -63,7 +63,7 @@ def test_waypoints_that_were_not_tried_are_no_success() -> None:
     solutions = sn.track(ROBOT, CIRCLE[:2]).solutions
     track = sn.Track(solutions, remaining=1)
     assert track.status is sn.Status.TIME_LIMIT
-    assert "2 of 3 waypoints" in repr(track)
+    assert "2 of 3 waypoints" in str(track)
 
 
 def test_the_dictionary_is_plain_and_strict() -> None:

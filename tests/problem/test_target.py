@@ -24,7 +24,7 @@ def test_a_target_is_what_was_said() -> None:
     assert target.rotation is None
     assert target.segment is None
     np.testing.assert_array_equal(target.table, [[-1, 1, 1, 2, 3, DIRECTION, 0, 0, -1, 0, 0, 0, 0, 0, 0]])
-    assert repr(target) == "Target(position=[1.0, 2.0, 3.0], direction=[0.0, 0.0, -1.0])"
+    assert repr(target) == "Target(position=(1, 2, 3), direction=(0, 0, -1))"
 
 
 def test_rows_of_every_kind() -> None:
@@ -36,7 +36,7 @@ def test_rows_of_every_kind() -> None:
     half_turn = Target(rotation=(0, 0, 0, 1))  # a quaternion wxyz: half a turn about z
     assert half_turn.rotation is not None
     np.testing.assert_allclose(half_turn.rotation, np.diag([-1.0, -1.0, 1.0]), atol=1e-15)
-    assert repr(Target(direction=(1, 0, 0), segment=2)) == "Target(direction=[1.0, 0.0, 0.0], segment=2)"
+    assert repr(Target(direction=(1, 0, 0), segment=2)) == "Target(direction=(1, 0, 0), segment=2)"
 
 
 def test_targets_are_frozen() -> None:

@@ -56,7 +56,7 @@ def test_who_the_actuators_are() -> None:
     )
     assert Robot.uniform(3, 1.0).actuators == ()
     assert Robot.uniform(3, 1.0).to_actuators(np.zeros((5, 3, 3))).shape == (5, 0)
-    assert repr(MIXED) == "Robot('arm', 5 segments, total length 2.9 to 3.8)"
+    assert repr(MIXED) == "Robot('arm', 5 segments, total length 2.9 to 3.8, 13 actuators)"
     assert repr(MIXED.segments[0]) == "Segment('stage', length=(0, 0.5), max_bend=0, radius=0)"
 
 

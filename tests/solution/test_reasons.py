@@ -57,7 +57,7 @@ def test_the_number_is_the_one_that_proves_it(
         assert reason.bound == bound
         assert reason.needed == pytest.approx(needed, abs=2e-3)
         assert reason.available == pytest.approx(available, abs=2e-3)
-    assert str(reason) in repr(solution)
+    assert str(reason) in str(solution)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ def test_a_solved_answer_prints_what_was_reached() -> None:
     solution = sn.solve(ROBOT, sn.Target((0, 1, 2), direction=(0, 1, 1)), SCENE)
     assert solution.raise_for_status() is solution
     assert solution.worst is None
-    text = repr(solution)
+    text = str(solution)
     for word in ("solved", "position", "angle", "clearance", "iterations"):
         assert word in text
 
@@ -55,7 +55,7 @@ def test_actuators_are_in_the_result_and_printed() -> None:
     written = json.loads(json.dumps(solution.to_dict(), allow_nan=False))["actuators"]
     assert list(written) == ["s1.t1", "s1.t2", "s1.c1", "s2.t1", "s2.t2", "s2.c1"]
     np.testing.assert_array_equal(list(written.values()), robot.to_actuators(solution.q))
-    assert f"actuators  s1.t1={written['s1.t1']:.4g}  s1.t2=" in repr(solution)
+    assert f"actuators  s1.t1={written['s1.t1']:.4g}  s1.t2=" in str(solution)
 
 
 def test_every_status_has_its_sentence() -> None:

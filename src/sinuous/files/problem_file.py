@@ -1,12 +1,13 @@
 """A problem file: one question about one robot."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from sinuous import checks
+from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
@@ -118,6 +119,12 @@ class ProblemFile(Frozen):
             for defect in obstacle.defects
         ]
         return (*defects, *all_suspicions(self.robot, self.scene.snapshot(), self.waypoints))
+
+    def _shown(self) -> Iterator[str]:
+        yield from (text(self.file),) if self.file else ()
+        yield f"{len(self.robot)} segments"
+        yield f"{len(self.waypoints)} waypoints" if self.is_path else f"{len(self.waypoints[0])} targets"
+        yield f"{len(self.scene)} obstacles"
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""

@@ -19,7 +19,7 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Newton(Options):
     """The method `newton`, which has no options."""
 

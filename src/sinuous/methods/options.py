@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from sinuous import checks
+from sinuous.brief import Brief
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 
@@ -87,8 +88,8 @@ def _read_flag(key: str, text: str) -> bool:
     return text.lower() == "true"
 
 
-@dataclass(frozen=True)
-class Options:
+@dataclass(frozen=True, repr=False)
+class Options(Brief):
     """Base of the options of every method: values are checked as they come in.
 
     Raises

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Unpack
 import numpy as np
 
 from sinuous import checks
+from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.problem.problem import Problem
@@ -27,7 +28,7 @@ BETWEEN: Literal["unproved"] = "unproved"
 """What a track says about the motion between its waypoints: waypoints are proved one by one, the motion is not."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Track:
     """What following a path found, in the order of its waypoints; frozen.
 
@@ -156,6 +157,11 @@ class Track:
         return len(self.solutions)
 
     def __repr__(self) -> str:
+        solved = sum(solution.solved for solution in self.solutions)
+        counted = f"{solved} of {len(self) + self.remaining} waypoints solved"
+        return call("Track", [str(self.status), counted, f"{1e3 * self.seconds:.3g} ms"])
+
+    def __str__(self) -> str:
         bend, length = self.largest_step
         times = np.array([solution.seconds for solution in self.solutions])
         parts = [f"Track: {self.status} ({self._sentence()})"]

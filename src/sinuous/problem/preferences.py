@@ -7,7 +7,7 @@ from sinuous.frozen import Frozen
 from sinuous.types import Number
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Preferences(Frozen):
     """What to like better among all solutions; feasibility comes first, always.
 

@@ -1,8 +1,10 @@
 """The question: a robot, its targets, what stands around, and how exactly they must be met."""
 
+from collections.abc import Iterator
 from typing import Any, ClassVar, TypedDict, Unpack
 
 from sinuous import checks
+from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -86,6 +88,11 @@ class Problem(Frozen, _Open):
             _rows=target_table(robot, listed),
         )
         check_sizes(robot, place)
+
+    def _shown(self) -> Iterator[str]:
+        yield f"{len(self.robot)} segments"
+        yield text(self.targets[0]) if len(self.targets) == 1 else f"{len(self.targets)} targets"
+        yield f"{len(self.scene)} obstacles"
 
     def changed(self, **values: Unpack[ProblemArguments]) -> "Problem":
         """Return the same problem with other values of some parameters."""

@@ -29,7 +29,7 @@ class TargetArguments(TypedDict, total=False):
     xyzw: Vector | None
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Target(Frozen):
     """What is asked of the end of one segment: a position, an orientation, or both.
 
@@ -141,16 +141,6 @@ class Target(Frozen):
         """All this as kernels read it (1, 15), read-only."""
         table: Floats = read_only(self._table)
         return table
-
-    def __repr__(self) -> str:
-        parts = [
-            f"{key}={np.round(value, 6).tolist()}"
-            for key, value in (("position", self.position), ("direction", self.direction), ("rotation", self.rotation))
-            if value is not None
-        ]
-        if self.segment is not None:
-            parts.append(f"segment={self.segment}")
-        return f"Target({', '.join(parts)})"
 
 
 Targets = Target | Sequence[Target]

@@ -12,7 +12,7 @@ RELATIVE_POSITION = 1e-4
 ANGLE = 1e-3
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Tolerance(Frozen):
     """How far an answer may be from its targets, inclusive.
 

@@ -21,7 +21,7 @@ from sinuous.types import Limits, Names, Number, Vector, Whole
 MOST_LINES = 64
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Lines(Frozen):
     """Lines parallel to the backbone of a segment.
 
@@ -73,7 +73,7 @@ class Lines(Frozen):
         return result
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Tendons(Lines):
     """Tendons that end at the end of one segment; parameters as `Lines`, and `displacement`.
 
@@ -100,7 +100,7 @@ class Tendons(Lines):
         self._set(displacement=_limits_about_zero("displacement", displacement))
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Chambers(Lines):
     """Pneumatic or bellows chambers along one segment; parameters as `Lines`, and `length`.
 

@@ -22,7 +22,7 @@ RowLimits = HasArray | Sequence[Number | Vector | None]
 """A pair [low, high] for all rows, or one for each; None stands for no limits."""
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Actuators(Frozen):
     """Actuators whose values are linear in the configuration of the whole robot.
 

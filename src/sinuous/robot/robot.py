@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 import numpy as np
 
 from sinuous import checks, packing
+from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -200,8 +201,9 @@ class Robot(Frozen):
 
     def __repr__(self) -> str:
         low, high = (sum(segment.length[i] for segment in self.segments) for i in (0, 1))
-        name = "" if self.name is None else f"{self.name!r}, "
-        return f"Robot({name}{len(self)} segments, total length {low:g} to {high:g})"
+        name = [] if self.name is None else [text(self.name)]
+        driven = [f"{len(self.drive)} actuators"] if len(self.drive) else []
+        return call("Robot", [*name, f"{len(self)} segments", f"total length {low:g} to {high:g}", *driven])
 
     @property
     def mean_length(self) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, TypedDict, Unpack
 
 from sinuous import checks
+from sinuous.brief import call, text
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Chambers, Tendons
@@ -25,7 +26,7 @@ class SegmentArguments(TypedDict, total=False):
     name: str | None
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Segment(Frozen):
     """One constant-curvature piece of a robot, and its limits.
 
@@ -107,6 +108,9 @@ class Segment(Frozen):
 
     def __repr__(self) -> str:
         low, high = self.length
-        shown = f"{low:g}" if low == high else f"({low:g}, {high:g})"
-        name = "" if self.name is None else f"{self.name!r}, "
-        return f"Segment({name}length={shown}, max_bend={self.max_bend:g}, radius={self.radius:g})"
+        name = [] if self.name is None else [text(self.name)]
+        shown = f"length={low:g}" if low == high else f"length={text(self.length)}"
+        lines = [
+            f"{len(own.angles)} {key}" for key in ("tendons", "chambers") if (own := getattr(self, key)) is not None
+        ]
+        return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *lines])

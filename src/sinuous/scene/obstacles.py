@@ -24,7 +24,7 @@ IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Obstacle(Frozen, ABC):
     """Something the body must not touch."""
 
@@ -71,7 +71,7 @@ class Frame(NamedTuple):
     half: Floats
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Primitive(Obstacle):
     """An obstacle that a few numbers say exactly."""
 
@@ -86,7 +86,7 @@ class Primitive(Obstacle):
         """One row of the table that the kernels read; layout of `sinuous.kernels.tables`."""
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Sphere(Primitive):
     """A ball.
 
@@ -122,7 +122,7 @@ class Sphere(Primitive):
         return primitive_row(SPHERE, self.inside, *self.frame, self.radius)
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Box(Primitive):
     """A box with flat faces.
 
@@ -185,7 +185,7 @@ def _along(start: Floats, end: Floats, radius: float) -> Frame:
     return Frame(0.5 * (start + end), rotation, np.array([radius, radius, 0.5 * length]))
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Capsule(Primitive):
     """All points within `radius` of the line from `start` to `end`.
 
@@ -219,7 +219,7 @@ class Capsule(Primitive):
         return primitive_row(BOX, False, *self.frame, self.radius)
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Cylinder(Primitive):
     """A cylinder with flat ends.
 
@@ -263,7 +263,7 @@ class Cylinder(Primitive):
         return primitive_row(CYLINDER, self.inside, *self.frame)
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class HalfSpace(Primitive):
     """Everything behind a plane; free is the side that `normal` points to.
 

@@ -13,7 +13,7 @@ from sinuous.types import Number, Orientation, Vector
 from sinuous.writing.plain import pose_arguments
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Placement(Frozen):
     """The map p -> rotation * scale * p + position from a file to the world.
 

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from sinuous.brief import call
 from sinuous.solution.binding.binding import Binding, nearest_limits
 from sinuous.solution.binding.wording import in_words
 from sinuous.solution.reasons import Reason
@@ -80,7 +81,9 @@ class Explanation:
             lines.append("  the time was too short to try everything")
         return "\n".join(lines)
 
-    __repr__ = __str__
+    def __repr__(self) -> str:
+        counted = [f"{len(self.binding)} binding", f"{len(self.remedies)} remedies"]
+        return call("Explanation", [str(self.status), *counted])
 
 
 def _labelled(label: str, texts: list[str]) -> list[str]:

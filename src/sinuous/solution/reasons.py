@@ -7,6 +7,7 @@ Bounds on lengths and bends come from `sinuous.measures`, without kernels; dista
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from sinuous.brief import Brief
 from sinuous.measures.reach import bounds
 from sinuous.measures.targets import backbone_end
 from sinuous.scene.nearest import room_at
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
 
 
-@dataclass(frozen=True)
-class Reason:
+@dataclass(frozen=True, repr=False)
+class Reason(Brief):
     """A bound that no configuration can keep.
 
     Attributes

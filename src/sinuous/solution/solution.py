@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from sinuous import checks
+from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
@@ -327,6 +328,11 @@ class Solution:
         }
 
     def __repr__(self) -> str:
+        numbers = {"position_error": self.position_error, "angle_error": self.angle_error, "clearance": self.clearance}
+        parts = [f"{key}={value:.3g}" for key, value in numbers.items() if value is not None]
+        return call("Solution", [str(self.status), *parts, f"{1e6 * self.seconds:.0f} us"])
+
+    def __str__(self) -> str:
         parts = [f"Solution: {self.status} ({self.sentence})"]
         if self.reason is not None:
             parts.append(f"  reason     {self.reason}")

@@ -5,12 +5,14 @@ are the same but for how densely the body is held against itself.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.brief import Brief, call
 from sinuous.checks import Floats
 from sinuous.measures.body import SAMPLES, segment_ends
 from sinuous.measures.clearance import least_clearance
@@ -38,8 +40,8 @@ WorstKind = Constraint | Literal["position", "angle"]
 """What may be worst."""
 
 
-@dataclass(frozen=True)
-class Worst:
+@dataclass(frozen=True, repr=False)
+class Worst(Brief):
     """The constraint that is farthest from being met.
 
     Attributes
@@ -73,8 +75,8 @@ class Worst:
         return f"{self.constraint}{where}{what} by {self.amount:.3g}"
 
 
-@dataclass(frozen=True)
-class Verification:
+@dataclass(frozen=True, repr=False)
+class Verification(Brief):
     """What the slow path found.
 
     Attributes
@@ -106,8 +108,13 @@ class Verification:
     self_clearance: float
     self_segments: tuple[int, int] | None
 
+    def _shown(self) -> Iterator[str]:
+        yield f"ok={self.ok}"
+        for name in ("position_error", "angle_error", "excess", "clearance", "self_clearance"):
+            yield f"{name}={getattr(self, name):.3g}"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Verifications:
     """What the slow path found of many shapes; every attribute is an array (...), see `Verification`.
 
@@ -128,6 +135,9 @@ class Verifications:
     obstacle: NDArray[np.object_]
     self_clearance: Floats
     self_segments: NDArray[np.object_]
+
+    def __repr__(self) -> str:
+        return call("Verifications", [f"{int(self.ok.sum())} of {self.ok.size} ok"])
 
 
 def verify(problem: "Problem", q: Floats) -> Verification:

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Never, Self, Unpack
 import numpy as np
 
 from sinuous import checks
+from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
@@ -261,6 +262,10 @@ class Solver:
         order = np.argsort(self._dislike([outcome.q for outcome in search.found], reference), kind="stable")
         best = [search.found[i] for i in order[:wanted]]
         return [Solution(problem, outcome, outcome.seconds, self._again, given) for outcome in best]
+
+    def __repr__(self) -> str:
+        sizes = [f"{len(self.robot)} segments", f"{len(self.scene)} obstacles"]
+        return call(type(self).__name__, [*sizes, f"method={text(self.method)}", f"time={self.options.time:g}"])
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self).prepared, (self.robot, self.scene, self.options)

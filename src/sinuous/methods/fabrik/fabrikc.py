@@ -16,7 +16,7 @@ from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, flag
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fabrikc(Options):
     """Options of the method `fabrikc`.
 

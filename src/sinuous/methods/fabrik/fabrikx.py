@@ -19,7 +19,7 @@ from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, number
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fabrikx(Options):
     """Options of the method `fabrikx`.
 

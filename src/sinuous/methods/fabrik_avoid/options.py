@@ -15,7 +15,7 @@ from sinuous.methods.method import Case
 from sinuous.methods.options import Options, count, flag, number
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FabrikAvoid(Options):
     """Options of the method `fabrik_avoid`.
 

@@ -14,7 +14,7 @@ from sinuous.methods.monte_carlo.search import search, workspace_size
 from sinuous.methods.options import Options, count, number
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MonteCarlo(Options):
     """Options of the method `monte_carlo`.
 

@@ -58,7 +58,7 @@ FAITHFUL: Mapping[str, Any] = {
 """Where the paper's method differs from the repaired one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class OptiPath(Options):
     """Options of the method `opti_path`. The defaults are the repaired method; `OptiPath.faithful()` is the paper's.
 

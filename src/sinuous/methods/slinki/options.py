@@ -15,7 +15,7 @@ from sinuous.methods.options import Options, count, number
 from sinuous.methods.slinki.search import search, workspace_size
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Slinki(Options):
     """Options of the method `slinki`.
 

@@ -15,7 +15,7 @@ from sinuous.scene.sources import Source
 from sinuous.types import Number, Orientation, Rows, Vector
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class PointCloud(Obstacle):
     """The union of balls about points.
 

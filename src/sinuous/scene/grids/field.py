@@ -20,7 +20,7 @@ MOST = 2**26
 CHUNK = 2**16
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Field(Obstacle):
     """Where a function is negative.
 

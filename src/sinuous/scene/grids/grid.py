@@ -16,7 +16,7 @@ from sinuous.scene.sources import Source
 from sinuous.types import Number, Occupancy, Vector
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Grid(Obstacle):
     """Values at the points `origin + spacing * (i, j, k)`.
 

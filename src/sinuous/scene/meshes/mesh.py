@@ -1,5 +1,6 @@
 """Obstacles made of triangles: solid when they are watertight, a shell otherwise."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from sinuous import checks
+from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.meshes.bodies import apart
@@ -21,7 +23,7 @@ ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""
 
 
-@dataclass(frozen=True, init=False, eq=False)
+@dataclass(frozen=True, init=False, eq=False, repr=False)
 class Mesh(Obstacle):
     """Triangles: a solid where they are watertight, a surface otherwise.
 
@@ -182,6 +184,10 @@ class Mesh(Obstacle):
     def _content(self) -> dict[str, Any]:
         """What it is, without what is told of where it came from."""
         return {name: value for name, value in super()._content().items() if name not in ("defects", "extent", "scale")}
+
+    def _shown(self) -> Iterator[str]:
+        yield f"{len(self.vertices)} vertices, {len(self.faces)} triangles, {'solid' if self.watertight else 'shell'}"
+        yield from () if self.name is None else (f"name={text(self.name)}",)
 
     def check_size(self, length: float) -> None:
         """Refuse a mesh that no robot of this length can be meant to meet: its unit must be another one.

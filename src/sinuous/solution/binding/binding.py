@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sinuous.brief import Brief
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.solution.binding.contacts import Contact, contacts_of, self_contacts_of
@@ -35,8 +36,8 @@ DENSE = 4_000_000
 """Most numbers of the linear system; of more limits, those are kept that stand against the pull the most."""
 
 
-@dataclass(frozen=True)
-class Binding:
+@dataclass(frozen=True, repr=False)
+class Binding(Brief):
     """A limit or an obstacle that holds a configuration back.
 
     Attributes

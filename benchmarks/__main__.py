@@ -100,6 +100,9 @@ def run(
         os.environ.setdefault(variable, "1")
     chosen = Chosen(name, seed, quick, rounds, tuple(family or ()), tuple(method or ()), tuple(only or ()))
     chosen.check()
+    from benchmarks.harness.quiet import ignore_suspicions  # noqa: PLC0415
+
+    ignore_suspicions()
     if chosen.only:
         from benchmarks.wild.replay import replay  # noqa: PLC0415
 

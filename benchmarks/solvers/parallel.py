@@ -9,6 +9,8 @@ from functools import cache
 from multiprocessing.queues import SimpleQueue
 from typing import TypeVar
 
+from benchmarks.harness.quiet import ignore_suspicions
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
@@ -63,8 +65,9 @@ def _cores() -> list[int]:
 
 
 def _begin(cores: "SimpleQueue[int]") -> None:
-    """Take a core; threads that libraries start stay on it too."""
+    """Take a core, on which threads that libraries start stay too, and be quiet."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    ignore_suspicions()
     core = cores.get()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {core})

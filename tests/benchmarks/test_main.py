@@ -12,6 +12,7 @@ from benchmarks import __main__ as command
 from benchmarks.__main__ import ABOUT, BENCHMARKS, OF_LINES, OF_METHODS, Chosen, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
+from sinuous.problem.suspicions import warn_of
 
 Given = list[tuple[Chosen, Output]]
 
@@ -41,6 +42,16 @@ def test_options_reach_the_measurement(given: Given, tmp_path: Path) -> None:
 def test_nothing_needs_to_be_said_but_the_name(given: Given, name: str) -> None:
     assert main([name]) == 130
     assert given == [(Chosen(name), Output())]
+
+
+def test_odd_problems_are_not_complained_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    def conduct(experiment: Any, output: Output) -> int:
+        warn_of(["odd"])  # an error, in a test
+        return 0
+
+    monkeypatch.setattr(harness, "conduct", conduct)
+    monkeypatch.setattr(Chosen, "experiment", lambda self: self)
+    assert main(["speed"]) == 0
 
 
 def test_families_reach_the_benchmark_of_places_alone(given: Given, capsys: pytest.CaptureFixture[str]) -> None:

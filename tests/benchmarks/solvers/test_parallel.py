@@ -1,11 +1,13 @@
 """Work in processes: every item once, in order, and each process on a core of its own."""
 
 import os
+import warnings
 
 import pytest
 
 from benchmarks.solvers import parallel
 from benchmarks.solvers.parallel import in_processes
+from sinuous.problem.suspicions import warn_of
 
 
 def square(number: int) -> int:
@@ -23,6 +25,17 @@ def test_results_come_in_order() -> None:
 
 def test_processes_keep_to_their_cores() -> None:
     assert set(in_processes(cores_of, range(3))) == {1}
+
+
+def heard(_: int) -> int:
+    """How many warnings of an odd problem are heard."""
+    with warnings.catch_warnings(record=True) as caught:
+        warn_of(["odd"])
+    return len(caught)
+
+
+def test_odd_problems_are_not_complained_of() -> None:
+    assert set(in_processes(heard, range(3))) == {0}
 
 
 def test_processes_end_when_what_gathers_stops() -> None:

@@ -132,3 +132,18 @@ def test_what_is_suspicious_is_a_note(capsys: pytest.CaptureFixture[str], tmp_pa
     assert capsys.readouterr().out.splitlines()[-2:] == [f"  note: {note}" for note in notes]
     assert main(["solve", str(file)]) == 1
     assert capsys.readouterr().err.splitlines() == [f"note: {file}: {note}" for note in notes]
+
+
+def test_actuators_at_the_start_are_said(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "driven.yaml"
+    robot = "robot: {segments: {count: 2, length: 1, tendons: {count: 3, radius: 0.1}}}\n"
+    file.write_text(robot + "target: {position: [0.3, 0, 1.8]}\nstart: [[1, 0, 1], [0, 0, 1]]\n")
+    assert main(["check", str(file)]) == 1
+    assert "actuators there: s1.t1=0.1  s1.t2=-0.05  " in capsys.readouterr().out
+    assert main(["check", "--json", str(file)]) == 1
+    values = strict(capsys.readouterr().out)["actuators"]
+    assert list(values) == [f"s{k}.t{j}" for k in (1, 2) for j in (1, 2, 3)]
+    assert values["s2.t1"] == pytest.approx(0.1)
+    file.write_text(robot + "target: {position: [0.3, 0, 1.8]}\n")
+    assert main(["check", "--json", str(file)]) == 0
+    assert strict(capsys.readouterr().out)["actuators"] is None

@@ -195,6 +195,17 @@ def test_distinct_solutions_are_not_explained(capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().err == "--all: expected one of --all, --why, got 3 (stands beside --why)\n"
 
 
+def test_distinct_solutions_are_a_table_in_a_file(problem: Write, tmp_path: Path) -> None:
+    file = tmp_path / "q.csv"
+    assert main(["solve", problem("scene.yaml"), "--all", "3", "--csv", str(file)]) == 0
+    header, *rows = (line.split(",") for line in file.read_text(encoding="utf-8").splitlines())
+    assert header[:3] == ["solution", "status", "s1.bend_x"]
+    assert [row[:2] for row in rows] == [[str(i), "solved"] for i in range(1, len(rows) + 1)]
+    assert len(rows) > 1
+    assert main(["solve", problem("far.yaml"), "--all", "3", "--csv", str(file)]) == 1
+    assert ",out_of_reach," in file.read_text(encoding="utf-8")
+
+
 def test_of_distinct_solutions_the_best_is_drawn(problem: Write, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     assert main(["solve", problem("easy.yaml"), "--all", "2", "--plot", str(tmp_path / "best.png")]) == 0

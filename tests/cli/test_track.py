@@ -114,3 +114,32 @@ def test_a_real_interrupt(problem: Write, tmp_path: Path) -> None:
     assert out.read_text() == first + rest
     assert err.endswith("sinuous: interrupted after 1 of 2 files; the results so far are written\n")
     assert "Traceback" not in err
+
+
+def table(file: Path) -> list[list[str]]:
+    return [line.split(",") for line in file.read_text(encoding="utf-8").splitlines()]
+
+
+def test_configurations_and_actuators_are_a_table(problem: Write, tmp_path: Path) -> None:
+    file = Path(problem("path.yaml"))
+    text = file.read_text().replace("max_bend: 2", "max_bend: 2, tendons: {count: 3, radius: 0.1}")
+    file.write_text(text)
+    assert main(["track", str(file), "--csv", str(tmp_path / "motors.csv")]) == 0
+    header, *rows = table(tmp_path / "motors.csv")
+    assert header[:3] == ["waypoint", "status", "s1.bend_x"]
+    assert header[-3:] == ["s3.t1", "s3.t2", "s3.t3"]
+    assert [row[:2] for row in rows] == [["1", "solved"], ["2", "solved"], ["3", "solved"]]
+    assert {len(row) for row in rows} == {2 + 9 + 9}
+
+
+def test_tables_of_several_files_are_numbered(problem: Write, tmp_path: Path) -> None:
+    files = [problem("easy.yaml"), problem("half.yaml")]
+    assert main(["track", *files, "--csv", str(tmp_path / "q.csv")]) == 1
+    assert [len(table(tmp_path / f"q-{i}.csv")) for i in (1, 2)] == [2, 4]
+    assert not (tmp_path / "q.csv").exists()
+
+
+def test_a_table_over_a_problem_file_is_refused(problem: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    file = problem("path.yaml")
+    assert main(["track", file, "--csv", file]) == 2
+    assert capsys.readouterr().err.startswith("--csv: expected another file, got ")

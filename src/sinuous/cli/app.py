@@ -53,6 +53,10 @@ Plot = Annotated[
     Path | None, typer.Option(metavar="FILE", help="Draw robot, scene and targets; several files are numbered.")
 ]
 Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the results as JSON lines.")]
+Csv = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Write configurations and actuators as a table; several files are numbered."),
+]
 All = Annotated[
     int | None, typer.Option("--all", metavar="COUNT", help="Find up to so many distinct solutions, best first.")
 ]
@@ -81,12 +85,13 @@ def solve(
     json: Json = False,
     plot: Plot = None,
     out: Out = None,
+    csv: Csv = None,
     all_: All = None,
 ) -> None:
     """Meet a target, or several at once."""
     from sinuous.cli.work import solve_files  # noqa: PLC0415
 
-    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, why)
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, why, csv)
     raise typer.Exit(solve_files(files, options, all_))
 
 
@@ -102,13 +107,13 @@ def track(
     json: Json = False,
     plot: Plot = None,
     out: Out = None,
+    csv: Csv = None,
 ) -> None:
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    raise typer.Exit(
-        track_files(files, Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out))
-    )
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
+    raise typer.Exit(track_files(files, options))
 
 
 @app.command()

@@ -57,6 +57,7 @@ def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any
         "targets_from_base": _from_base(problem),
         "notes": problem.notes,
         "start": None if start is None else asdict(start),
+        "actuators": _actuators(problem),
     }
 
 
@@ -72,7 +73,17 @@ def _description(problem: ProblemFile, start: Verification | None) -> str:
     if contents["targets_from_base"] is not None:
         sizes.append(f"targets: {span(contents['targets_from_base'])} from the base")
     notes = [f"note: {note}" for note in problem.notes]
-    return "\n  ".join([line, *sizes, *notes, *([] if start is None else [f"start {_verdict(start)}"])])
+    verdict = [] if start is None else [f"start {_verdict(start)}"]
+    values = "  ".join(f"{name}={value:.4g}" for name, value in (contents["actuators"] or {}).items())
+    return "\n  ".join([line, *sizes, *notes, *verdict, *([f"actuators there: {values}"] if values else [])])
+
+
+def _actuators(problem: ProblemFile) -> dict[str, float] | None:
+    """Values of all actuators at the start."""
+    names = [actuator.name for actuator in problem.robot.actuators]
+    if problem.start is None or not names:
+        return None
+    return dict(zip(names, problem.robot.to_actuators(problem.start).tolist(), strict=True))
 
 
 def _sizes(problem: ProblemFile) -> list[tuple[str, list[float] | None, float]]:

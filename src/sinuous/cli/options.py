@@ -38,6 +38,8 @@ class Options:
         Where the results go as JSON lines.
     why : bool
         Whether to explain every answer.
+    csv : Path or None
+        Where configurations and the values of actuators go, as a table.
     """
 
     method: str = "newton"
@@ -50,6 +52,7 @@ class Options:
     plot: Path | None = None
     out: Path | None = None
     why: bool = False
+    csv: Path | None = None
 
     def check(self, files: list[str]) -> None:
         """Refuse values that cannot be meant, before any file is read or written.
@@ -60,7 +63,7 @@ class Options:
             That names the option.
         """
         self.solve_options()
-        for option, file in (("--out", self.out), ("--plot", self.plot)):
+        for option, file in (("--out", self.out), ("--plot", self.plot), ("--csv", self.csv)):
             if file is not None:
                 check_writable(option, file, files)
         if self.plot is not None:
@@ -106,12 +109,13 @@ class Options:
         except InputError as error:
             raise InputError(f"--option {error.key}".rstrip(), error.problem, error.value, error.expected) from None
 
-    def picture(self, number: int, files: int) -> Path | None:
-        """Where the picture of problem `number`, 1 = first, of `files` goes: several are numbered."""
-        if self.plot is None or files == 1:
-            return self.plot
-        width = int(math.log10(files)) + 1
-        return self.plot.with_name(f"{self.plot.stem}-{number:0{width}}{self.plot.suffix}")
+
+def numbered(file: Path | None, number: int, files: int) -> Path | None:
+    """Where what comes of problem `number`, 1 = first, of `files` goes: several are numbered."""
+    if file is None or files == 1:
+        return file
+    width = int(math.log10(files)) + 1
+    return file.with_name(f"{file.stem}-{number:0{width}}{file.suffix}")
 
 
 def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:

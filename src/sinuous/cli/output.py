@@ -6,9 +6,10 @@ from typing import Any, TextIO
 import typer
 
 from sinuous.cli.alternatives import Alternatives
-from sinuous.cli.options import Options
+from sinuous.cli.options import Options, numbered
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
+from sinuous.motion.table import write_csv
 from sinuous.motion.track import Track
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
@@ -47,11 +48,21 @@ class Output:
                 self._out.flush()
         text = f"{file}: {str(answer).split(': ', 1)[1]}" if why is None else f"{file}: {why}"
         typer.echo(line if self._options.json else text)
-        picture = self._options.picture(self._done, self._files)
+        table = numbered(self._options.csv, self._done, self._files)
+        if table is not None:
+            _write_table(table, answer)
+        picture = numbered(self._options.plot, self._done, self._files)
         if picture is not None:
             from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
 
             plot_solution(answer.best if isinstance(answer, Alternatives) else answer, picture)
+
+
+def _write_table(file: Path, answer: Answer) -> None:
+    if isinstance(answer, Alternatives):
+        write_csv(file, answer.solutions or (answer.best,), "solution")
+    else:
+        write_csv(file, answer.solutions if isinstance(answer, Track) else (answer,))
 
 
 def _remedies(why: Explanation | None) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
@@ -10,6 +11,7 @@ from sinuous import checks
 from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
+from sinuous.motion.table import write_csv
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
@@ -152,6 +154,19 @@ class Track:
             "remaining": self.remaining,
             "waypoints": waypoints,
         }
+
+    def save_csv(self, file: str | Path) -> None:
+        """Write configurations and the values of all actuators as CSV, one row a waypoint.
+
+        Columns: `waypoint` (1 = first), `status`, `bend_x`, `bend_y`, `length` of every segment (`s1.bend_x`), every
+        actuator by its name.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        write_csv(file, self.solutions)
 
     def __len__(self) -> int:
         return len(self.solutions)

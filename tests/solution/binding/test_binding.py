@@ -12,7 +12,7 @@ from sinuous.solution.binding.binding import Binding, find_binding
 from sinuous.solution.binding.limits import limits_of
 from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.remedies.limits import Widening, plain, widened
-from sinuous.solution.remedies.limits import limits_of as limits_of_segment
+from sinuous.solution.remedies.limits import limits_of as limits_to_widen
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
 
@@ -151,7 +151,7 @@ def wider(problem: sn.Problem, segment: int | None, key: str | None) -> sn.Probl
     assert segment is not None
     assert key is not None
     name, _, end = key.partition("[")
-    limits = limits_of_segment(problem.robot.segments[segment - 1], name)
+    limits = limits_to_widen(problem.robot, name, segment)
     assert limits is not None
     ends = frozenset({int(end[0]) if end else 0})
     return problem.changed(robot=widened(problem.robot, Widening(name, (segment,), limits, ends), 1e-3))

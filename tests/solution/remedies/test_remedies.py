@@ -84,6 +84,44 @@ def test_tendons_are_widened_on_both_sides() -> None:
     assert remedy.after[1] == -remedy.after[0] == pytest.approx(0.13, rel=0.01)
 
 
+def driven(most: float) -> sn.Robot:
+    """Two motors that bend a fixed arm to x and y, and one that bends both segments of it."""
+    matrix = np.array([[0.5, 0, 0, 0, 0, 0], [0, 0.5, 0, 0, 0, 0], [1, 0, 0, 1, 0, 0]])
+    limits = [(-most, most), (-most, most), None]
+    actuators = sn.Actuators(matrix, ["pan", "tilt", "both"], limits)
+    return sn.Robot([sn.Segment(1.0, 2.0), sn.Segment(1.0, 0.0)], actuators=actuators)
+
+
+def test_limits_of_actuators_are_named_and_widened() -> None:
+    target = sn.Target(direction=(math.sin(1.0), 0, math.cos(1.0)))
+    solution = sn.solve(driven(0.3), target, max_starts=50)
+    assert solution.status is sn.Status.LIMIT_BOUND
+    assert solution.sentence.endswith("value of pan")
+    (held,) = (each for each in solution.binding if each.actuator is not None)
+    assert (held.constraint, held.segment, held.actuator, held.limit) == ("actuator", 1, "pan", 0.3)
+    assert held.value == pytest.approx(0.3)
+    assert solution.actuators is not None
+    assert solution.actuators["pan"] <= 0.3 + 1e-12
+    assert solution.verify().excess <= 1e-9
+    remedy = helped(solution)["actuators.limits of pan and tilt"]
+    assert remedy.before == [-0.3, 0.3]
+    low, high = remedy.after
+    assert high == -low == pytest.approx(0.5, rel=0.02)
+    then = sn.solve(driven(high), target)
+    assert then.solved
+    assert "least left value of pan" in str(then.explain())
+
+
+def test_limits_of_actuators_on_one_side_are_widened_on_that_side() -> None:
+    """An actuator that sees the sum of both segments, as a tendon does."""
+    actuators = sn.Actuators([[-1, 0, 0, -1, 0, 0]], ["cable"], (-0.4, 2.0))
+    robot = sn.Robot.uniform(2, 1.0, 2.0, actuators=actuators)
+    solution = sn.solve(robot, sn.Target(direction=(math.sin(1.0), 0, math.cos(1.0))), max_starts=50)
+    remedy = helped(solution)["actuators.limits of cable"]
+    assert remedy.before == [-0.4, 2.0]
+    assert remedy.after == [pytest.approx(-1.0, rel=0.02), 2.0]
+
+
 def test_limits_of_which_none_is_enough_alone_are_widened_together() -> None:
     """The place lies beyond the length, and the direction beyond the bends."""
     robot = sn.Robot.uniform(2, (0.9, 1.0), 0.6)

@@ -8,6 +8,7 @@ from typing import Any
 from sinuous import words
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.coupled import UNLIMITED, Actuators
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.solution.binding.binding import Binding
@@ -20,17 +21,23 @@ MOST = 4.0
 
 Limits = float | tuple[float, float]
 
+COUPLED = "actuators.limits"
+"""What the problem file calls limits of the robot's `Actuators`; all others are limits of segments."""
+
+OF_ANY_SIGN = ("tendons.displacement", COUPLED)
+"""Limits that may be negative."""
+
 
 @dataclass(frozen=True)
 class Widening:
-    """A limit that several segments share, and which of its ends bind.
+    """A limit that several segments, or several of `Actuators`, share, and which of its ends bind.
 
     Attributes
     ----------
     key : str
         What the problem file calls it.
-    segments : tuple of int
-        Numbers of the segments, 1 = first.
+    shared : tuple of int
+        Numbers of the segments, 1 = first; of `Actuators` of the rows, 0 = first.
     limits : float or (float, float)
         As they are.
     ends : frozenset of int
@@ -38,7 +45,7 @@ class Widening:
     """
 
     key: str
-    segments: tuple[int, ...]
+    shared: tuple[int, ...]
     limits: Limits
     ends: frozenset[int]
 
@@ -53,13 +60,15 @@ class Widening:
         most = MOST * self.size
         if self.key == "max_bend":
             return min(most, 2.0 * math.pi - self.limits) if isinstance(self.limits, float) else most
-        if isinstance(self.limits, tuple) and self.key != "tendons.displacement" and self.ends == {0}:
+        if isinstance(self.limits, tuple) and self.key not in OF_ANY_SIGN and self.ends == {0}:
             return min(most, self.limits[0])
         return most
 
-    def name(self, count: int) -> str:
-        """What is widened, of a robot with so many segments: `max_bend of all segments`."""
-        return f"{self.key} of {words.segments(self.segments, count)}"
+    def name(self, robot: Robot) -> str:
+        """What is widened: `max_bend of all segments`, `actuators.limits of pan and tilt`."""
+        if self.key == COUPLED:
+            return f"{self.key} of {words.listed(_linear(robot).names[i] for i in self.shared)}"
+        return f"{self.key} of {words.segments(self.shared, len(robot))}"
 
     def by(self, amount: float) -> Limits:
         """The limits, wider by this much."""
@@ -67,7 +76,7 @@ class Widening:
             return rounded(self.limits + amount)
         low, high = self.limits
         below, above = low - amount * (0 in self.ends), high + amount * (1 in self.ends)
-        return rounded(below if self.key == "tendons.displacement" else max(0.0, below)), rounded(above)
+        return rounded(below if self.key in OF_ANY_SIGN else max(0.0, below)), rounded(above)
 
 
 def widen(trials: Trials, case: Case) -> Iterator[Remedy]:
@@ -83,7 +92,7 @@ def widen(trials: Trials, case: Case) -> Iterator[Remedy]:
         found = trials.smallest(wider, widening.most)
         if found is not None:
             alone = True
-            yield Remedy(widening.name(len(robot)), plain(widening.limits), plain(widening.by(found[0])))
+            yield Remedy(widening.name(robot), plain(widening.limits), plain(widening.by(found[0])))
     if not alone and len(usable) > 1:
         yield from _widen_together(trials, case, usable)
 
@@ -100,7 +109,7 @@ def _widen_together(trials: Trials, case: Case, widenings: list[Widening]) -> It
 
     found = trials.smallest(wider, 1.0)
     if found is not None:
-        names = [widening.name(len(robot)) for widening in widenings]
+        names = [widening.name(robot) for widening in widenings]
         before = [plain(widening.limits) for widening in widenings]
         after = [plain(widening.by(found[0] * widening.most)) for widening in widenings]
         yield Remedy("limits", dict(zip(names, before, strict=True)), dict(zip(names, after, strict=True)))
@@ -119,33 +128,49 @@ def widenings(robot: Robot, binding: tuple[Binding, ...]) -> list[Widening]:
     for each in binding:
         if each.key is not None and each.segment is not None:
             key, _, end = each.key.partition("[")
-            limits = limits_of(robot.segments[each.segment - 1], key)
+            place = _linear(robot).names.index(each.actuator) if key == COUPLED and each.actuator else each.segment
+            limits = limits_of(robot, key, place)
             if limits is not None:
                 ends.setdefault((key, limits), set()).add(int(end[0]) if end else 0)
     result = []
     for (key, limits), own in ends.items():
         symmetric = isinstance(limits, tuple) and limits[0] == -limits[1]
-        same = tuple(k for k, s in enumerate(robot.segments, 1) if limits_of(s, key) == limits)
+        places = range(len(_linear(robot).names)) if key == COUPLED else range(1, len(robot) + 1)
+        same = tuple(place for place in places if limits_of(robot, key, place) == limits)
         result.append(Widening(key, same, limits, frozenset((0, 1) if symmetric else own)))
     return result
 
 
-def limits_of(segment: Segment, key: str) -> Limits | None:
-    """The limits of a segment that a problem file calls `key`; `None` where it has none."""
+def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
+    """The limits that a problem file calls `key`, of a segment (1 = first) or a row of `Actuators`; `None` if none."""
+    if key == COUPLED:
+        return _linear(robot).limits[place]
+    segment = robot.segments[place - 1]
     if key == "tendons.displacement":
         return None if segment.tendons is None else segment.tendons.displacement
     if key == "chambers.length":
         return None if segment.chambers is None else segment.chambers.length
-    if key in ("radius", "actuators.limits"):  # `make_thinner` is for the first; the other is none of a segment
+    if key == "radius":  # `make_thinner` is for that
         return None
     limits: Limits = getattr(segment, key)
     return limits
 
 
+def _linear(robot: Robot) -> Actuators:
+    assert robot.linear is not None
+    return robot.linear
+
+
 def widened(robot: Robot, widening: Widening, amount: float) -> Robot:
     """Return the robot with one limit wider by this much."""
+    wider: Any = widening.by(amount)
+    if widening.key == COUPLED:
+        linear = _linear(robot)
+        limits = [None if own == UNLIMITED else own for own in linear.limits]
+        then = [wider if i in widening.shared else own for i, own in enumerate(limits)]
+        return robot.changed(actuators=Actuators(linear.matrix, linear.names, then))
     segments = [
-        _with(segment, widening.key, widening.by(amount)) if k in widening.segments else segment
+        _with(segment, widening.key, wider) if k in widening.shared else segment
         for k, segment in enumerate(robot.segments, 1)
     ]
     return robot.changed(segments=segments)

@@ -28,15 +28,26 @@ CODE = ROOT / "tests" / "user_code"
 FLAGS = ("--strict", "--ignore-missing-imports", "--config-file=", f"--cache-dir={ROOT / '.mypy_cache' / 'user_code'}")
 
 
-def test_a_checker_finds_every_mistake_and_nothing_else() -> None:
-    files = [str(CODE / name) for name in ("correct.py", "mistakes.py")]
+def shown(folder: Path) -> Iterator[Path]:
+    """Every piece of Python that the pages show, as a file."""
+    for page in (ROOT / "README.md", ROOT / "docs" / "cookbook.md"):
+        for i, code in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)):
+            file = folder / f"{page.stem}_{i}.py"
+            file.write_text(code, encoding="utf-8")
+            yield file
+
+
+def test_a_checker_finds_every_mistake_and_nothing_else(tmp_path: Path) -> None:
+    """Nothing in what the pages and examples show, and all in what is planted."""
+    own = [CODE / "correct.py", CODE / "mistakes.py", *shown(tmp_path), ROOT / "examples" / "quickstart.py"]
+    files = [str(file) for file in own]
     done = subprocess.run([sys.executable, "-m", "mypy", *FLAGS, *files], capture_output=True, text=True, check=False)
     found = re.findall(r"(\w+)\.py:(\d+): error", done.stdout)
-    assert [name for name, _ in found if name != "mistakes"] == [], done.stdout
+    assert not [line for line in done.stdout.splitlines() if ": error" in line and "mistakes.py:" not in line]
     lines = (CODE / "mistakes.py").read_text(encoding="utf-8").splitlines()
     planted = set(range(lines.index("# Mistakes:") + 2, len(lines) + 1))
     assert len(planted) > 50
-    assert {int(line) for _, line in found} == planted, done.stdout + done.stderr
+    assert {int(line) for name, line in found if name == "mistakes"} == planted, done.stderr
 
 
 def test_the_wheel_says_that_it_is_typed() -> None:

@@ -1,0 +1,73 @@
+"""Every job of the cookbook runs as it stands, and takes at most eight lines."""
+
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+
+ROOT = Path(__file__).parent.parent
+PAGE = (ROOT / "docs" / "cookbook.md").read_text(encoding="utf-8")
+JOBS = dict(re.findall(r"^## (.*?)\n.*?```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE))
+MOST = 8
+
+FEWER = 2_000
+"""What a batch of 100,000 is here: nothing in it depends on how many there are."""
+
+
+def lines(code: str) -> list[str]:
+    """Lines that somebody has to think of."""
+    return [line for line in code.splitlines() if line.strip() and not re.match(r"(import|from) ", line)]
+
+
+def test_every_heading_is_a_job() -> None:
+    assert len(JOBS) == PAGE.count("\n## ") == PAGE.count("```python") >= 10
+
+
+@pytest.mark.parametrize("job", JOBS)
+def test_it_takes_few_lines(job: str) -> None:
+    assert 0 < len(lines(JOBS[job])) <= MOST
+    assert max(map(len, JOBS[job].splitlines())) <= 120
+    assert ";" not in JOBS[job]
+
+
+def run(job: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    shutil.copytree(ROOT / "examples", folder / "examples")
+    monkeypatch.chdir(folder)
+    names: dict[str, Any] = {}
+    exec(compile(JOBS[job].replace("100_000", str(FEWER)), job, "exec"), names)
+    return names
+
+
+@pytest.mark.parametrize("job", JOBS)
+def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    names = run(job, tmp_path, monkeypatch)
+    solution: Any = names.get("solution")
+    assert solution is None or (solution.solved and solution.verify().ok)
+    if "shape" in names:
+        np.testing.assert_allclose(names["shape"], solution.q, atol=1e-9)
+    match job:
+        case "From a table of points to a table of motors":
+            assert names["track"].solved
+            assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") == len(names["points"]) + 1
+        case "Stay near":
+            plain = sn.solve(names["robot"], sn.Target(names["near"]), initial=names["now"])
+            far, farther = (np.linalg.norm((q - names["now"]) / [1.0, 1.0, 57.5]) for q in (solution.q, plain.q))
+            assert far <= farther + 1e-4
+        case "Why not?":
+            assert names["failed"].binding
+            assert names["failed"].explain().remedies
+        case "A batch of 100,000":
+            assert len(names["solutions"]) == FEWER
+            assert names["shapes"].shape == (FEWER, 5, 3)
+        case "Save and load":
+            assert names["again"].equals(names["job"])
+            assert names["same"].to_dict() == solution.to_dict()
+        case "Shapes from elsewhere":
+            assert names["checked"].ok.shape == (20,)
+        case _:
+            assert solution is not None

@@ -31,7 +31,7 @@ FLOORS = {
     "errors": 0,
     "caches": 0,
     "words": 0,
-    "types": 0,
+    "arguments": 0,
     "brief": 0,
     "frozen": 0,
     "garbage": 0,

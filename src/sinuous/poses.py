@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Orientation, Orientations, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.types import Orientation, Orientations, Rows, Vector
 
 ROTATION_SLACK = 1e-6
 """How far, in any entry, a matrix may be from a rotation (numbers in files are rounded); it is then made exact."""

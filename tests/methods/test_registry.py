@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.arguments import MethodName
 from sinuous.methods import registry as methods
 from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.options import Options
 from sinuous.methods.registry import METHODS
 from sinuous.solving.solver import Solver
-from sinuous.types import MethodName
 from tests.helpers import refused
 
 ARM = sn.Robot.uniform(5, (45, 70), 2.4)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.arguments import SelfCollision
 from sinuous.measures.body import segment_ends
 from sinuous.problem.problem import Problem
 from sinuous.solution import verification
-from sinuous.types import SelfCollision
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.1, base=sn.pose((1, 2, 3), direction=(1, 1, 0)))
 Q = np.array([[0.5, 0.2, 1.0], [-0.7, 0.4, 0.9], [0.0, 1.1, 1.1], [0.3, -0.3, 1.0]])

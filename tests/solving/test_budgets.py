@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.arguments import MethodName
 from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
 from sinuous.kernels.tables import SOLVED
 from sinuous.methods.registry import METHODS, capabilities
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
-from sinuous.types import MethodName
 
 ROBOT = sn.Robot.uniform(5, (0.8, 1.2), 2.0, radius=0.05)
 STRAIGHT = np.tile([0.0, 0.0, 1.0], (5, 1))

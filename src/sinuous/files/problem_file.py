@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Rows
 from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -26,7 +27,6 @@ from sinuous.problem.tolerance import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
-from sinuous.types import Rows
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import described
 

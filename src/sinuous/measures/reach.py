@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sinuous.arguments import BoundName
 from sinuous.checks import Floats
 from sinuous.measures.targets import backbone_end
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
-from sinuous.types import BoundName
 
 
 class Bound(NamedTuple):

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
+from sinuous.arguments import MethodName
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.method import Case, Method
 from sinuous.methods.options import Options
-from sinuous.types import MethodName
 
 if TYPE_CHECKING:
     from sinuous.problem.preferences import Preferences

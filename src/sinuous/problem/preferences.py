@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from sinuous import checks
+from sinuous.arguments import Number
 from sinuous.frozen import Frozen
-from sinuous.types import Number
 
 
 @dataclass(frozen=True, init=False, repr=False)

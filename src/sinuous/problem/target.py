@@ -8,13 +8,13 @@ from typing import Any, ClassVar, TypedDict, Unpack
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Orientation, Orientations, Rows, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only, target_row, target_rows
 from sinuous.poses import any_rotation, any_rotations
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
-from sinuous.types import Orientation, Orientations, Rows, Vector, Whole
 
 MOST_TARGETS = 1000
 

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 from sinuous import checks
+from sinuous.arguments import Number
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.robot import Robot
-from sinuous.types import Number
 
 RELATIVE_POSITION = 1e-4
 ANGLE = 1e-3

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Limits, Names, Number, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.names import listed_names
-from sinuous.types import Limits, Names, Number, Vector, Whole
 
 MOST_LINES = 64
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import HasArray, Names, Number, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.names import listed_names
-from sinuous.types import HasArray, Names, Number, Rows, Vector
 
 MOST_ACTUATORS = 10_000
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks
+from sinuous.arguments import Batch, Stack
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MIN_LENGTH
 from sinuous.robot.actuation import Actuation, flat, product
-from sinuous.types import Batch, Stack
 
 RANK = 1e-9
 """Actuators that are as nearly dependent as this, relative to their weights, count as dependent."""

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.arguments import LimitKind
 from sinuous.checks import Floats
 from sinuous.robot.actuation import Actuation
 from sinuous.robot.segment import Segment
-from sinuous.types import LimitKind
 
 Violation = tuple[LimitKind, int, float]
 """A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated."""

@@ -3,9 +3,9 @@
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, Stack
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.types import Number, Stack
 
 
 def from_arc_parameters(curvature: Number | Stack, plane_angle: Number | Stack, length: Number | Stack) -> Floats:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 import numpy as np
 
 from sinuous import checks, packing
+from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack, Whole
 from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -24,7 +25,6 @@ from sinuous.robot.limits import Violation
 from sinuous.robot.names import optional_name, segment_names
 from sinuous.robot.segment import Segment
 from sinuous.robot.thickness import curvature_limits, held_back
-from sinuous.types import Batch, Limits, Number, Rows, SelfCollision, Stack, Whole
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
 

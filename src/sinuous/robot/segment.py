@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Any, TypedDict, Unpack
 
 from sinuous import checks
+from sinuous.arguments import Limits, Number
 from sinuous.brief import call, text
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.names import optional_name
-from sinuous.types import Limits, Number
 from sinuous.writing.plain import described, plain
 
 

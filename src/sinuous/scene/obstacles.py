@@ -11,6 +11,7 @@ from typing import Any, ClassVar, NamedTuple, Self
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, Orientation, Truth, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -18,7 +19,6 @@ from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.packing import primitive_row
 from sinuous.poses import any_rotation, least_rotation
 from sinuous.scene.sources import Source
-from sinuous.types import Number, Orientation, Truth, Vector
 
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, Orientation, Vector
 from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.poses import pose
-from sinuous.types import Number, Orientation, Vector
 from sinuous.writing.plain import pose_arguments
 
 

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.arguments import Number, Rows, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.snapshot import Snapshot
 from sinuous.scene.sources import entries_of
-from sinuous.types import Number, Rows, Stack, Vector
 from sinuous.writing.documents import write_document
 
 

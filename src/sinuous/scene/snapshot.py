@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks, packing
+from sinuous.arguments import Stack
 from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field, evaluate
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.prepared.parts import Part, join, live, prepare
-from sinuous.types import Stack
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""

@@ -6,6 +6,7 @@ from typing import Any, overload
 
 import numpy as np
 
+from sinuous.arguments import Batch, Number
 from sinuous.errors import InputError
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.target import Targets, target_list, target_table
@@ -14,7 +15,6 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.verification import Verification, Verifications, verified
-from sinuous.types import Batch, Number
 
 KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}
 """What arrays of these attributes of a verification hold; all others are numbers."""

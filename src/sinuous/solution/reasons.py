@@ -7,11 +7,11 @@ Bounds on lengths and bends come from `sinuous.measures`, without kernels; dista
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from sinuous.arguments import BoundName
 from sinuous.brief import Brief
 from sinuous.measures.reach import bounds
 from sinuous.measures.targets import backbone_end
 from sinuous.scene.nearest import room_at
-from sinuous.types import BoundName
 from sinuous.words import number
 
 if TYPE_CHECKING:

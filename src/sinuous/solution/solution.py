@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, StartKind
 from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
@@ -21,7 +22,6 @@ from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unre
 from sinuous.solution.remedies.trials import Case
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
-from sinuous.types import Number, StartKind
 from sinuous.words import listed
 
 if TYPE_CHECKING:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.arguments import Constraint
 from sinuous.brief import Brief, call
 from sinuous.checks import Floats
 from sinuous.measures.body import SAMPLES, segment_ends
@@ -20,7 +21,6 @@ from sinuous.measures.self_clearance import Meeting, least_self_clearance
 from sinuous.measures.targets import target_errors
 from sinuous.scene.nearest import least_gap
 from sinuous.solution.binding.contacts import self_contacts_of
-from sinuous.types import Constraint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

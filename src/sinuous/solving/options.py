@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from typing import Any, TypedDict
 
 from sinuous import checks
+from sinuous.arguments import Number, Truth, Whole
 from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.tolerance import Tolerance, as_tolerance
-from sinuous.types import Number, Truth, Whole
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Never, Self, Unpack
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, Rows, Whole
 from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -27,7 +28,6 @@ from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
 from sinuous.solving.search import UNDECIDED, Distinct, FirstSolved, Follow
 from sinuous.solving.sources import Batch, Question
-from sinuous.types import Number, Rows, Whole
 
 CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 import sinuous as sn
+from sinuous.arguments import MethodName
 from sinuous.methods.fabrik_avoid.options import FabrikAvoid
-from sinuous.types import MethodName
 from tests.helpers import refused
 from tests.methods import laws
 

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, Orientation, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
 from sinuous.scene.sources import Source
-from sinuous.types import Number, Orientation, Rows, Vector
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.grids.samples import check_lipschitz, sample_points
 from sinuous.scene.obstacles import Obstacle
-from sinuous.types import Number, Vector
 
 MOST = 2**26
 """Samples of a field: half a gigabyte."""

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks
+from sinuous.arguments import Number, Occupancy, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.grids.samples import check_lipschitz
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.sources import Source
-from sinuous.types import Number, Occupancy, Vector
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

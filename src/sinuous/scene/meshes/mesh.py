@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from sinuous import checks
+from sinuous.arguments import Number, Orientation, Rows, Triangles, Truth, Vector
 from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -17,7 +18,6 @@ from sinuous.scene.meshes.topology import Integers
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.placement import Placement
 from sinuous.scene.sources import Source
-from sinuous.types import Number, Orientation, Rows, Triangles, Truth, Vector
 
 ODD = 1000.0
 """By how many times a triangle may be longer than a robot, or a robot than a mesh, before a scale looks wrong."""

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sinuous.arguments import Constraint
 from sinuous.brief import Brief
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
@@ -21,7 +22,6 @@ from sinuous.solution.binding.contacts import Contact, contacts_of, self_contact
 from sinuous.solution.binding.limits import Limit, limits_of, normal
 from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.binding.rest import at_rest
-from sinuous.types import Constraint
 
 ACTIVE, WIDER = 1e-6, (1e-3, 0.1)
 """Slack up to which a limit counts as met: rad, or lengths of a mean segment; and where none is, up to which then."""

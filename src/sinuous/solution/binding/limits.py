@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sinuous.arguments import LimitKind
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
-from sinuous.types import LimitKind
 
 KEYS = {"tendon": "tendons.displacement", "chamber": "chambers.length", "linear": "actuators.limits"}
 """What the problem file calls the limits of an actuator, by its kind."""

@@ -12,7 +12,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 import sinuous as sn
-from sinuous import types
+from sinuous import arguments
 from sinuous.kernels.tables import SOURCES
 from sinuous.methods.opti_path.arguments import OptiPathArguments
 from sinuous.methods.registry import METHODS
@@ -92,12 +92,12 @@ def test_no_argument_takes_anything(name: str, function: Any) -> None:
 
 
 def test_words_are_those_that_the_code_has() -> None:
-    assert set(get_args(types.MethodName)) == set(METHODS)
-    assert get_args(types.StartKind) == SOURCES
+    assert set(get_args(arguments.MethodName)) == set(METHODS)
+    assert get_args(arguments.StartKind) == SOURCES
 
 
 @pytest.mark.parametrize(
-    ("constructor", "arguments"),
+    ("constructor", "keywords"),
     [
         (sn.Robot, RobotArguments),
         (sn.Segment, SegmentArguments),
@@ -107,9 +107,9 @@ def test_words_are_those_that_the_code_has() -> None:
         (SolveOptions, SolveArguments),
     ],
 )
-def test_keyword_arguments_are_those_of_the_constructor(constructor: Any, arguments: Any) -> None:
+def test_keyword_arguments_are_those_of_the_constructor(constructor: Any, keywords: Any) -> None:
     parameters = inspect.signature(constructor).parameters
-    assert set(get_type_hints(arguments)) == set(parameters)
+    assert set(get_type_hints(keywords)) == set(parameters)
     if constructor in (sn.Robot, sn.Segment, sn.OptiPath):
-        for key, hint in get_type_hints(arguments).items():
+        for key, hint in get_type_hints(keywords).items():
             assert hint == parameters[key].annotation, key

@@ -86,6 +86,12 @@ def test_what_the_archives_hold_is_there() -> None:
         assert (ROOT / name).exists(), name
 
 
+def test_continuous_integration_installs_the_wheel_with_every_extra() -> None:
+    """But those for work on the package itself."""
+    extras = [extra for extra in PROJECT["optional-dependencies"] if extra not in ("test", "dev")]
+    assert f"for extra in {' '.join(extras)}; do" in text(".github/workflows/ci.yml")
+
+
 def test_continuous_integration_runs_what_contributors_run() -> None:
     commands = [
         step["run"]

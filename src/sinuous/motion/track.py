@@ -9,8 +9,10 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
+from sinuous.problem.asked import read_asked
+from sinuous.problem.goals import KEYS
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target, Targets, target_list, target_table
+from sinuous.problem.target import Targets
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
@@ -175,7 +177,7 @@ class Track:
 
 def track(
     robot: Robot,
-    targets: Iterable[Targets],
+    targets: Iterable[Targets] | None = None,
     scene: Any = None,
     *,
     start: "Solution | Any" = None,
@@ -187,8 +189,9 @@ def track(
     Parameters
     ----------
     robot : Robot
-    targets : iterable of Target or list of Target
-        The waypoints; the targets of a list are met at once.
+    targets : iterable of Target or list of Target, optional
+        The waypoints; the targets of a list are met at once. Or arrays of the tip's goals: `positions`, `directions`,
+        `rotations` and `xyzw`, as for `Solver.solve_many`.
     scene : Scene or list of obstacles, optional
     start : Solution or array_like (n, 3), optional
         Where the first waypoint begins.
@@ -207,26 +210,15 @@ def track(
     InputError
         When an argument is not what it should be; nothing is solved then.
     """
-    path = as_path(robot, targets)
+    path = read_asked(robot, targets, {key: options.pop(key) for key in KEYS if key in options})
+    checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
     solver = Solver(robot, scene, **options)
     solutions = []
-    for solution in waypoints(solver, path, start):
+    for solution in waypoints(solver, map(path.targets, range(len(path))), start):
         solutions.append(solution)
         if progress is not None:
             progress(solution)
     return Track(tuple(solutions))
-
-
-def as_path(robot: Robot, targets: Iterable[Targets]) -> tuple[tuple[Target, ...], ...]:
-    """Check the waypoints of a path for this robot."""
-    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets):
-        raise InputError("targets", "", targets, "a list of targets")
-    path = tuple(target_list(f"targets[{i}]", waypoint) for i, waypoint in enumerate(targets))
-    checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
-    for i, waypoint in enumerate(path):
-        with checks.inside(f"targets[{i}]"):
-            target_table(robot, waypoint)
-    return path
 
 
 def waypoints(solver: Solver, path: Iterable[Targets], start: "Solution | Any" = None) -> Iterator[Solution]:

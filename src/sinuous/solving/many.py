@@ -80,7 +80,8 @@ class Many:
 
         def one(i: int) -> None:
             outcome = as_outcomes(self._answers[i : i + 1])[0]
-            best = go_on(outcome, self._questions.problem(i), self._questions.initial[i])
+            initial = np.array(self._questions.initial[i], order="C")
+            best = go_on(outcome, self._questions.problem(i), initial)
             best.write(self._answers[i])
             if best.route is not None or best.cell == best.cell:
                 self._beyond[i] = Beyond(best.cell, best.route)

@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
 
+FREE, AMONG_OBSTACLES = 64, 4
+"""Fewest problems that are handed over in one call, if there are so many: a call costs as much as three free solves."""
+
 PARTS = 4
-"""Chunks a worker, at least: some problems take a thousand times as long as others."""
+"""Chunks a worker, where there are enough problems: some take a thousand times as long as others."""
 
 MOST_WORKERS = 1024
 
@@ -68,8 +71,9 @@ class Many:
             self._method.run_many(self._questions.scene, rows, initial, budget, answers)
             self._advance(last - first - len(_undecided(answers)))
 
-        chunks = _chunks(self._questions.asked.runs(), max(1, len(self._answers) // (PARTS * self._workers)))
-        Crew(begin, self._workers).share(chunks)
+        least = AMONG_OBSTACLES if len(self._questions.scene) else FREE
+        most = min(TOGETHER, len(self._answers) // (PARTS * self._workers))
+        Crew(begin, self._workers).share(_chunks(self._questions.asked.runs(), least, most))
 
     def decide(self, code: int) -> None:
         """Give every question the same verdict."""
@@ -99,15 +103,15 @@ def _undecided(answers: Floats) -> list[int]:
     return np.flatnonzero(np.logical_or.reduce([answers[:, CODE] == code for code in UNDECIDED])).tolist()
 
 
-def _chunks(runs: list[tuple[int, int]], most: int) -> Iterator[tuple[int, int]]:
+def _chunks(runs: list[tuple[int, int]], least: int, most: int) -> Iterator[tuple[int, int]]:
     """Cut runs into chunks, small ones first: what they take tells whether a second thread is worth while."""
-    size = 1
+    size = least
     for first, last in runs:
         at = first
         while at < last:
-            end = min(last, at + min(size, most, TOGETHER))
+            end = min(last, at + size)
             yield at, end
-            at, size = end, 2 * size
+            at, size = end, max(least, min(2 * size, most))
 
 
 def read_initial(robot: Robot, count: int, initial: Any) -> Floats:

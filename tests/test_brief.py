@@ -52,7 +52,7 @@ OBJECTS: list[Any] = [
     *(SOLUTION, sn.solve(ROBOT, sn.Target((0, 0, 1e3))), SOLUTION.explain(), SOLUTION.verify()),
     sn.check(ROBOT, [SOLUTION.q, SOLUTION.q]),
     sn.Track((SOLUTION, SOLUTION), 3),
-    *(sn.Solver(ROBOT, SCENE), sn.Status.SOLVED),
+    *(sn.Solver(ROBOT, SCENE), sn.Solver(ROBOT).solve_many([TARGET, sn.Target((0, 0, 1e3))]), sn.Status.SOLVED),
     Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
     Reason("route", 1 / 3, 2 / 3, LONG, True),
     Remedy("start", None, SOLUTION.q.tolist()),

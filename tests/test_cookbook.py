@@ -62,8 +62,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["failed"].binding
             assert names["failed"].explain().remedies
         case "A batch of 100,000":
-            assert len(names["solutions"]) == FEWER
-            assert names["shapes"].shape == (FEWER, 5, 3)
+            assert len(names["many"]) == FEWER
+            assert names["many"].solved.mean() > 0.9
         case "Save and load":
             assert names["again"].equals(names["job"])
             assert names["same"].to_dict() == solution.to_dict()

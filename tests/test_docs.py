@@ -35,6 +35,8 @@ def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytes
     exec(compile("import sinuous as sn\n" + "\n".join(blocks("format.md", "python")), "format.md", "exec"), names)
     assert names["again"].to_dict() == names["solution"].to_dict()
     assert names["checked"].ok.shape == (2,)
+    assert len(names["reached"]) > 900
+    assert set(names["moved"].start) == {"given"}
     np.testing.assert_allclose(names["q_measured"], names["q"], atol=1e-12)
     problem, driven = blocks("format.md", "yaml")
     for text in (problem, driven + "target: {position: [10, 0, 100]}"):

@@ -29,6 +29,7 @@ FLOORS = {
     "kernels": 0,
     "checks": 0,
     "errors": 0,
+    "bar": 0,
     "caches": 0,
     "words": 0,
     "arguments": 0,

@@ -1,17 +1,21 @@
-"""Whether memory grows over many solves, and how much more two threads get done than one."""
+"""Whether memory grows over many solves, how many a second arrays bring, and how much more two threads get done."""
 
 import os
 import tracemalloc
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import cycle, islice
 from pathlib import Path
 from statistics import median
 from threading import Barrier, Thread
 from time import perf_counter
+from typing import Any
+
+import numpy as np
 
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
-from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses
+from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable
+from sinuous.problem.goals import GoalArrays
 from sinuous.solving.solver import Solver
 
 SECTION = "endurance"
@@ -23,14 +27,16 @@ def measure(plan: Plan) -> Iterator[Line]:
     spheres = among_spheres(arm(5, 2.4, radius=4.0), 40, plan.count(500, 20), plan.rng(6))
     yield from _memory(plan, spheres)
     long = among_spheres(arm(20, 1.2, radius=4.0), 40, plan.count(200, 5), plan.rng(7))
-    poses = full_poses(0, plan.count(1000, 20))
-    for what, problems in (
-        ("5 segments, 40 spheres", spheres),
-        ("20 segments, 40 spheres", long),
-        ("3 inextensible segments, full poses", poses),
+    free = reachable(arm(5, 2.4), plan.count(1000, 20), plan.rng(8))
+    for what, problems, rate in (
+        ("5 segments, positions and directions", free, Goal(400_000, at_most=False)),
+        ("3 inextensible segments, full poses", full_poses(0, plan.count(1000, 20)), None),
+        ("5 segments, 40 spheres", spheres, None),
+        ("20 segments, 40 spheres", long, None),
     ):
-        yield _scaling(plan, f"{what}, solve_many", problems, _at_once, Goal(1.7, at_most=False))
-        yield _scaling(plan, f"{what}, a loop of solve", problems, _one_by_one, None)
+        yield from _arrays(plan, what, problems, rate)
+        yield _scaling(plan, f"{what}, a loop of solve", problems)
+    yield from _million(plan, free)
 
 
 def _memory(plan: Plan, problems: ProblemSet) -> Iterator[Line]:
@@ -68,35 +74,80 @@ def _one_by_one(solver: Solver, problems: ProblemSet, count: int) -> None:
         solver.solve(target)
 
 
-def _at_once(solver: Solver, problems: ProblemSet, count: int) -> None:
-    for _ in range(count // len(problems.targets)):
-        solver.solve_many(problems.targets)
+def _arrays(plan: Plan, what: str, problems: ProblemSet, rate: Goal | None) -> Iterator[Line]:
+    """Poses a second through arrays with one worker and with two, and their ratio: medians of several rounds."""
+    solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
+    goals = _goals(problems, plan.count(20_000, 100))
+    positions: Any = goals["positions"]
+    count = len(positions)
+    rounds = [[count / _seconds(solver, goals, workers) for workers in (1, 2)] for _ in range(plan.count(ROUNDS, 1))]
+    note = f"{count} poses, median of {len(rounds)} rounds"
+    for workers, goal in ((1, None), (2, rate)):
+        reached = median(each[workers - 1] for each in rounds)
+        named = f"{what}, arrays, {workers} worker{'s' if workers > 1 else ''}"
+        yield Line(SECTION, named, reached, "/s", goal, note=note, noise=0.5)
+    ratios = [two / one for one, two in rounds]
+    note += ": " + ", ".join(f"{ratio:.2f}" for ratio in ratios)
+    goal = Goal(1.7, at_most=False)
+    yield Line(SECTION, f"two threads over one, {what}, solve_many", median(ratios), "x", goal, note=note, noise=0.5)
 
 
-Work = Callable[[Solver, ProblemSet, int], None]
+def _goals(problems: ProblemSet, count: int) -> GoalArrays:
+    """Targets as arrays, as many as asked for, over and over again."""
+
+    def column(name: str) -> Any:
+        values = [getattr(target, name) for target in problems.targets]
+        return None if values[0] is None else np.resize(np.array(values), (count, *values[0].shape))
+
+    return GoalArrays(
+        positions=column("position"), directions=column("direction"), rotations=column("rotation"), xyzw=None
+    )
 
 
-def _scaling(plan: Plan, what: str, problems: ProblemSet, work: Work, goal: Goal | None) -> Line:
+def _seconds(solver: Solver, goals: GoalArrays, workers: int) -> float:
+    began = perf_counter()
+    solver.solve_many(**goals, workers=workers)
+    return perf_counter() - began
+
+
+def _million(plan: Plan, problems: ProblemSet) -> Iterator[Line]:
+    """Time and memory of a million free targets."""
+    solver = Solver(problems.robot, tolerance=problems.tolerance)
+    count = plan.count(1_000_000, 1000)
+    goals = _goals(problems, count)
+    what = f"{count} free positions and directions, 5 segments"
+    yield Line(SECTION, f"{what}, 2 workers", _seconds(solver, goals, 2), "s", Goal(3.0 * count / 1e6), noise=0.5)
+    tracemalloc.start()
+    try:
+        found = solver.solve_many(**goals, workers=2)
+        held, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    note = f"{held / len(found):.0f} of them are kept: the configuration, 11 numbers about it, and the target"
+    yield Line(SECTION, f"{what}, peak memory a target", peak / count, "bytes", Goal(400.0), note=note)
+
+
+def _scaling(plan: Plan, what: str, problems: ProblemSet) -> Line:
     """Work done by two threads with a solver each, over that of one in the same time; median of several rounds."""
     solvers = [Solver(problems.robot, problems.scene, tolerance=problems.tolerance) for _ in range(2)]
     count = plan.count(10 * len(problems.targets), len(problems.targets))
     for solver in solvers:
-        work(solver, problems, count)
+        _one_by_one(solver, problems, count)
     ratios = [
-        2.0 * _together(solvers[:1], problems, count, work) / _together(solvers, problems, count, work)
+        2.0 * _together(solvers[:1], problems, count) / _together(solvers, problems, count)
         for _ in range(plan.count(ROUNDS, 1))
     ]
     note = f"{count} solves a thread, median of {len(ratios)} rounds: " + ", ".join(f"{ratio:.2f}" for ratio in ratios)
-    return Line(SECTION, f"two threads over one, {what}", median(ratios), "x", goal, note=note, noise=0.5)
+    return Line(SECTION, f"two threads over one, {what}", median(ratios), "x", note=note, noise=0.5)
 
 
-def _together(solvers: list[Solver], problems: ProblemSet, count: int, work: Work) -> float:
+def _together(solvers: list[Solver], problems: ProblemSet, count: int) -> float:
     """Seconds until all threads are through, each with `count` solves on its own solver."""
     barrier = Barrier(len(solvers) + 1)
 
     def run(solver: Solver) -> None:
         barrier.wait()
-        work(solver, problems, count)
+        _one_by_one(solver, problems, count)
 
     threads = [Thread(target=run, args=(solver,)) for solver in solvers]
     for thread in threads:

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from sinuous.solution.checking import check as check
     from sinuous.solution.explanation import Explanation as Explanation
     from sinuous.solution.solution import Solution as Solution
+    from sinuous.solution.solutions import Solutions as Solutions
     from sinuous.solution.status import Status as Status
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
@@ -89,6 +90,7 @@ _HOMES = {
     "solution.explanation": ("Explanation",),
     "solution.checking": ("check",),
     "solution.solution": ("Solution",),
+    "solution.solutions": ("Solutions",),
     "solution.status": ("Status",),
     "solution.verification": ("Verification", "Verifications"),
     "solving.solver": ("Solver", "solve", "solve_all"),

@@ -37,12 +37,13 @@ Rows = HasArray | Sequence[Vector]
 """An array with two axes: a configuration (n, 3), points (m, 3)."""
 
 # What stands deeper is one union each time: of several kinds of sequences checkers do not infer which is meant.
-_Four = HasArray | Sequence[Number | HasArray | Sequence[Number | HasArray | Sequence[Number]]]
+Entry = HasArray | Sequence[Number | HasArray | Sequence[Number | HasArray | Sequence[Number]]]
+"""What stands in a batch."""
 
-Batch = HasArray | Sequence[_Four]
+Batch = HasArray | Sequence[Entry]
 """An array with two axes, or with others in front of them."""
 
-Stack = HasArray | Sequence[Number | _Four]
+Stack = HasArray | Sequence[Number | Entry]
 """An array with at least one axis."""
 
 Limits = Number | Sequence[Number]

@@ -151,9 +151,23 @@ def direction(key: str, value: Any, size: int = 3) -> Floats:
     return result
 
 
+def rows(key: str, value: Any, *shape: int) -> Floats:
+    """Check finite numbers (m, *shape), m from 0; a refusal names the first bad row. Returns a new read-only array."""
+    wanted = _described((None, *shape))
+    result = _numbers(key, value, wanted)
+    if result.shape[1:] != shape or result.ndim == 0:
+        raise InputError(key, "" if result.ndim < 2 else f"shape {result.shape}", value, wanted)
+    result = result.astype(np.float64, copy=False)
+    if not np.isfinite(result).all():
+        first = int(np.argmin(np.isfinite(result).reshape(len(result), -1).all(axis=1)))
+        raise InputError(f"{key}[{first}]", "", result[first].tolist(), _described(shape))
+    result.flags.writeable = False
+    return result
+
+
 def directions(key: str, value: Any, size: int = 3) -> Floats:
     """Check rows of finite numbers as `direction` checks one; return the unit vectors (m, size), equal to its own."""
-    v = array(key, value, (None, size))
+    v = rows(key, value, size)
     largest = np.abs(v).max(axis=1, keepdims=True)
     if (largest == 0.0).any():
         first = int(np.argmin(largest))

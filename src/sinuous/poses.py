@@ -45,17 +45,17 @@ def any_rotation(rotation: Orientation | None, xyzw: Vector | None) -> Floats | 
     return rotation_matrix("xyzw", (w, x, y, z))
 
 
-def any_rotations(rotation: Orientations | None, xyzw: Rows | None) -> Floats | None:
-    """Read many rotations (m, 3, 3) as `any_rotation` reads one."""
+def any_rotations(rotations: Orientations | None, xyzw: Rows | None, key: str = "rotations") -> Floats | None:
+    """Read many rotations (m, 3, 3) as `any_rotation` reads one; `key` is what the first argument is called."""
     if xyzw is None:
-        return None if rotation is None else rotation_matrices("rotation", rotation)
-    _refuse_both(rotation, xyzw)
+        return None if rotations is None else rotation_matrices(key, rotations)
+    _refuse_both(rotations, xyzw, key)
     return rotation_matrices("xyzw", np.roll(checks.directions("xyzw", xyzw, 4), 1, axis=1))
 
 
-def _refuse_both(rotation: Any, xyzw: Any) -> None:
+def _refuse_both(rotation: Any, xyzw: Any, key: str = "rotation") -> None:
     if rotation is not None:
-        raise InputError("xyzw", "stands beside rotation", xyzw, "one of rotation, xyzw")
+        raise InputError("xyzw", f"stands beside {key}", xyzw, f"one of {key}, xyzw")
 
 
 def rotation_matrices(key: str, value: Any) -> Floats:
@@ -69,7 +69,7 @@ def rotation_matrices(key: str, value: Any) -> Floats:
     if axes == 2:
         result = np.moveaxis(_from_quaternion(*checks.directions(key, value, 4).T), -1, 0).copy()
     elif axes == 3:
-        result = np.array([rotation_matrix(f"{key}[{i}]", each) for i, each in enumerate(value)]).reshape(-1, 3, 3)
+        result = _nearest_rotations(key, checks.rows(key, value, 3, 3))
     else:
         raise InputError(key, "", value, "3x3 rotation matrices or quaternions [w, x, y, z]")
     result.flags.writeable = False
@@ -88,13 +88,47 @@ def _from_quaternion(w: Any, x: Any, y: Any, z: Any) -> Floats:
 
 
 def _nearest_rotation(key: str, matrix: Floats) -> Floats:
-    close = np.abs(matrix).max() < 2.0 and np.abs(matrix @ matrix.T - np.eye(3)).max() <= ROTATION_SLACK
-    if not close or np.linalg.det(matrix) < 0.0:
+    off = _off(matrix[None])
+    if off[0] > ROTATION_SLACK:
         raise InputError(key, "", matrix.tolist(), "a rotation: orthonormal rows and determinant 1")
-    if np.abs(matrix @ matrix.T - np.eye(3)).max() <= EXACT:
-        return matrix.copy()
-    u, _, vt = np.linalg.svd(matrix)
-    result: Floats = u @ vt
+    result: Floats = _exact(matrix[None], off)[0]
+    return result
+
+
+def _nearest_rotations(key: str, matrices: Floats) -> Floats:
+    """Rotations (m, 3, 3), each to the last bit as `_nearest_rotation` makes it."""
+    off = _off(matrices)
+    if (off > ROTATION_SLACK).any():
+        first = int(np.argmax(off > ROTATION_SLACK))
+        _nearest_rotation(f"{key}[{first}]", matrices[first])
+    return _exact(matrices, off)
+
+
+def _off(matrices: Floats) -> Floats:
+    """How far matrices (m, 3, 3) are from rotations, in any entry of `R R'` (m,); infinite for reflections."""
+    close = np.abs(matrices).max(axis=(1, 2), initial=0.0) < 2.0
+    safe = np.where(close[:, None, None], matrices, 0.0)
+    x, y, z = safe[:, 0], safe[:, 1], safe[:, 2]
+    off = np.zeros(len(matrices))
+    for a, b, wanted in ((x, x, 1.0), (y, y, 1.0), (z, z, 1.0), (x, y, 0.0), (y, z, 0.0), (z, x, 0.0)):
+        np.maximum(off, np.abs(_dots(a, b) - wanted), out=off)
+    off[_dots(np.cross(x, y), z) < 0.0] = np.inf
+    return off
+
+
+def _dots(a: Floats, b: Floats) -> Floats:
+    """Products (m,) of rows (m, 3), summed in one order however many there are."""
+    result: Floats = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
+    return result
+
+
+def _exact(matrices: Floats, off: Floats) -> Floats:
+    """Make matrices (m, 3, 3) exact rotations; those that are, up to rounding, are kept."""
+    result = matrices.copy()
+    loose = off > EXACT
+    if loose.any():
+        u, _, vt = np.linalg.svd(matrices[loose])
+        result[loose] = u @ vt
     return result
 
 

@@ -1,4 +1,4 @@
-"""The progress bar shows itself to a person who waits, and to nobody else."""
+"""What takes long shows itself to a person who waits, and to nobody else."""
 
 import io
 import sys
@@ -7,7 +7,7 @@ import time
 import pytest
 
 from sinuous.cli import progress
-from sinuous.cli.progress import LONG, Bar, Waiting
+from sinuous.cli.progress import Waiting
 
 
 class Terminal(io.StringIO):
@@ -15,17 +15,6 @@ class Terminal(io.StringIO):
 
     def isatty(self) -> bool:
         return True
-
-
-@pytest.mark.parametrize(("total", "terminal", "shows"), [(LONG, True, True), (1, True, False), (LONG, False, False)])
-def test_it_shows_when_it_should(monkeypatch: pytest.MonkeyPatch, *, total: int, terminal: bool, shows: bool) -> None:
-    stream = Terminal() if terminal else io.StringIO()
-    monkeypatch.setattr(sys, "stderr", stream)
-    with Bar(total) as bar:
-        bar.advance()
-        with bar.hidden():
-            pass
-    assert (stream.getvalue() != "") is shows
 
 
 @pytest.mark.parametrize(

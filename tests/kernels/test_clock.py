@@ -1,5 +1,6 @@
 """The clock: when time is read, what is over stays over, and signals that arrive in compiled code."""
 
+import ctypes
 import math
 import os
 import signal
@@ -116,6 +117,30 @@ def test_a_handler_that_raises_nothing_ends_nothing(handler: Callable[[Callable[
     signal_soon()
     work(make_clock(), 0.2, 10**15)
     assert heard == [1]
+
+
+@pytest.mark.parametrize("late", [0.0, 0.1])
+def test_an_exception_that_another_thread_raises_here_ends_the_work(late: float) -> None:
+    """Before the call or within it; of a thread that signals do not reach."""
+    ended: list[BaseException] = []
+
+    def body() -> None:
+        try:
+            begun.set()
+            work(make_clock(), 1e3, 10**15)
+        except RefusedError as error:
+            ended.append(error)
+
+    begun = threading.Event()
+    thread = threading.Thread(target=body)
+    thread.start()
+    begun.wait()
+    time.sleep(late)
+    number = ctypes.c_ulong(thread.ident or 0)
+    assert ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(RefusedError)) == 1
+    thread.join(10.0)
+    assert not thread.is_alive()
+    assert len(ended) == 1
 
 
 @posix

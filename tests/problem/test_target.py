@@ -130,7 +130,8 @@ def test_wrong_rows_of_many_targets_are_refused() -> None:
     refused("direction", lambda: Target.each(good, direction=good[:2]), "as many as there are positions")
     refused("direction[1]", lambda: Target.each(direction=[[1, 0, 0], [0, 0, 0]]), "not zero")
     refused("rotation[0]", lambda: Target.each(rotation=[np.diag([1, 1, -1])]))
-    refused_each("position", (5, "a", [[1, 2]], [1, 2, 3], [[1, 2, math.inf]], [[1, 2, True]]), Target.each)
+    refused_each("position", (5, "a", [[1, 2]], [1, 2, 3], [[1, 2, True]]), Target.each)
+    refused("position[1]", lambda: Target.each([[1, 2, 3], [1, 2, math.inf]]), "3 finite numbers")
     refused_each("rotation", (5, "a", [[1, 2]], [1, 0, 0, 0], [[1, 0, 0], [1]]), lambda r: Target.each(rotation=r))
 
 

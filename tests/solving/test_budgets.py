@@ -67,7 +67,7 @@ def test_what_is_solved_stays_so_when_there_is_no_time_for_preferences() -> None
     outcome = plain._prepared.run(problem, np.empty((0, 5, 3)), (0, 6, 0, 10.0))
     assert outcome.code == SOLVED
     before = outcome.q.copy()
-    after = solver._prepared._prefer(outcome, problem, None, 0.0)  # type: ignore[attr-defined]
+    after = solver._prepared._prefer(outcome, problem.scene, problem._rows, None, 0.0)  # type: ignore[attr-defined]
     np.testing.assert_array_equal(after.q, before)
     assert after[1:8] == outcome[1:8]
     better = solver.solve(target, time=10.0)

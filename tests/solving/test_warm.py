@@ -35,6 +35,10 @@ solver = sn.Solver(robot, scene)
 solution = solver.solve(target)
 solver.solve([target, sn.Target((0.5, 0.5, 1.0), segment=2)], initial=solution, time=1)
 solver.solve_many([target, target], initial=[solution, solution.q])
+apart = [sn.Target((0.5, 0, 1.8), segment=2), sn.Target((0.5, 0, 0.2))]
+for given in (None, solution, [solution.q] * 2):
+    assert not solver.solve_many([apart, apart], given, time=0.2).solved.any()
+solver.solve_many(positions=[[1, 0, 2]] * 2, directions=[[1, 0, 0.5]] * 2, initial=[solution] * 2)
 solver.solve_all(target, count=2)
 near.solve(target, initial=solution)
 near.solve_many([target])

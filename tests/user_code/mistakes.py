@@ -65,3 +65,8 @@ sn.load(3)
 sn.pose(direction=1)
 solution.start == "routes"
 solution.to_dict().q
+sn.Solver(robot).solve_many(position=[[0, 0, 100]])
+sn.Solver(robot).solve_many(positions="grid")
+sn.Solver(robot).solve_many([target]).solvd
+sn.Solver(robot).solve_many([target], workers="all")
+sn.track(robot, positions=5)

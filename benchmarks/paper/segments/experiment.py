@@ -117,12 +117,13 @@ class Segments(Indivisible):
         able = [entrant for entrant in self._entrants if LARGEST[entrant.label] >= count]
         solvers = {entrant.label: entrant.solver(problems, BUDGET, self.plan.seed) for entrant in able}
         runs = [
-            {label: solver.solve_many(problems.targets) for label, solver in solvers.items()} for _ in range(SOLVES + 1)
+            {label: solver.solve_many(problems.targets, workers=1) for label, solver in solvers.items()}
+            for _ in range(SOLVES + 1)
         ][1:]
         judge_of = self._judge(f"poses {count}", problems)
         found: dict[str, list[Record]] = {}
         for label in solvers:
-            times = np.median([[solution.seconds for solution in run[label]] for run in runs], axis=0).tolist()
+            times = np.median([run[label].seconds for run in runs], axis=0).tolist()
             answers = zip(runs[-1][label], times, strict=True)
             found[label] = [judge_of.record(i, one, seconds, keep=False) for i, (one, seconds) in enumerate(answers)]
         return found

@@ -7,8 +7,9 @@ the loop around it ends with its next `spend`.
 
 Compiled code does not see signals. So whoever reads the time also listens for them, every `LISTENING` nanoseconds, as
 the manual of Python wants it: it takes the interpreter's lock and calls `PyErr_CheckSignals`. Handlers run only in the
-main thread; that of `Ctrl-C` raises `KeyboardInterrupt`. Then all time is over, and an exception of the same type is
-raised as soon as the compiled code is back in Python (`PyThreadState_SetAsyncExc`).
+main thread; that of `Ctrl-C` raises `KeyboardInterrupt`. Other threads are stopped by an exception that somebody raises
+in them (`PyThreadState_SetAsyncExc`): Python tells of it when it runs any statement, so one is run that does nothing.
+Then all time is over, and an exception of the same type is raised as soon as the compiled code is back in Python.
 """
 
 import sys
@@ -36,6 +37,9 @@ TREE_LOOKS = 16
 
 LISTENING = 50_000_000
 """Nanoseconds between two times that signals are listened for."""
+
+PASS, AS_FILE = int.from_bytes(b"pass", "little"), 257
+"""The statement that does nothing, as the letters of a word in memory; and how Python reads it (`Py_file_input`)."""
 
 LONGEST = 1e9
 """Most seconds that are allowed: thirty years, in nanoseconds still far from the largest number."""
@@ -68,6 +72,10 @@ else:
 _take_lock: Any = types.ExternalFunction("PyGILState_Ensure", types.int32())
 _give_lock: Any = types.ExternalFunction("PyGILState_Release", types.void(types.int32))
 _run_handlers: Any = types.ExternalFunction("PyErr_CheckSignals", types.int32())
+_globals: Any = types.ExternalFunction("PyEval_GetGlobals", types.int64())
+_run: Any = types.ExternalFunction(
+    "PyRun_StringFlags", types.int64(_buffer, types.int32, types.int64, types.int64, types.int64)
+)
 _fetch: Any = types.ExternalFunction("PyErr_Fetch", types.void(_buffer, _buffer, _buffer))
 _forget: Any = types.ExternalFunction("Py_DecRef", types.void(types.int64))
 _own_thread: Any = types.ExternalFunction("PyThread_get_thread_ident", types.uintp())
@@ -75,10 +83,23 @@ _raise_later: Any = types.ExternalFunction("PyThreadState_SetAsyncExc", types.in
 
 
 @kernel
+def _raised(clock: Array) -> bool:
+    """Whether Python raises an exception when it runs a statement that does nothing."""
+    names = _globals()
+    if names == 0:  # no Python around this call
+        return False
+    clock[_RAISED] = PASS
+    nothing = _run(clock[_RAISED:].ctypes, AS_FILE, names, names, 0)
+    if nothing != 0:
+        _forget(nothing)
+    return bool(nothing == 0)
+
+
+@kernel
 def _listen(clock: Array) -> None:
-    """Run the handlers of signals; where one raises an exception, all time is over."""
+    """Run the handlers of signals; where one raises an exception, or another thread has raised one, time is over."""
     lock = _take_lock()
-    if _run_handlers() != 0:
+    if _run_handlers() != 0 or _raised(clock):
         clock[STOPPED] = 1
         kind, value, trace = clock[_RAISED:], clock[_RAISED + 1 :], clock[_RAISED + 2 :]
         _fetch(kind.ctypes, value.ctypes, trace.ctypes)

@@ -240,6 +240,11 @@ class Outcome(NamedTuple):
         counts = int(code), int(iterations), int(starts), int(source)
         return cls(q, *counts, off, turn, clearance, own, bool(bound), merit, seconds)
 
+    def write(self, answer: NDArray[np.float64]) -> None:
+        """Write it as one answer of a batch (11 + 3 n,): its record, then its configuration."""
+        answer[:RECORD_WIDTH] = self[1 : RECORD_WIDTH + 1]
+        answer[RECORD_WIDTH:] = self.q.ravel()
+
 
 def answer_size(segments: int) -> int:
     """Numbers of one answer in a batch: its record, then its configuration."""

@@ -1,7 +1,7 @@
 """A method whose whole solve is one compiled call: its groups, a workspace for each thread, and its outcomes."""
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -68,13 +68,13 @@ class Compiled:
         """Solve one problem; see `Method.run`."""
         return _answered(self.build(problem, initial, budget))[0]
 
-    def run_many(self, problems: Sequence[Problem], initial: Floats, budget: Budget) -> list[Outcome]:
+    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
         """Solve many problems; see `Method.run_many`."""
         if not self._capabilities.any_target:
-            for each in problems:
-                self._capabilities.refuse_targets(self._name, each._rows, self._segments)
-        rows = np.stack([each._rows for each in problems])
-        return _answered(self._call(problems[0].scene, rows, initial, budget))
+            for each in rows:
+                self._capabilities.refuse_targets(self._name, each, self._segments)
+        groups = self._robot, scene._kernel_group, self._settings
+        self._entry.search(*groups, rows, initial, budget, self._workspace(rows.shape[1]), answers)
 
     def _call(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget) -> Call:
         answers = np.empty((len(rows), answer_size(self._segments)))

@@ -1,6 +1,6 @@
 """What every prepared algorithm can do, so that all are called the same way."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from sinuous.checks import Floats
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from sinuous.problem.tolerance import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
+    from sinuous.scene.snapshot import Snapshot
 
 
 class Case(NamedTuple):
@@ -55,6 +56,10 @@ class Method(Protocol):
         """
         ...
 
-    def run_many(self, problems: "Sequence[Problem]", initial: Floats, budget: Budget) -> list[Outcome]:
-        """Solve m problems in one scene, with equally many targets, as `run` does one; `initial` (m, g, n, 3)."""
+    def run_many(self, scene: "Snapshot", rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+        """Solve m problems in one scene as `run` does one; may run in many threads at once.
+
+        `rows` (m, t, 15) are the targets of each and `initial` (m, g, n, 3) its initial configurations, as kernels take
+        them: writable, and in the order of C. Fills `answers` (m, 11 + 3 n).
+        """
         ...

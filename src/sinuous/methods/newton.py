@@ -1,6 +1,5 @@
 """Our own method: a damped Newton step of the whole robot in two sweeps (see `sinuous.kernels.step.sweeps`)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -10,13 +9,14 @@ from sinuous.checks import Floats
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import SOLVED, Budget, Outcome
+from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
 from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.compiled import Compiled, Entry
+from sinuous.methods.compiled import Compiled, Entry, as_outcomes
 from sinuous.methods.method import Call, Case
 from sinuous.methods.options import Options
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.scene.snapshot import Snapshot
 
 
 @dataclass(frozen=True, repr=False)
@@ -48,7 +48,7 @@ class PreparedNewton(Compiled):
         outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
         if self._preferences:
             outcome.q[:] = 0.0
-            self._prefer(outcome, nowhere, None, 0.0)
+            self._prefer(outcome, nowhere.scene, nowhere._rows, None, 0.0)
 
     def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
         """Return what `run` would call; see `Method.build`."""
@@ -66,29 +66,29 @@ class PreparedNewton(Compiled):
         if self._preferences and outcome.code == SOLVED:
             if reference is None and len(initial):
                 reference = initial[0]
-            return self._prefer(outcome, problem, reference, budget[3] - outcome.seconds)
+            return self._prefer(outcome, problem.scene, problem._rows, reference, budget[3] - outcome.seconds)
         return outcome
 
-    def run_many(self, problems: Sequence[Problem], initial: Floats, budget: Budget) -> list[Outcome]:
+    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
         """Solve many problems; see `Method.run_many`."""
-        outcomes = super().run_many(problems, initial, budget)
-        if not self._preferences:
-            return outcomes
-        given = initial if initial.shape[1] else [[None]] * len(outcomes)
-        return [
-            self._prefer(outcome, problem, own[0], budget[3] - outcome.seconds) if outcome.code == SOLVED else outcome
-            for outcome, problem, own in zip(outcomes, problems, given, strict=True)
-        ]
+        super().run_many(scene, rows, initial, budget, answers)
+        for i in np.flatnonzero(answers[:, CODE] == SOLVED).tolist() if self._preferences else ():
+            outcome = as_outcomes(answers[i : i + 1])[0]
+            reference = initial[i, 0] if initial.shape[1] else None
+            self._prefer(outcome, scene, rows[i], reference, budget[3] - outcome.seconds).write(answers[i])
 
-    def _prefer(self, outcome: Outcome, problem: Problem, reference: Floats | None, seconds: float) -> Outcome:
-        """Improve a solved outcome, in place, by what is preferred; `reference` (n, 3): what to stay close to.
+    def _prefer(
+        self, outcome: Outcome, scene: Snapshot, rows: Floats, reference: Floats | None, seconds: float
+    ) -> Outcome:
+        """Improve a solved outcome, in place, by what is preferred.
 
-        `seconds` are what the search left of the budget.
+        `rows` (t, 15) are the targets; `reference` (n, 3) is what to stay close to; `seconds` are what the search left
+        of the budget.
         """
         near = outcome.q.copy() if reference is None else np.array(reference)
         proved = outcome.position_error, outcome.angle_error, outcome.clearance, outcome.self_clearance, seconds
-        groups = self._robot, problem.scene._kernel_group, self._settings, problem._rows
-        used, *better = prefer(*groups, near, proved, self._workspace(len(problem._rows)), outcome.q)
+        groups = self._robot, scene._kernel_group, self._settings, rows
+        used, *better = prefer(*groups, near, proved, self._workspace(len(rows)), outcome.q)
         position_error, angle_error, clearance, self_clearance, spent = better
         return outcome._replace(
             iterations=outcome.iterations + used,

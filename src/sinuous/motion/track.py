@@ -12,8 +12,10 @@ from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.motion.table import write_csv
+from sinuous.problem.asked import read_asked
+from sinuous.problem.goals import KEYS, GoalArrays
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target, Targets, target_list, target_table
+from sinuous.problem.target import Targets
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
 from sinuous.solution.solution import Solution
@@ -196,22 +198,27 @@ class Track:
         return f"{counted}; waypoint {failed + 1}: {reason}"
 
 
+class TrackArguments(SolveArguments, GoalArrays, total=False):
+    """Options of `track` as keyword arguments, and arrays of goals."""
+
+
 def track(
     robot: Robot,
-    targets: Iterable[Targets],
+    targets: Iterable[Targets] | None = None,
     scene: SceneLike | None = None,
     *,
     start: Initial | None = None,
     progress: Callable[[Solution], object] | None = None,
-    **options: Unpack[SolveArguments],
+    **options: Unpack[TrackArguments],
 ) -> Track:
     """Follow a path of targets.
 
     Parameters
     ----------
     robot : Robot
-    targets : iterable of Target or list of Target
-        The waypoints; the targets of a list are met at once.
+    targets : iterable of Target or list of Target, optional
+        The waypoints; the targets of a list are met at once. Or arrays of the tip's goals: `positions`, `directions`,
+        `rotations` and `xyzw`, as for `Solver.solve_many`.
     scene : Scene or list of obstacles, optional
     start : Solution or array_like (n, 3), optional
         Where the first waypoint begins.
@@ -230,26 +237,16 @@ def track(
     InputError
         When an argument is not what it should be; nothing is solved then.
     """
-    path = as_path(robot, targets)
-    solver = Solver(robot, scene, **options)
+    given: dict[str, Any] = dict(options)
+    path = read_asked(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
+    checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
+    solver = Solver(robot, scene, **given)
     solutions = []
-    for solution in waypoints(solver, path, start):
+    for solution in waypoints(solver, map(path.targets, range(len(path))), start):
         solutions.append(solution)
         if progress is not None:
             progress(solution)
     return Track(tuple(solutions))
-
-
-def as_path(robot: Robot, targets: Iterable[Targets]) -> tuple[tuple[Target, ...], ...]:
-    """Check the waypoints of a path for this robot."""
-    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets):
-        raise InputError("targets", "", targets, "a list of targets")
-    path = tuple(target_list(f"targets[{i}]", waypoint) for i, waypoint in enumerate(targets))
-    checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
-    for i, waypoint in enumerate(path):
-        with checks.inside(f"targets[{i}]"):
-            target_table(robot, waypoint)
-    return path
 
 
 def waypoints(solver: Solver, path: Iterable[Targets], start: Initial | None = None) -> Iterator[Solution]:

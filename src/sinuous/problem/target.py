@@ -12,8 +12,9 @@ from sinuous.arguments import Orientation, Orientations, Rows, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.packing import read_only, target_row, target_rows
-from sinuous.poses import any_rotation, any_rotations
+from sinuous.packing import read_only, target_row
+from sinuous.poses import any_rotation
+from sinuous.problem.goals import Goals
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
 MOST_TARGETS = 1000
@@ -110,22 +111,17 @@ class Target(Frozen):
         InputError
             As for `Target`, or when there is not one of each for every target.
         """
-        matrices = any_rotations(rotation, xyzw)
-        if position is None and direction is None and matrices is None:
-            raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
-        if direction is not None and matrices is not None:
-            raise InputError("direction", "stands beside rotation", direction, "one of direction, rotation")
-        places = None if position is None else checks.array("position", position, (None, 3))
-        axes = None if direction is None else checks.directions("direction", direction)
-        orientations = axes if matrices is None else matrices
-        if places is not None and orientations is not None and len(places) != len(orientations):
-            key = "direction" if matrices is None else "rotation" if xyzw is None else "xyzw"
-            raise InputError(key, "", len(orientations), f"as many as there are positions: {len(places)}")
-        count = next(len(part) for part in (places, orientations) if part is not None)
-        rows = target_rows(count, places, axes, matrices)
-        parts = [repeat(None) if part is None else part for part in (places, axes, matrices)]
+        given = {"position": position, "direction": direction, "rotation": rotation, "xyzw": xyzw}
+        return cls.of_goals(Goals.read(given, ("position", "direction", "rotation", "xyzw")))
+
+    @classmethod
+    def of_goals(cls, goals: Goals) -> "tuple[Target, ...]":
+        """Make targets of arrays that were checked."""
+        parts = [
+            repeat(None) if part is None else part for part in (goals.positions, goals.directions, goals.rotations)
+        ]
         targets = []
-        for row, place, axis, matrix in zip(rows[:, None], *parts, strict=False):
+        for row, place, axis, matrix in zip(goals.rows[:, None], *parts, strict=False):
             target = cls.__new__(cls)
             target.__dict__.update(position=place, direction=axis, rotation=matrix, segment=None, _table=row)
             targets.append(target)

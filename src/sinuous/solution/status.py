@@ -2,11 +2,20 @@
 
 from enum import StrEnum
 
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
 from sinuous.kernels.tables import (
     BASE_BLOCKED,
+    BOUND,
+    CLEARANCE,
+    CODE,
+    FAILED,
     LATE,
     NO_ROUTE,
     OUT_OF_REACH,
+    SELF_CLEARANCE,
     SOLVED,
     TARGET_BLOCKED,
     UNPROVED,
@@ -66,3 +75,17 @@ def status_of(outcome: Outcome) -> Status:
     if outcome.clearance < 0.0 or outcome.self_clearance < 0.0:
         return Status.BLOCKED
     return Status.LIMIT_BOUND if outcome.bound else Status.STALLED
+
+
+_IN_ORDER = np.array([_OF_CODES.get(code, Status.STALLED) for code in range(max(_OF_CODES) + 1)], object)
+
+
+def statuses_of(records: Floats) -> NDArray[np.object_]:
+    """Return the statuses (m,) that records (m, 11 or more) stand for, as `status_of` does for one."""
+    codes = records[:, CODE].astype(np.int64)
+    result: NDArray[np.object_] = _IN_ORDER[codes]
+    failed = codes == FAILED
+    if failed.any():
+        result[failed & (records[:, BOUND] != 0.0)] = Status.LIMIT_BOUND
+        result[failed & ((records[:, CLEARANCE] < 0.0) | (records[:, SELF_CLEARANCE] < 0.0))] = Status.BLOCKED
+    return result

@@ -7,13 +7,16 @@ from typing import Any, ClassVar, Never, Self, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, Rows, Whole
+from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Whole
+from sinuous.bar import Bar
 from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Call
+from sinuous.problem.asked import read_asked
+from sinuous.problem.goals import GoalArrays
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
@@ -21,9 +24,11 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
+from sinuous.solution.solutions import Questions, Solutions
 from sinuous.solving.again import Again
 from sinuous.solving.base import base_blocked
-from sinuous.solving.options import SolveArguments, SolveOptions, refuse_renamed
+from sinuous.solving.many import Many, read_initial, read_workers
+from sinuous.solving.options import RENAMED, SolveArguments, SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
 from sinuous.solving.search import UNDECIDED, Distinct, FirstSolved, Follow
@@ -32,11 +37,11 @@ from sinuous.solving.sources import Batch, Question
 CANDIDATES = 4
 """Distinct solutions that `solve_all` gathers for each one that it returns."""
 
-TOGETHER = 256
-"""Most problems that `solve_many` hands over in one call."""
-
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
+
+Initials = Solution | HasArray | Iterable[Solution | Entry]
+"""What many solves may begin from: one for all, or one for each."""
 
 
 class Solver:
@@ -148,60 +153,62 @@ class Solver:
 
     def solve_many(
         self,
-        targets: Iterable[Targets],
-        initial: Iterable[Initial] | None = None,
+        targets: Iterable[Targets] | None = None,
+        initial: Initials | None = None,
         *,
         time: Number | None = None,
-        **renamed: Never,
-    ) -> list[Solution]:
-        """Solve independent targets, as `solve` does one by one, in few calls of the compiled code.
+        workers: Whole | None = None,
+        progress: Truth = False,
+        **arrays: Unpack[GoalArrays],
+    ) -> Solutions:
+        """Solve independent targets, as `solve` does one by one, on all cores.
 
-        Quicker than a loop, and other threads run meanwhile: two threads with a `solve` of some microseconds each
-        mostly wait for each other.
+        Whatever the number of workers, each answer is that of `solve`, to the last bit, unless its time runs out.
 
         Parameters
         ----------
-        targets : iterable of (Target or list of Target)
-        initial : iterable of (Solution or array_like (n, 3)), optional
-            One for each.
+        targets : iterable of (Target or list of Target), optional
+            Or arrays, all for the tip:
+        positions : array_like (m, 3), optional
+        directions : array_like (m, 3), optional
+            Of the tangent; any length but zero.
+        rotations : array_like (m, 3, 3) or (m, 4), or Rotation of SciPy, optional
+            Instead of `directions`: matrices, or quaternions wxyz.
+        xyzw : array_like (m, 4), optional
+            The same as quaternions in the order of SciPy and ROS, instead of `rotations`.
+        initial : array_like (n, 3) or (m, n, 3), Solutions, or iterable of (Solution or array_like (n, 3)), optional
+            One for all, or one for each.
         time : float, optional
             Budget of each solve in seconds, instead of that of the solver.
+        workers : int, optional
+            Most threads; by default one a core.
+        progress : bool
+            Whether to show on a terminal how many are done.
 
         Returns
         -------
-        list of Solution
-            In the order of `targets`.
+        Solutions
+            In the order of the targets: arrays over all of them, and a `Solution` of each that is asked for.
 
         Raises
         ------
         InputError
-            When an argument is not what it should be, or there is not one initial configuration for each target.
+            When an argument is not what it should be, or there is not one of each for every target.
         """
-        refuse_renamed(renamed, starts="initial")
-        asked = [(t,) if isinstance(t, Target) else target_list(f"targets[{i}]", t) for i, t in enumerate(targets)]
+        refuse_renamed({key: value for key, value in arrays.items() if key in RENAMED}, starts="initial")
+        asked = read_asked(self.robot, targets, arrays)
+        threads, shown = read_workers(workers), checks.truth("progress", progress)
+        given = read_initial(self.robot, len(asked), initial)
         scene, blocked = self._look_at_base()
-        problems = [Problem.prepared(self.robot, each, scene, self.tolerance) for each in asked]
-        given = np.empty((len(problems), 0, len(self.robot), 3))
-        if initial is not None:
-            listed = [self._given(f"initial[{i}]", each) for i, each in enumerate(initial)]
-            if len(listed) != len(problems):
-                raise InputError("initial", "", len(listed), f"{len(problems)} configurations")
-            given = np.stack(listed) if listed else given
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
-        found: list[Outcome] = []
-        for first, last in _runs_of_equal([len(problem.targets) for problem in problems]):
+        questions = Questions(self.robot, asked, scene, self.tolerance, given)
+        with Bar(len(asked) if shown else 0) as bar:
+            many = Many(questions, self._prepared, threads, bar.advance)
+            many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
-                found += [self._look(problems[i], given[i]) for i in range(first, last)]
-            else:
-                found += self._prepared.run_many(problems[first:last], given[first:last], budget)
-        best = [
-            outcome if outcome.code == SOLVED else self._go_on(outcome, problems[i], given[i], budget[3])
-            for i, outcome in enumerate(found)
-        ]
-        return [
-            Solution(problem, outcome, outcome.seconds, self._again, own)
-            for problem, outcome, own in zip(problems, best, given, strict=True)
-        ]
+                many.decide(BASE_BLOCKED)
+            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
+        return many.solutions(self._again)
 
     def solve_all(
         self,
@@ -289,8 +296,11 @@ class Solver:
 
     def _look(self, problem: Problem, given: Floats) -> Outcome:
         """Look at one start, so that errors are known, where the base is blocked."""
-        glance = 0, int(len(given) == 0), self.options.seed, 0.0
-        return self._prepared.run(problem, given, glance)._replace(code=BASE_BLOCKED)
+        return self._prepared.run(problem, given, self._glance(len(given)))._replace(code=BASE_BLOCKED)
+
+    def _glance(self, given: int) -> Budget:
+        """What a look at one start may spend, where there are so many initial configurations."""
+        return 0, int(given == 0), self.options.seed, 0.0
 
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
@@ -328,15 +338,6 @@ class OneSolve(Solver):
     """A solver for one question: the search for routes is compiled, or loaded, only where the first starts fail."""
 
     _ahead = False
-
-
-def _runs_of_equal(counts: list[int]) -> list[tuple[int, int]]:
-    """Cut a list where its values change, and into pieces of at most `TOGETHER`: (first, last) of every piece."""
-    cuts = [0]
-    for i in range(1, len(counts)):
-        if counts[i] != counts[i - 1] or i - cuts[-1] >= TOGETHER:
-            cuts.append(i)
-    return list(zip(cuts, [*cuts[1:], len(counts)], strict=True)) if counts else []
 
 
 def solve(

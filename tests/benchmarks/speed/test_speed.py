@@ -10,7 +10,7 @@ import pytest
 from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.problems import paper_poses
+from benchmarks.problems import full_poses, paper_poses
 from benchmarks.speed import budgets, cold, endurance, honesty, paper
 from benchmarks.speed.experiment import SECTIONS, Speed
 from sinuous.solution.solution import Solution
@@ -61,6 +61,17 @@ def test_budgets_are_asked_of_every_family(monkeypatch: pytest.MonkeyPatch) -> N
     assert [line.what.split(",")[0] for line in lines[::2]] == ["free", "along a wall", "all", "all"]
     assert "used up their budgets" in lines[2].note
     assert any(line.reached > 0.0 for line in lines)
+
+
+def test_what_arrays_bring_is_measured() -> None:
+    plan = Plan(quick=True)
+    for problems in (full_poses(0, 10), paper_poses()):
+        lines = list(endurance._arrays(plan, "poses", problems, None))
+        assert [line.unit for line in lines] == ["/s", "/s", "x"]
+        assert lines[2].reached == pytest.approx(lines[1].reached / lines[0].reached)
+    seconds, memory = endurance._million(plan, paper_poses())
+    assert 0.0 < seconds.reached < 1.0
+    assert 8 * (15 + 11 + 6) < memory.reached < 1000
 
 
 def test_a_leak_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -79,18 +79,21 @@ def _solve(
     iterations: int,
     best: Array,
 ) -> Numbers:
-    """Solve one problem; fills `best` (n, 3) and returns the record."""
+    """Solve one problem; fills `best` (n, 3) and returns the record.
+
+    What is impossible is asked after the first start: most problems are solved by then.
+    """
     first, last, seed, seconds = budget
     began = allow(work.clock, seconds)
     tip, goal = most_distal(problem)
-    impossible = verdict_of(problem)
-    own = last - first if impossible == POSSIBLE else min(last - first, 1)
     g = initial.shape[0]
+    count = g + last - first
+    impossible = POSSIBLE
     status, total, source, least = FAILED, 0, GIVEN, math.inf
     off = turn = clearance = self_clearance = math.inf
     stopped = False
     at, index = int(np.int64(0)), 0  # a mere 0 would have everything compiled once more, for it
-    while index < g + own:
+    while index < count:
         kind = GIVEN
         if index < g:
             copy(initial[index], pick(states, at).q)
@@ -110,10 +113,16 @@ def _solve(
                 break
             if verdict == UNDECIDED:
                 status = UNPROVED
+        if index == 1:
+            impossible = verdict_of(problem)
+            if impossible != POSSIBLE:
+                count = min(count, g + 1)
         if over(work.clock):
             if status == FAILED:
                 status = LATE
             break
+    if index == 0:
+        impossible = verdict_of(problem)
     if impossible != POSSIBLE and status != SOLVED:
         status = impossible
     spent = now(work.clock) - began
@@ -158,6 +167,8 @@ def search_many(
 
     `targets` (m, t, 15), `initial` (m, g, n, 3); fills `answers` (m, 11 + 3 n): record and configuration of each.
     """
+    if targets.shape[0] == 0:
+        return
     states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
     begin(work.clock)
     for i in range(targets.shape[0]):

@@ -81,6 +81,37 @@ def _gram(m: Mat, a: Mat, b: Mat) -> Mat:
 
 
 @kernel
+def _even(m: Mat) -> Mat:
+    """A symmetric matrix by its upper half: what is computed of the other is never used."""
+    return m[0], (m[0][1], m[1][1], m[1][2]), (m[0][2], m[1][2], m[2][2])
+
+
+@kernel
+def _is_diagonal(m: Mat) -> bool:
+    """Whether no coordinate is tied to another: it is so where no limit binds."""
+    return m[0][1] == 0.0 and m[0][2] == 0.0 and m[1][0] == 0.0 and m[1][2] == 0.0 and m[2][0] == 0.0 and m[2][1] == 0.0
+
+
+@kernel
+def _extend(reach: Reach, columns: Array, k: int, L: Mat) -> tuple[Reach, Mat, Mat]:
+    """What the robot can do with one more segment, and `B_k L_k` as `_spread` has it.
+
+    Where no limit binds there is half as much to multiply: stretching a segment turns nothing.
+    """
+    A, B, C, turned, moved = reach
+    if _is_diagonal(L) and columns[k, 12] == 0.0 and columns[k, 13] == 0.0 and columns[k, 14] == 0.0:
+        x, y = scale(L[0][0], get_vec(columns, k, 0)), scale(L[1][1], get_vec(columns, k, 6))
+        u, v = scale(L[0][0], get_vec(columns, k, 3)), scale(L[1][1], get_vec(columns, k, 9))
+        w = scale(L[2][2], get_vec(columns, k, 15))
+        A = _even(add_outer(add_outer(A, x, x), y, y))
+        B = add_outer(add_outer(B, x, u), y, v)
+        C = _even(add_outer(add_outer(add_outer(C, u, u), v, v), w, w))
+        return (A, B, C, turned, moved), (x, y, ZERO), (u, v, w)
+    turn, move = _spread(columns, k, transpose(L))
+    return (_even(_gram(A, turn, turn)), _gram(B, turn, move), _even(_gram(C, move, move)), turned, moved), turn, move
+
+
+@kernel
 def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
     """Take in one row that sees the twist alone."""
     A, B, C, turned, moved = reach
@@ -94,9 +125,9 @@ def _at_end(reach: Reach, rows: Rows, i: int, mu: float) -> Reach:
     rows.gain[i, INVERSE] = f
     rows.innovation[i] = f * nu
     return (
-        _sub_outer(A, gain_turn, turn),
+        _even(_sub_outer(A, gain_turn, turn)),
         _sub_outer(B, gain_turn, move),
-        _sub_outer(C, gain_move, move),
+        _even(_sub_outer(C, gain_move, move)),
         add_scaled(turned, nu, gain_turn),
         add_scaled(moved, nu, gain_move),
     )
@@ -164,11 +195,12 @@ def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, cou
     for k in range(columns.shape[0]):
         L, m = get_mat(root, k, 0), get_vec(mean, k, 0)
         lines = transpose(L)
-        turn, move = _spread(columns, k, lines)
-        A, B, C, turned, moved = reach
-        turned = add(turned, _mix(m, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
-        moved = add(moved, _mix(m, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
-        reach = (_gram(A, turn, turn), _gram(B, turn, move), _gram(C, move, move), turned, moved)
+        reach, turn, move = _extend(reach, columns, k, L)
+        if m[0] != 0.0 or m[1] != 0.0 or m[2] != 0.0:
+            A, B, C, turned, moved = reach
+            turned = add(turned, _mix(m, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
+            moved = add(moved, _mix(m, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
+            reach = (A, B, C, turned, moved)
         if coupled:
             P, Q, T, summed = sums
             sums = (_gram(P, lines, turn), _gram(Q, lines, move), _gram(T, lines, lines), add(summed, m))

@@ -1,0 +1,262 @@
+"""The answers to many questions: arrays over all of them, and a `Solution` of each that is asked for."""
+
+import operator
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError, NotSolvedError
+from sinuous.frozen import Frozen
+from sinuous.kernels.tables import (
+    ANGLE_ERROR,
+    CLEARANCE,
+    CODE,
+    ITERATIONS,
+    POSITION_ERROR,
+    RECORD_WIDTH,
+    SECONDS,
+    SELF_CLEARANCE,
+    SOLVED,
+    SOURCE,
+    SOURCES,
+    STARTS,
+    Outcome,
+)
+from sinuous.problem.asked import Asked
+from sinuous.problem.problem import Problem
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import statuses_of
+
+if TYPE_CHECKING:
+    from sinuous.problem.tolerance import Tolerance
+    from sinuous.robot.robot import Robot
+    from sinuous.scene.snapshot import Snapshot
+    from sinuous.solution.again import Again
+
+Whole = NDArray[np.int64]
+Objects = NDArray[np.object_]
+
+
+class Questions(NamedTuple):
+    """What was asked m times, of one robot in one scene.
+
+    Attributes
+    ----------
+    robot : Robot
+    asked : Asked
+        The targets of each.
+    scene : Snapshot
+    tolerance : Tolerance
+        With numbers for all that is not said.
+    initial : ndarray (m, g, n, 3)
+        The initial configurations of each: g is 0 or 1.
+    """
+
+    robot: "Robot"
+    asked: Asked
+    scene: "Snapshot"
+    tolerance: "Tolerance"
+    initial: Floats
+
+    def problem(self, i: int) -> Problem:
+        """Return one of them by itself."""
+        return Problem.prepared(self.robot, self.asked.targets(i), self.scene, self.tolerance)
+
+    def some(self, index: Any) -> "Questions":
+        """Return some of them: by a slice, or numbers (k,)."""
+        return self._replace(asked=self.asked[index], initial=self.initial[index])
+
+
+class Beyond(NamedTuple):
+    """What few answers have besides numbers; see `Outcome`."""
+
+    cell: float
+    route: Floats | None
+
+
+class Solutions(Frozen, Sequence[Solution]):
+    """What solving many targets found, in their order; frozen.
+
+    A sequence of `Solution`, each made when it is asked for. An index that is a slice, or an array of numbers or of
+    truth values, gives `Solutions`: `many[~many.solved]`.
+
+    Every attribute is an array over all answers, m of them, called as in `Solution`; where that has `None`, numbers are
+    NaN.
+
+    Attributes
+    ----------
+    q : ndarray (m, n, 3)
+        Configurations, read-only.
+    status : ndarray (m,) of Status
+    solved : ndarray (m,) of bool
+    position_error, angle_error : ndarray (m,)
+    clearance, self_clearance : ndarray (m,)
+    iterations, starts : ndarray (m,) of int
+    start : ndarray (m,) of str
+    seconds : ndarray (m,)
+        Time of each solve alone.
+    actuators : dict or None
+        Values (m,) of every actuator, by its name.
+    method : str
+    seed : int
+    """
+
+    __slots__ = ("_again", "_answers", "_beyond", "_questions")
+
+    _again: "Again"
+    _answers: Floats
+    _beyond: Mapping[int, Beyond]
+    _questions: Questions
+
+    def __init__(
+        self, questions: Questions, answers: Floats, again: "Again", beyond: Mapping[int, Beyond] | None = None
+    ) -> None:
+        answers.flags.writeable = False
+        self._set(_questions=questions, _answers=answers, _again=again, _beyond=dict(beyond or {}))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Solutions, (self._questions, self._answers, self._again, self._beyond)
+
+    def equals(self, other: object) -> bool:
+        """Whether `other` holds the same answers, to the last digit, whatever time they took."""
+        if not isinstance(other, Solutions) or self._answers.shape != other._answers.shape:
+            return False
+        own, others = (np.delete(each._answers, SECONDS, axis=1) for each in (self, other))
+        return np.array_equal(own, others, equal_nan=True)
+
+    def __len__(self) -> int:
+        return len(self._answers)
+
+    @overload
+    def __getitem__(self, index: int | np.integer[Any]) -> Solution: ...
+    @overload
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> "Solutions": ...
+    def __getitem__(self, index: Any) -> "Solution | Solutions":
+        if isinstance(index, slice):
+            return self._some(index, np.arange(len(self))[index])
+        if isinstance(index, (list, tuple, np.ndarray)):
+            numbers = np.arange(len(self))[np.asarray(index, np.int64) if len(index) == 0 else np.asarray(index)]
+            if numbers.ndim != 1:
+                raise InputError("index", "", index, "a number, a slice, or an array with one axis")
+            return self._some(numbers, numbers)
+        i = operator.index(index)
+        if not -len(self) <= i < len(self):
+            raise IndexError(f"there are {len(self)} solutions, and none is number {i}")
+        return self._one(i % len(self))
+
+    def __iter__(self) -> Iterator[Solution]:
+        return map(self._one, range(len(self)))
+
+    def _some(self, index: Any, numbers: Whole) -> "Solutions":
+        beyond = {
+            place: self._beyond[number]
+            for place, number in (enumerate(numbers.tolist()) if self._beyond else ())
+            if number in self._beyond
+        }
+        return Solutions(self._questions.some(index), self._answers[index], self._again, beyond)
+
+    def _one(self, i: int) -> Solution:
+        answer = self._answers[i]
+        outcome = Outcome.from_record(answer[RECORD_WIDTH:].reshape(-1, 3).copy(), answer[:RECORD_WIDTH].tolist())
+        if i in self._beyond:
+            outcome = outcome._replace(**self._beyond[i]._asdict())
+        given = self._questions.initial[i]
+        return Solution(self._questions.problem(i), outcome, outcome.seconds, self._again, given)
+
+    @property
+    def q(self) -> Floats:
+        """Configurations (m, n, 3), read-only."""
+        return self._answers[:, RECORD_WIDTH:].reshape(len(self), len(self._questions.robot), 3)
+
+    @property
+    def status(self) -> Objects:
+        """How each ended: `Status` (m,)."""
+        return statuses_of(self._answers)
+
+    @property
+    def solved(self) -> NDArray[np.bool_]:
+        """Whether each status is `solved` (m,)."""
+        return np.asarray(self._answers[:, CODE] == SOLVED)
+
+    @property
+    def position_error(self) -> Floats:
+        """Largest distance (m,) of an end to its target position; NaN where none is asked for."""
+        return np.where(self._questions.asked.placed, self._answers[:, POSITION_ERROR], np.nan)
+
+    @property
+    def angle_error(self) -> Floats:
+        """Largest angle (m,) of an end to its target orientation, rad; NaN where none is asked for."""
+        return np.where(self._questions.asked.turned, self._answers[:, ANGLE_ERROR], np.nan)
+
+    @property
+    def clearance(self) -> Floats:
+        """Proved lower bounds (m,) of the distance between body and obstacles; NaN without obstacles, or a proof."""
+        return self._proved(CLEARANCE, len(self._questions.scene) > 0)
+
+    @property
+    def self_clearance(self) -> Floats:
+        """Proved lower bounds (m,) of the distance of the body from itself; NaN where it may cross, or unproved."""
+        return self._proved(SELF_CLEARANCE, self._questions.robot.avoids_itself)
+
+    def _proved(self, column: int, matters: bool) -> Floats:
+        return np.where(self.solved & matters, self._answers[:, column], np.nan)
+
+    @property
+    def iterations(self) -> Whole:
+        """Iterations (m,) of all starts together."""
+        return self._answers[:, ITERATIONS].astype(np.int64)
+
+    @property
+    def starts(self) -> Whole:
+        """How many starts were tried (m,)."""
+        return self._answers[:, STARTS].astype(np.int64)
+
+    @property
+    def start(self) -> NDArray[np.str_]:
+        """Which kind of start won (m,): given, arc, random or route."""
+        return np.array(SOURCES)[self._answers[:, SOURCE].astype(np.int64)]
+
+    @property
+    def seconds(self) -> Floats:
+        """Time (m,) of each solve alone."""
+        return self._answers[:, SECONDS]
+
+    @property
+    def actuators(self) -> dict[str, Floats] | None:
+        """Values (m,) of every actuator, by its name; `None` without any."""
+        robot = self._questions.robot
+        names = [actuator.name for actuator in robot.actuators]
+        return dict(zip(names, robot.to_actuators(self.q).T, strict=True)) if names else None
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return self._again.method
+
+    @property
+    def seed(self) -> int:
+        """Of the scattered starts."""
+        return self._again.seed
+
+    def raise_for_status(self) -> "Solutions":
+        """Return these solutions when all are solved.
+
+        Raises
+        ------
+        NotSolvedError
+            When one is not; its `solution` is the first of those.
+        """
+        failed = np.flatnonzero(~self.solved)
+        if len(failed):
+            first = int(failed[0])
+            raise NotSolvedError(f"{self!r}; the first is number {first}:\n{self[first]}", self[first])
+        return self
+
+    def __repr__(self) -> str:
+        counts = Counter(map(str, self.status.tolist()))
+        told = ", ".join(f"{count:,} {status}" for status, count in counts.most_common())
+        return f"Solutions: {len(self):,} of {len(self._questions.robot)} segments{': ' if told else ''}{told}"

@@ -1,0 +1,27 @@
+"""Statuses: of one outcome, and of records of many."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.tables import BOUND, CLEARANCE, CODE, NO_ROUTE, RECORD_WIDTH, SELF_CLEARANCE, Outcome
+from sinuous.solution.status import Status, status_of, statuses_of
+
+CASES = list(product(range(NO_ROUTE + 1), (0.0, 1.0), (-1.0, 0.0, np.inf), (-1.0, 2.0)))
+
+
+def test_records_have_the_statuses_of_their_outcomes() -> None:
+    records = np.zeros((len(CASES), RECORD_WIDTH + 9))
+    for column, values in zip((CODE, BOUND, CLEARANCE, SELF_CLEARANCE), zip(*CASES, strict=True), strict=True):
+        records[:, column] = values
+    found = statuses_of(records)
+    for record, status in zip(records, found, strict=True):
+        assert status is status_of(Outcome.from_record(np.zeros((3, 3)), record[:RECORD_WIDTH].tolist()))
+    assert set(found) == set(Status)
+    assert len(statuses_of(records[:0])) == 0
+
+
+@pytest.mark.parametrize("status", Status)
+def test_every_status_has_a_sentence(status: Status) -> None:
+    assert status.sentence

@@ -25,7 +25,8 @@ def test_json_has_totals_and_waypoints(capsys: pytest.CaptureFixture[str], probl
     assert main(["track", "--json", *files]) == 1
     whole, half, single = (strict(line) for line in capsys.readouterr().out.splitlines())
     assert [whole["status"], half["status"], single["status"]] == ["solved", "out_of_reach", "solved"]
-    assert whole["between"] == "unproved"
+    assert [track["between"] for track in (whole, half, single)] == ["proved", "unproved", "proved"]
+    assert [track["unproved_steps"] for track in (whole, half, single)] == [[], [1, 2], []]
     assert [len(track["waypoints"]) for track in (whole, half, single)] == [3, 3, 1]
     own = [key for key in KEYS if key not in ("file", "prepare_seconds")]
     assert all(list(waypoint) == own for waypoint in whole["waypoints"])

@@ -25,9 +25,31 @@ def test_every_waypoint_is_solved_and_verifies() -> None:
     assert track.q.shape == (40, 4, 3)
     assert len(track) == 40
     assert all(verification.ok for verification in track.verify())
-    assert track.clearance == min(solution.clearance or 0.0 for solution in track.solutions)
-    assert track.between == "unproved"
+    assert track.between == "proved"
+    assert track.unproved_steps == ()
+    assert track.clearance is not None
+    assert 0.0 < track.clearance <= min(solution.clearance or 0.0 for solution in track.solutions)
     assert track.raise_for_status() is track
+
+
+def test_a_step_through_an_obstacle_is_not_proved() -> None:
+    """A thin plate between two waypoints, each of which is clear of it."""
+    plate = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))
+    away = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
+    track = sn.track(ROBOT, away, [plate])
+    assert track.solved
+    assert (track.between, track.unproved_steps) == ("unproved", (2,))
+    assert "1 of 3 steps are not proved clear" in str(track)
+    assert track.to_dict()["unproved_steps"] == [2]
+    middle = [(1.0 - t) * track.q[1] + t * track.q[2] for t in np.linspace(0.0, 1.0, 50)]
+    assert min(float(sn.Scene([plate]).distance(ROBOT.backbone(q)).min()) for q in middle) < 0.05
+
+
+def test_steps_next_to_what_is_not_solved_are_not_proved() -> None:
+    track = sn.track(ROBOT, [CIRCLE[0], CIRCLE[1], FAR, CIRCLE[2], CIRCLE[3]])
+    assert track.unproved_steps == (2, 3)
+    assert sn.track(ROBOT, CIRCLE[:1]).between == "proved"
+    assert sn.track(ROBOT, [FAR]).between == "unproved"
 
 
 def test_each_waypoint_begins_at_the_last() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Unpack
 
@@ -11,6 +12,7 @@ from sinuous import checks
 from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
+from sinuous.motion.steps import Steps, prove_steps, unproved
 from sinuous.motion.table import write_csv
 from sinuous.problem.asked import read_asked
 from sinuous.problem.goals import KEYS, GoalArrays
@@ -28,8 +30,8 @@ if TYPE_CHECKING:
 
 MOST_WAYPOINTS = 1_000_000
 
-BETWEEN: Literal["unproved"] = "unproved"
-"""What a track says about the motion between its waypoints: waypoints are proved one by one, the motion is not."""
+Between = Literal["proved", "unproved"]
+"""What is known of the motion between waypoints: all of it is proved clear, or some step is not."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -72,13 +74,16 @@ class Track:
 
     @property
     def clearance(self) -> float | None:
-        """Least proved clearance over the waypoints; `None` without obstacles, or when one has no proof."""
-        return _least([solution.clearance for solution in self.solutions])
+        """Least proved clearance, over the waypoints and, where it is proved, over the motion between them.
+
+        `None` without obstacles, or when a waypoint has no proof.
+        """
+        return _least([solution.clearance for solution in self.solutions], self.steps.clearance)
 
     @property
     def self_clearance(self) -> float | None:
-        """Least proved self-clearance over the waypoints; `None` where it does not matter, or when one has no proof."""
-        return _least([solution.self_clearance for solution in self.solutions])
+        """Least proved self-clearance, as for `clearance`; `None` where it does not matter, or without a proof."""
+        return _least([solution.self_clearance for solution in self.solutions], self.steps.self_clearance)
 
     @property
     def largest_step(self) -> tuple[float, float]:
@@ -89,9 +94,22 @@ class Track:
         return float(np.hypot(steps[..., 0], steps[..., 1]).max()), float(np.abs(steps[..., 2]).max())
 
     @property
-    def between(self) -> Literal["unproved"]:
-        """What is known of the motion between neighbouring waypoints."""
-        return BETWEEN
+    def between(self) -> Between:
+        """What is known of the motion between waypoints: `proved` clear all the way, or `unproved`."""
+        return "unproved" if self.unproved_steps or not self.solved else "proved"
+
+    @property
+    def unproved_steps(self) -> tuple[int, ...]:
+        """Numbers of the steps that are not proved; step 1 leads from the first waypoint to the second."""
+        return tuple((np.flatnonzero(~self.steps.proved) + 1).tolist())
+
+    @property
+    def steps(self) -> Steps:
+        """What is proved of the motion, linear in q, from each waypoint to the next; found when it is asked for."""
+        if not hasattr(self, "_steps"):
+            object.__setattr__(self, "_steps", _prove(self.solutions))
+        found: Steps = self._steps  # type: ignore[attr-defined]
+        return found
 
     def verify(self) -> "list[Verification]":
         """Recompute every waypoint by an independent, slow path."""
@@ -142,7 +160,7 @@ class Track:
             "position_error": _largest(waypoints, "position_error"),
             "angle_error": _largest(waypoints, "angle_error"),
             "clearance": self.clearance,
-            "self_clearance": _least([w["self_clearance"] for w in waypoints]),
+            "self_clearance": self.self_clearance,
             "worst": next((w["worst"] for w in waypoints if w["worst"] is not None), None),
             "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
             "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
@@ -152,6 +170,7 @@ class Track:
             "method": first["method"],
             "seed": first["seed"],
             "between": self.between,
+            "unproved_steps": list(self.unproved_steps),
             "largest_step": {"bend": bend, "length": length},
             "remaining": self.remaining,
             "waypoints": waypoints,
@@ -183,7 +202,10 @@ class Track:
         times = np.array([solution.seconds for solution in self.solutions])
         parts = [f"Track: {self.status} ({self._sentence()})"]
         if self.clearance is not None:
-            parts.append(f"  clearance  {self.clearance:.3g} at the waypoints, between them {self.between}")
+            where = "all the way" if self.between == "proved" else "at the waypoints"
+            parts.append(f"  clearance  {self.clearance:.3g} {where}")
+        if self.between == "unproved" and len(self) > 1:
+            parts.append(f"  between    {len(self.unproved_steps)} of {len(self) - 1} steps are not proved clear")
         parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
         parts.append(f"  effort     {1e3 * self.seconds:.3g} ms, median {1e6 * np.median(times):.0f} us a waypoint")
         return "\n".join(parts)
@@ -262,7 +284,29 @@ def _largest(results: list[dict[str, Any]], key: str) -> float | None:
     return max((result[key] for result in results if result[key] is not None), default=None)
 
 
-def _least(clearances: list[float | None]) -> float | None:
-    """The least of proved clearances; `None` when one is missing."""
+def _least(clearances: list[float | None], between: float | None) -> float | None:
+    """The least of proved clearances; `None` when that of a waypoint is missing."""
     known = [value for value in clearances if value is not None]
-    return min(known) if known and len(known) == len(clearances) else None
+    if not known or len(known) < len(clearances):
+        return None
+    return min(known) if between is None else min(*known, between)
+
+
+def _prove(solutions: tuple[Solution, ...]) -> Steps:
+    """Prove the steps between waypoints that are solved, in a scene that did not change meanwhile."""
+    answers = []
+    for run in _runs(solutions):
+        first = solutions[run.start].problem
+        knots = np.stack([solutions[i].q for i in run])
+        answers += [prove_steps(first.robot, first.scene, knots).answers, unproved(1)]
+    return Steps(np.concatenate(answers)[: len(solutions) - 1])
+
+
+def _runs(solutions: tuple[Solution, ...]) -> Iterator[range]:
+    """Split waypoints into runs of neighbours that are solved, in the same scene; what is not solved stands alone."""
+    begin = 0
+    for i, (one, other) in enumerate(pairwise(solutions), 1):
+        if not (one.solved and other.solved and one.problem.scene is other.problem.scene):
+            yield range(begin, i)
+            begin = i
+    yield range(begin, len(solutions))

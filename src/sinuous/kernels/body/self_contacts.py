@@ -7,7 +7,7 @@ know rows of one place alone; `step.coupling` adds these afterwards.
 import math
 
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import Aim, closest
+from sinuous.kernels.body.self_pieces import Aim, closest, pair_of
 from sinuous.kernels.chain.kinematics import body_columns, body_point, frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
@@ -68,7 +68,7 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
             gap, t = own_gap(shape, i)
             sure = gap
         else:
-            sure, gap, s, t, _ = closest(shape, i, j, aim, math.inf)
+            sure, gap, s, t, _ = closest(shape, pair_of(shape, i, j), aim, math.inf)
         if gap >= margin:
             continue
         low = min(low, sure)

@@ -49,7 +49,7 @@ def survey(shape: Shape) -> tuple[float, float]:
     for k in range(n):
         radius, length = limits[k, RADIUS], q[k, 2]
         if k > 0 and radius != limits[k - 1, RADIUS]:
-            most = min(most, _least_of_run(limits[k - 1, RADIUS], along - begun, tightest))
+            most = min(most, least_of_run(limits[k - 1, RADIUS], along - begun, tightest))
             run, begun, tightest = run + 1, along, 0.0
         bend = math.sqrt(q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1])
         curvature = bend / max(length, NO_LENGTH)
@@ -63,11 +63,11 @@ def survey(shape: Shape) -> tuple[float, float]:
             while first < n and spans[first + 1, TURNED] - spans[k, TURNED] < HALF_TURN:
                 first += 1
         spans[k, FIRST] = first if run == 0 else k
-    return min(most, _least_of_run(limits[n - 1, RADIUS], along - begun, tightest)), thickest
+    return min(most, least_of_run(limits[n - 1, RADIUS], along - begun, tightest)), thickest
 
 
 @kernel
-def _least_of_run(radius: float, length: float, curvature: float) -> float:
+def least_of_run(radius: float, length: float, curvature: float) -> float:
     """Lower bound of the gap of places pi radii apart along a run of this length and of no more than this curvature."""
     apart = math.pi * radius
     if radius == 0.0 or length < apart:

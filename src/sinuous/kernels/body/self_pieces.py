@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.body.chords import arc_chord, chord_distance, sag
 from sinuous.kernels.body.pieces import following
-from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, TURNED, Shape, concern
+from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, HALF_TURN, TURNED, Shape, concern
 from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import add, norm, sub
@@ -72,7 +72,7 @@ def pieces_of(level: int, piece: int) -> Pieces:
 
 
 @kernel
-def _between(shape: Shape, pair: Pair, column: int, s: float, t: float) -> float:
+def amount_between(shape: Shape, pair: Pair, column: int, s: float, t: float) -> float:
     """How much of a column of the spans lies between the fractions s and t of the segments of a pair."""
     spans, i, j = shape.spans, pair.i, pair.j
     begin = spans[i, column] + s * (spans[i + 1, column] - spans[i, column])
@@ -83,12 +83,14 @@ def _between(shape: Shape, pair: Pair, column: int, s: float, t: float) -> float
 def _by_circle(shape: Shape, pair: Pair, pieces: Pieces) -> float:
     """Lower bound of the gap of two pieces, from the curvature between them."""
     a, u, b, v = pieces
-    far = _between(shape, pair, ALONG, a, b + v)
+    far = amount_between(shape, pair, ALONG, a, b + v)
     if pair.tightest * far >= 2.0 * math.pi:
         return -math.inf
     apart = arc_chord(pair.tightest, far)
-    if pair.column == ALONG:  # else they turn by pi or more, and the chord of a circle only shrinks from there
-        apart = min(apart, arc_chord(pair.tightest, max(pair.enough, _between(shape, pair, ALONG, a + u, b))))
+    if pair.column == ALONG:
+        apart = min(apart, arc_chord(pair.tightest, max(pair.enough, amount_between(shape, pair, ALONG, a + u, b))))
+    elif pair.enough < HALF_TURN:  # from pi on, the chord of a circle only shrinks
+        apart = min(apart, arc_chord(pair.tightest, pair.enough / pair.tightest))
     return apart - pair.needed
 
 
@@ -122,21 +124,21 @@ def gap_at(shape: Shape, pair: Pair, s: float, t: float) -> float:
 
 
 @kernel
-def closest(shape: Shape, i: int, j: int, aim: Aim, least: float) -> tuple[float, float, float, float, int]:
-    """Places of segments i < j with the least gap, of those that concern each other.
+def closest(shape: Shape, pair: Pair, aim: Aim, least: float) -> tuple[float, float, float, float, int]:
+    """Places of two segments with the least gap, of those that concern each other.
 
     What is not below `least`, a gap found elsewhere, is of no interest. Returns a lower bound of the gaps (infinite:
     there are none), the least that was seen, the fractions of both segments where that was, and how many pairs of
     pieces were looked at.
     """
-    pair = pair_of(shape, i, j)
+    i, j = pair.i, pair.j
     bound = found = math.inf
     at = on = 0.5
     level = piece = looks = 0
     while piece < 1 << level:
         pieces = pieces_of(level, piece)
         a, u, b, v = pieces
-        if _between(shape, pair, pair.column, a, b + v) >= pair.enough:
+        if amount_between(shape, pair, pair.column, a, b + v) >= pair.enough:
             looks += 1
             target = wanted(aim, min(least, found))
             sure = _by_circle(shape, pair, pieces)
@@ -144,7 +146,7 @@ def closest(shape: Shape, i: int, j: int, aim: Aim, least: float) -> tuple[float
                 chords, s, t = _by_chords(shape, pair, pieces, target)
                 sure = max(sure, chords)
             if sure < target:
-                if _between(shape, pair, pair.column, s, t) < pair.enough:
+                if amount_between(shape, pair, pair.column, s, t) < pair.enough:
                     s, t = a, b + v
                 gap = gap_at(shape, pair, s, t)
                 if gap < found:

@@ -11,7 +11,7 @@ import math
 
 from sinuous.kernels.body.proof import CLEAR, ROUNDING, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import Aim, closest, wanted
+from sinuous.kernels.body.self_pieces import Aim, closest, pair_of, wanted
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import late, spend
 from sinuous.kernels.compile import kernel
@@ -51,7 +51,7 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
             gap, t = own_gap(shape, i)
             low = gap
         else:
-            low, gap, s, t, looks = closest(shape, i, j, aim, least)
+            low, gap, s, t, looks = closest(shape, pair_of(shape, i, j), aim, least)
             spend(clock, PAIR_LOOKS * looks)
         bound = min(bound, low)
         if gap < least:

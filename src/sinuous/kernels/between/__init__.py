@@ -1,0 +1,1 @@
+"""The body on its way from one configuration to another."""

@@ -1,0 +1,194 @@
+"""The proof that a segment is clear of obstacles while time goes from one knot to the next.
+
+All places of a piece of the segment, at all times of the interval, are near the middle of four corners: the two ends of
+the piece at the two ends of the interval. Distances change by no more than one moves. Where an obstacle is a convex
+primitive, its distance is a convex function: no less than its tangent at the middle says, at the corner where that is
+least. Where the body must stay inside one, the distance is concave, and so it is least at a corner. What cannot be
+decided is halved: the piece of the segment, or, where motion is what leaves it open, the interval of time.
+"""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Motion, Sweep, bow
+from sinuous.kernels.body.chords import sag
+from sinuous.kernels.body.pieces import following, free_part, look_here
+from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
+from sinuous.kernels.chain.kinematics import body_point
+from sinuous.kernels.clock import spend
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import Scene, look, price_of, slope
+from sinuous.kernels.fields.solids import BOUND, EXACT
+from sinuous.kernels.maths.vectors import Array, add, dot, norm, scale, sub
+from sinuous.kernels.tables import KIND, RADIUS, SIGN, TREE
+
+Aim = namedtuple("Aim", ["slack", "finest", "rounding", "mount", "prefix"])
+"""How far below the truth a clearance may be, as a share of it: with 1 it is enough that it is greater than 0. Pieces
+shorter than `finest`, and times in which nothing moves that far, are not halved. `rounding` is what arithmetic may be
+wrong by, `mount` the length of backbone that obstacles do not concern. With `prefix` an overlap does not end the work:
+everything before it is to be proved."""
+
+Interval = namedtuple("Interval", ["level", "begin", "h", "a", "b"])
+"""Halvings of time, when it begins and how long it is, and which knots of the sweep its ends are."""
+
+Piece = namedtuple("Piece", ["k", "s", "width", "half", "bend", "radius", "lag", "reach", "center", "free"])
+"""A piece of segment k: the fraction in its middle and how many fractions long it is; half its length, its largest bend
+(rad) and its radius; how far the place in its middle may be from the chord of its path; the middle of that chord, and
+how far from there the body may be; whether that place is beyond the mount half-way through the interval."""
+
+
+@kernel
+def wanted(aim: Aim, seen: Array) -> float:
+    """The clearance from which on a bound is as good as it has to be, for what was `seen` (6,)."""
+    if aim.slack >= 1.0 or seen[LEAST] == math.inf:
+        return 0.0
+    return (1.0 - aim.slack) * max(0.0, float(seen[LEAST]))
+
+
+@kernel
+def _begin_of(q: Array, k: int) -> float:
+    """Length of the backbone before segment `k`."""
+    along = 0.0
+    for j in range(k):
+        along += q[j, 2]
+    return along
+
+
+@kernel
+def _piece(
+    sweep: Sweep,
+    interval: Interval,
+    k: int,
+    radius: float,
+    s: float,
+    width: float,
+    begins: tuple[float, float],
+    mount: float,
+) -> Piece:
+    """The piece of segment `k` about the fraction `s`; `begins`: where on the backbone that segment begins."""
+    qa, qb, fa, fb = sweep.q[interval.a], sweep.q[interval.b], sweep.frames[interval.a], sweep.frames[interval.b]
+    length = max(qa[k, 2], qb[k, 2])
+    half = 0.5 * length * width
+    lag = 0.125 * interval.h * interval.h * bow(sweep.rates, k, length, s + 0.5 * width)
+    bend = width * math.sqrt(max(qa[k, 0] * qa[k, 0] + qa[k, 1] * qa[k, 1], qb[k, 0] * qb[k, 0] + qb[k, 1] * qb[k, 1]))
+    here, there = body_point(qa, fa, k, s), body_point(qb, fb, k, s)
+    reach = half + lag + 0.5 * norm(sub(there, here)) + radius
+    along = 0.5 * (begins[0] + begins[1] + s * (qa[k, 2] + qb[k, 2]))
+    return Piece(k, s, width, half, bend, radius, lag, reach, scale(0.5, add(here, there)), along >= mount)
+
+
+@kernel
+def _by_corners(scene: Scene, sweep: Sweep, interval: Interval, i: int, piece: Piece) -> tuple[float, float, float]:
+    """Lower bound of the distance of a piece to a primitive, from its corners; what place and time leave open of it."""
+    qa, qb, fa, fb = sweep.q[interval.a], sweep.q[interval.b], sweep.frames[interval.a], sweep.frames[interval.b]
+    k, r, t = piece.k, piece.s - 0.5 * piece.width, piece.s + 0.5 * piece.width
+    c0, c1 = body_point(qa, fa, k, r), body_point(qa, fa, k, t)
+    c2, c3 = body_point(qb, fb, k, r), body_point(qb, fb, k, t)
+    center = scale(0.25, add(add(c0, c1), add(c2, c3)))
+    d, g = slope(scene, i, center, math.inf, EXACT)
+    z = dot(g, center)
+    g0, g1, g2, g3 = dot(g, c0) - z, dot(g, c1) - z, dot(g, c2) - z, dot(g, c3) - z
+    low = d + min(g0, g1, g2, g3)
+    if scene.table[i, SIGN] < 0.0:
+        d0, d1 = slope(scene, i, c0, math.inf, EXACT)[0], slope(scene, i, c1, math.inf, EXACT)[0]
+        d2, d3 = slope(scene, i, c2, math.inf, EXACT)[0], slope(scene, i, c3, math.inf, EXACT)[0]
+        low = min(d0, d1, d2, d3)
+    sagging = sag(2.0 * piece.half, piece.bend) if piece.bend <= math.pi else math.inf
+    space = sagging + 0.5 * max(abs(g1 - g0), abs(g3 - g2))
+    return low - sagging - piece.lag, space, piece.lag + 0.5 * max(abs(g2 - g0), abs(g3 - g1))
+
+
+@kernel
+def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, aim: Aim, seen: Array) -> int:
+    """Put those obstacles first that may be too near to a piece during an interval; return their number."""
+    near, k = sweep.near, piece.k
+    reach = piece.reach + aim.rounding
+    count = 0
+    for e in range(sweep.counts[interval.level, k]):
+        i = near[k, e]
+        enough = reach + max(wanted(aim, seen), aim.rounding)  # beyond that, what is returned may be no more than that
+        d, _ = look_here(scene, i, piece.center, enough, BOUND)
+        if d < enough:
+            near[k, e], near[k, count] = near[k, count], i
+            count += 1
+        else:
+            seen[LOW] = min(seen[LOW], d - reach)
+    return count
+
+
+@kernel
+def _decide(
+    scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, count: int, aim: Aim, seen: Array
+) -> tuple[int, float, float, int]:
+    """Prove a piece clear of the first `count` obstacles of its segment during an interval.
+
+    Returns the verdict; what place and time leave open, where that is not CLEAR; and how many looks it took.
+    """
+    verdict, space, time, looks = CLEAR, 0.0, 0.0, 0
+    reach = piece.reach + aim.rounding
+    for e in range(count):
+        i = sweep.near[piece.k, e]
+        enough = reach + max(wanted(aim, seen), aim.rounding)
+        looks += price_of(scene, i)
+        d, most = look_here(scene, i, piece.center, enough, BOUND)
+        if d < enough and most - d > LOOSENESS * (piece.reach - piece.radius):
+            d, most = look(scene, i, piece.center, enough, EXACT)
+        gap = most + piece.lag - piece.radius
+        if piece.free and gap < seen[LEAST]:
+            seen[LEAST], seen[WHEN], seen[SEGMENT] = gap, interval.begin + 0.5 * interval.h, piece.k
+            seen[FRACTION], seen[WHICH] = piece.s, i
+            if gap < 0.0:
+                verdict = TOUCHING
+        low, place, motion = d - reach, piece.half, reach - piece.half - piece.radius
+        if scene.table[i, KIND] < TREE and not (low > 0.0 and low >= wanted(aim, seen)):
+            by_corners, place, motion = _by_corners(scene, sweep, interval, i, piece)
+            low = max(low, by_corners - piece.radius - aim.rounding)
+            looks += 2
+        if low > 0.0 and low >= wanted(aim, seen):
+            seen[LOW] = min(seen[LOW], low)
+            continue
+        verdict = max(verdict, UNDECIDED) if verdict != TOUCHING else TOUCHING
+        space, time = max(space, place), max(time, motion)
+    return verdict, space, time, looks
+
+
+@kernel
+def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim: Aim, seen: Array) -> int:
+    """Prove segment `k` clear during an interval; the obstacles that cannot be decided are left for its halves.
+
+    Returns the verdict, and keeps in `seen` (6,) what was found.
+    """
+    counts, level = sweep.counts, interval.level
+    counts[level + 1, k] = 0
+    if counts[level, k] == 0:
+        return CLEAR
+    begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
+    start = min(
+        free_part(sweep.q[interval.a], k, aim.mount - begins[0]),
+        free_part(sweep.q[interval.b], k, aim.mount - begins[1]),
+    )
+    part = 1.0 - start
+    if part <= 0.0:
+        return CLEAR
+    radius, scene = motion.limits[k, RADIUS], motion.scene
+    whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, aim.mount)
+    count = _narrow(scene, sweep, interval, whole, aim, seen)
+    deep = number = 0
+    while count > 0 and number < 1 << deep:
+        piece = whole
+        if deep > 0:
+            width = part / (1 << deep)
+            piece = _piece(sweep, interval, k, radius, start + (number + 0.5) * width, width, begins, aim.mount)
+        verdict, space, time, looks = _decide(scene, sweep, interval, piece, count, aim, seen)
+        if verdict == TOUCHING and not aim.prefix:
+            return TOUCHING
+        if spend(sweep.clock, looks):
+            return UNDECIDED
+        if verdict == CLEAR:
+            deep, number = following(deep, number)
+        elif space > time and 2.0 * piece.half > aim.finest:
+            deep, number = deep + 1, 2 * number
+        else:
+            counts[level + 1, k] = count
+            return UNDECIDED
+    return CLEAR

@@ -1,0 +1,186 @@
+"""The proof that the body is clear of obstacles and of itself all the way from one configuration to another.
+
+The motion is linear in q. All limits are convex in q: what holds at both ends holds all the way. Time is halved until
+each interval is decided: for obstacles see `obstacles`, for the body itself see `itself`.
+"""
+
+import math
+
+from sinuous.kernels.between.itself import cannot_meet, clear_of_itself, list_pairs, passed_over
+from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment
+from sinuous.kernels.between.sweep import (
+    FRACTION,
+    HALFWAY,
+    LEAST,
+    LEVELS,
+    LOW,
+    SEGMENT,
+    WHEN,
+    WHICH,
+    Motion,
+    Sweep,
+    knot,
+    measure_rates,
+)
+from sinuous.kernels.body.pieces import Scratch, following
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
+from sinuous.kernels.body.self_pairs import Shape
+from sinuous.kernels.body.self_proof import prove_self
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, norm
+from sinuous.kernels.tables import RADIUS
+
+ROUNDING = 1e-12
+"""What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
+
+LOOKED = 0.1
+"""Slack of the proof of a single configuration."""
+
+
+@kernel
+def _note(seen: Array, verdict: int, gap: float, t: float, k: int, s: float, which: int) -> None:
+    """Keep the clearance of a configuration, or the most that it can be where `gap` is a lower bound, if it is less."""
+    most = gap / (1.0 - LOOKED) if verdict == CLEAR else gap
+    if most < seen[LEAST]:
+        seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = most, t, k, s, which
+
+
+@kernel
+def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> int:
+    """Verdict about the configuration at time t."""
+    knot(motion, t, sweep, HALFWAY)
+    q, frames = sweep.q[HALFWAY], sweep.frames[HALFWAY]
+    verdict = CLEAR
+    if motion.scene.table.shape[0] > 0:
+        among = sweep.looked
+        scratch = Scratch(among, sweep.clock)
+        verdict, gap, k, s, which = prove(
+            motion.limits, q, frames, motion.scene, aim.mount, LOOKED, aim.finest, scratch
+        )
+        _note(seen[0], verdict, gap, t, k, s, which)
+    if motion.avoids_itself and verdict == CLEAR:
+        verdict, gap, place = prove_self(Shape(motion.limits, q, frames, sweep.spans), aim.finest, sweep.clock)
+        _note(seen[1], verdict, gap, t, place[0], place[1], place[2])
+    return verdict
+
+
+@kernel
+def _touches_later(motion: Motion, begin: float, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
+    """Whether the body is seen to touch something some time after `begin`, up to which it comes ever closer to it."""
+    ahead = aim.finest / travel
+    while not late(sweep.clock):
+        ahead = min(2.0 * ahead, 1.0 - begin)
+        if _look_at(motion, begin + ahead, sweep, aim, seen) == TOUCHING:
+            return True
+        if begin + ahead >= 1.0:
+            return False
+    return False
+
+
+@kernel
+def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
+    """Verdict about obstacles, and until when everything is clear; `travel`: how far anything moves, at most."""
+    n, m = motion.q0.shape[0], motion.scene.table.shape[0]
+    for k in range(n):
+        sweep.counts[0, k] = m
+        for i in range(m):
+            sweep.near[k, i] = i
+    a, b = 0, 1
+    knot(motion, 0.0, sweep, a)
+    level = piece = 0
+    while piece < 1 << level:
+        h = 1.0 / (1 << level)
+        interval = Interval(level, piece * h, h, a, b)
+        knot(motion, (piece + 1) * h, sweep, b)
+        if spend(sweep.clock, SEGMENT_LOOKS * n):
+            return UNDECIDED, interval.begin
+        undecided = False
+        for k in range(n - 1, -1, -1):
+            verdict = clear_segment(motion, sweep, interval, k, aim, seen)
+            if verdict == TOUCHING:
+                return TOUCHING, interval.begin
+            undecided = undecided or verdict != CLEAR
+        if not undecided:
+            level, piece = following(level, piece)
+            a, b = b, a
+        elif h * travel < aim.finest or level == LEVELS:
+            return UNDECIDED, interval.begin
+        else:
+            level, piece = level + 1, 2 * piece
+    return CLEAR, 1.0
+
+
+@kernel
+def _clear_of_itself(motion: Motion, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
+    """Verdict about the body and itself, and until when everything is clear."""
+    seen[LOW] = passed_over(motion.limits, motion.q0, motion.q1) - aim.rounding
+    if not seen[LOW] > 0.0:
+        return UNDECIDED, 0.0
+    if cannot_meet(motion.limits, motion.q0, motion.q1):
+        return CLEAR, 1.0
+    list_pairs(sweep)
+    level = piece = 0
+    while piece < 1 << level:
+        h = 1.0 / (1 << level)
+        interval = Interval(level, piece * h, h, 0, 1)
+        if spend(sweep.clock, SEGMENT_LOOKS * motion.q0.shape[0]):
+            return UNDECIDED, interval.begin
+        verdict = clear_of_itself(motion, sweep, interval, aim, seen)
+        if verdict == TOUCHING:
+            return TOUCHING, interval.begin
+        if verdict == CLEAR:
+            level, piece = following(level, piece)
+        elif h * travel < aim.finest or level == LEVELS:
+            return UNDECIDED, interval.begin
+        else:
+            level, piece = level + 1, 2 * piece
+    return CLEAR, 1.0
+
+
+@kernel
+def _thickest(limits: Array) -> float:
+    """Largest radius of a body."""
+    radius = 0.0
+    for k in range(limits.shape[0]):
+        radius = max(radius, limits[k, RADIUS])
+    return radius
+
+
+@kernel
+def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
+    """Prove a motion clear, or find where it is not.
+
+    Returns the verdict (CLEAR, TOUCHING, UNDECIDED), and until when, of 0 to 1, everything is proved clear. Fills
+    `seen` (2, 6), a row about obstacles and one about the body itself: with CLEAR their lower bounds hold for all times
+    (infinite: there is nothing to be clear of); also the least that was seen, and where. When the time of the clock is
+    over, the verdict is UNDECIDED. The `rounding` of `aim` is found here.
+    """
+    for row in range(2):
+        seen[row, LOW] = seen[row, LEAST] = math.inf
+        seen[row, WHEN], seen[row, SEGMENT], seen[row, FRACTION], seen[row, WHICH] = 0.0, -1.0, 0.0, -1.0
+    travel = measure_rates(motion.q0, motion.q1, sweep.rates)
+    reach = norm(frame(sweep.frames[0], 0)[1])
+    for k in range(motion.q0.shape[0]):
+        reach += max(motion.q0[k, 2], motion.q1[k, 2])
+    own = Aim(aim.slack, aim.finest, ROUNDING * reach, aim.mount, aim.prefix)
+    if own.slack < 1.0:  # then a bound has to be known from the beginning that is worth having
+        verdict = _look_at(motion, 0.0, sweep, own, seen)
+        if verdict != CLEAR:
+            return verdict, 0.0
+    verdict, until = CLEAR, 1.0
+    if motion.scene.table.shape[0] > 0:
+        verdict, until = _clear_of_obstacles(motion, travel, sweep, own, seen[0])
+    if motion.avoids_itself and _thickest(motion.limits) > 0.0 and (verdict == CLEAR or (own.prefix and until > 0.0)):
+        other, proved = _clear_of_itself(motion, travel, sweep, own, seen[1])
+        if verdict == CLEAR or (other != CLEAR and proved < until):
+            verdict, until = other, proved
+    if (
+        verdict == UNDECIDED
+        and not own.prefix
+        and travel > 0.0
+        and _touches_later(motion, until, travel, sweep, own, seen)
+    ):
+        verdict = TOUCHING
+    return verdict, until

@@ -1,0 +1,46 @@
+"""What Python asks about motions: whether a path of knots is clear all the way."""
+
+from sinuous.kernels.between.obstacles import Aim
+from sinuous.kernels.between.proof import prove_between
+from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
+from sinuous.kernels.body.proof import UNDECIDED
+from sinuous.kernels.clock import allow, begin, late
+from sinuous.kernels.compile import entry
+from sinuous.kernels.fields.distances import read_scene
+from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.problem import read_robot
+
+VERDICT, UNTIL, SEEN = 0, 1, 2
+"""Columns of an answer: the verdict, until when everything is proved clear (0 to 1), and what was seen of obstacles (6)
+and of the body itself (6)."""
+
+ANSWER_WIDTH = SEEN + 2 * SEEN_WIDTH
+
+
+Terms = tuple[float, float, float, float]
+"""Length of backbone that obstacles do not concern; how far below the truth clearances may be, as a share of them (1:
+it is enough that they are greater than 0); the length below which nothing is halved; and seconds."""
+
+
+@entry
+def prove_motions(robot: Array, scene: Array, knots: Array, terms: Terms, workspace: Array, answers: Array) -> None:
+    """Prove the motions linear in q between neighbouring `knots` (T, n, 3), one after the other.
+
+    Fills `answers` (T - 1, 14). What is not proved when the time is over is UNDECIDED.
+    """
+    own, around = read_robot(robot), read_scene(scene)
+    mount, slack, finest, seconds = terms
+    sweep = carve_sweep(workspace, own.base, own.limits.shape[0], around.table.shape[0])
+    begin(sweep.clock)
+    allow(sweep.clock, seconds)
+    aim = Aim(slack, finest, 0.0, mount, False)
+    for i in range(knots.shape[0] - 1):
+        seen = shaped(answers[i, SEEN:], (2, SEEN_WIDTH))
+        motion = Motion(own.limits, knots[i], knots[i + 1], around, own.avoids_itself)
+        verdict, until = prove_between(motion, sweep, aim, seen)
+        answers[i, VERDICT], answers[i, UNTIL] = verdict, until
+        if late(sweep.clock):
+            answers[i:, VERDICT] = UNDECIDED
+            answers[i + 1 :, UNTIL] = 0.0
+            return

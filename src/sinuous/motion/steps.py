@@ -1,0 +1,88 @@
+"""What is proved of the motion between neighbouring configurations: linear in q, the whole body, all the way."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import packing
+from sinuous.brief import call
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
+from sinuous.kernels.between.sweep import SEEN_WIDTH, sweep_size
+from sinuous.kernels.body.proof import CLEAR, UNDECIDED
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
+
+SLACK = 0.1
+"""How far below the true clearance its proved bound may be, as a share of it."""
+
+FINEST = 1e-7
+"""Length, in robot lengths, below which a proof gives up."""
+
+SECONDS = 0.05
+"""Time that a step may take on average."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Steps:
+    """What is proved of the motions between neighbouring configurations, in their order.
+
+    Attributes
+    ----------
+    answers : ndarray (m, 14)
+        What the kernel found, see `kernels.between.query`.
+    """
+
+    answers: Floats
+
+    @cached_property
+    def proved(self) -> NDArray[np.bool_]:
+        """Whether the body is proved clear of obstacles and of itself all the way (m,)."""
+        proved: NDArray[np.bool_] = self.answers[:, VERDICT] == CLEAR
+        return proved
+
+    @property
+    def until(self) -> Floats:
+        """Share of each motion, from its beginning, that is proved (m,)."""
+        return self.answers[:, UNTIL]
+
+    @property
+    def clearance(self) -> float | None:
+        """Proved lower bound of the clearance in all motions; `None` without obstacles or without a proof."""
+        return self._least(SEEN)
+
+    @property
+    def self_clearance(self) -> float | None:
+        """Proved lower bound of the self-clearance in all motions; `None` where it is infinite, or without a proof."""
+        return self._least(SEEN + SEEN_WIDTH)
+
+    def __repr__(self) -> str:
+        return call("Steps", [f"{int(self.proved.sum())} of {len(self.proved)} proved clear"])
+
+    def _least(self, column: int) -> float | None:
+        least = float(self.answers[:, column].min(initial=math.inf))
+        return least if self.proved.all() and math.isfinite(least) else None
+
+
+def prove_steps(robot: Robot, scene: Snapshot, knots: Floats, slack: float = SLACK, seconds: float = SECONDS) -> Steps:
+    """Prove the motions linear in q between neighbouring `knots` (T, n, 3), which are within all limits.
+
+    `slack`: how far below the truth clearances may be, as a share of them; with 1 it is enough that they are greater
+    than 0. `seconds` are those of a step, on average.
+    """
+    answers = np.zeros((len(knots) - 1, ANSWER_WIDTH))
+    terms = float(robot.mount), slack, FINEST * robot.mean_length, seconds * len(answers)
+    workspace = np.empty(sweep_size(len(robot), len(scene)))
+    group = packing.robot_group(robot)
+    prove_motions(group, scene._kernel_group, np.array(knots, np.float64), terms, workspace, answers)
+    return Steps(answers)
+
+
+def unproved(count: int) -> Floats:
+    """Answers (count, 14) about motions of which nothing is known."""
+    answers = np.full((count, ANSWER_WIDTH), math.inf)
+    answers[:, VERDICT], answers[:, UNTIL] = UNDECIDED, 0.0
+    return answers

@@ -1,0 +1,164 @@
+"""The proof between configurations, against dense sampling and by its laws."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
+from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEEN_WIDTH, SEGMENT, WHEN, sweep_size
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.packing import robot_group
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats, random_pose
+from tests.kernels.between.motions import Case, random_case, sampled, shape
+
+ITSELF = SEEN + SEEN_WIDTH
+SLACK = 0.1
+
+
+def prove(case: Case, slack: float = SLACK, seconds: float = 60.0, knots: Floats | None = None) -> Floats:
+    """Answers (T - 1, 14) about the motion of a case, or about one with other knots (T, n, 3)."""
+    path = np.stack([case.q0, case.q1]) if knots is None else knots
+    answers = np.full((len(path) - 1, ANSWER_WIDTH), np.nan)
+    terms = float(case.robot.mount), slack, 1e-7 * case.robot.mean_length, seconds
+    snapshot = case.scene.snapshot()
+    workspace = np.full(sweep_size(len(case.robot), len(snapshot)), np.nan)
+    prove_motions(robot_group(case.robot), snapshot.group.copy(), path, terms, workspace, answers)
+    return answers
+
+
+@pytest.mark.parametrize("slack", [1.0, SLACK])
+def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
+    verdicts = {CLEAR: 0, TOUCHING: 0, UNDECIDED: 0}
+    for seed in range(150):
+        case = random_case(seed)
+        (answer,) = prove(case, slack)
+        clearance, gap = sampled(case)
+        verdicts[int(answer[VERDICT])] += 1
+        if answer[VERDICT] == CLEAR:
+            assert min(clearance, gap) > 0.0, seed
+            assert answer[SEEN + LOW] <= clearance + 1e-9, seed
+            assert answer[ITSELF + LOW] <= gap + 1e-9, seed
+            assert answer[UNTIL] == 1.0
+        else:
+            assert answer[UNTIL] < 1.0
+            assert min(clearance, gap) < 0.02, seed
+    assert verdicts[CLEAR] > 50
+    assert verdicts[TOUCHING] > 15
+    assert verdicts[UNDECIDED] < 3
+
+
+def test_an_overlap_is_where_it_is_said_to_be() -> None:
+    looked = 0
+    for seed in range(150):
+        case = random_case(seed)
+        (answer,) = prove(case)
+        seen = answer[SEEN : SEEN + SEEN_WIDTH]
+        if answer[VERDICT] != TOUCHING or seen[LEAST] >= 0.0:
+            continue
+        looked += 1
+        k, t = int(seen[SEGMENT]), seen[WHEN]
+        q = (1.0 - t) * case.q0 + t * case.q1
+        q[k] *= seen[FRACTION]
+        place = case.robot.forward(q)[k, :3, 3]
+        assert case.scene.distance(place) - case.robot.radii[k] < 1e-9
+        assert q[: k + 1, 2].sum() >= case.robot.mount - 1e-9
+    assert looked > 10
+
+
+def test_the_bound_is_as_close_as_it_is_asked_for() -> None:
+    """Sampled clearances are at least the true ones, so this needs room."""
+    close = 0
+    for seed in range(150):
+        case = random_case(seed)
+        (answer,) = prove(case)
+        clearance, _ = sampled(case)
+        if answer[VERDICT] == CLEAR and math.isfinite(clearance):
+            close += 1
+            assert answer[SEEN + LOW] >= 0.95 * (1.0 - SLACK) * clearance - 0.03 or case.robot.mount > 0.0, seed
+    assert close > 20
+
+
+def test_backwards_it_is_the_same_motion() -> None:
+    for seed in range(60):
+        case = random_case(seed)
+        (there,), (back,) = prove(case, 1.0), prove(case._replace(q0=case.q1, q1=case.q0), 1.0)
+        assert UNDECIDED in (there[VERDICT], back[VERDICT]) or there[VERDICT] == back[VERDICT], seed
+
+
+def test_a_motion_cut_in_two_is_clear_when_both_parts_are() -> None:
+    for seed in range(60):
+        case = random_case(seed)
+        share = np.random.default_rng(seed).uniform(0.1, 0.9)
+        middle = (1.0 - share) * case.q0 + share * case.q1
+        (whole,), parts = prove(case), prove(case, knots=np.stack([case.q0, middle, case.q1]))
+        if UNDECIDED not in (whole[VERDICT], *parts[:, VERDICT]):
+            assert (whole[VERDICT] == CLEAR) == bool((parts[:, VERDICT] == CLEAR).all()), seed
+        if whole[VERDICT] == CLEAR:
+            low = parts[:, SEEN + LOW].min()
+            assert low == pytest.approx(whole[SEEN + LOW], rel=2.5 * SLACK) or case.robot.mount > 0.0
+
+
+def test_it_does_not_matter_where_robot_and_obstacles_stand() -> None:
+    rng = np.random.default_rng(3)
+    for seed in range(40):
+        case = random_case(seed)
+        pose = random_pose(rng, 2.0)
+        balls = [sn.Sphere(rng.uniform(-3, 3, 3), 0.4) for _ in range(6)]
+        moved = [sn.Sphere(pose[:3, :3] @ ball.center + pose[:3, 3], ball.radius) for ball in balls]
+        there = case._replace(robot=case.robot.changed(base=pose), scene=Scene(moved))
+        (one,), (other,) = prove(case._replace(scene=Scene(balls)), 1.0), prove(there, 1.0)
+        assert one[VERDICT] == other[VERDICT]
+        assert one[UNTIL] == pytest.approx(other[UNTIL], abs=1e-6)
+
+
+def test_who_stands_still_is_as_clear_as_a_configuration_is() -> None:
+    for seed in range(40):
+        case = random_case(seed)
+        still = case._replace(q1=case.q0)
+        (answer,) = prove(still)
+        clearance, gap = sampled(still)
+        assert (answer[VERDICT] == CLEAR) == (min(clearance, gap) > 0.0) or abs(min(clearance, gap)) < 0.02
+
+
+def test_meshes_and_clouds_are_no_different() -> None:
+    """The same box as a primitive, as triangles and as a cloud of points: what one proves, the others do not deny."""
+    rng = np.random.default_rng(5)
+    box = sn.Box((0.9, 0.0, 1.6), (0.3, 0.5, 0.4))
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * (0.15, 0.25, 0.2) + box.center
+    faces = "013 032 467 475 045 051 237 276 026 064 157 173"
+    triangles = [tuple(map(int, face)) for face in faces.split()]
+    points = rng.uniform(-1, 1, (4000, 3)) * (0.15, 0.25, 0.2) + box.center
+    others = Scene([sn.Mesh(corners, triangles)]), Scene([sn.PointCloud(points, 0.02)])
+    robot = sn.Robot.uniform(3, (0.8, 1.0), 2.0, radius=0.05)
+    verdicts = []
+    for _ in range(40):
+        case = Case(robot, Scene([box]), shape(robot, rng), shape(robot, rng))
+        (one,) = prove(case, 1.0)
+        mesh, cloud = (prove(case._replace(scene=scene), 1.0)[0] for scene in others)
+        assert mesh[VERDICT] == one[VERDICT]
+        if one[VERDICT] == CLEAR and sampled(case)[0] > 0.03:
+            assert cloud[VERDICT] == CLEAR
+        if cloud[VERDICT] == CLEAR:
+            assert sampled(case)[0] > -0.03
+        verdicts.append(one[VERDICT])
+    assert {CLEAR, TOUCHING} == set(verdicts)
+
+
+def test_the_part_within_the_mount_may_touch_what_it_stands_in() -> None:
+    floor = Scene([sn.HalfSpace((0, 0, 0.25), (0, 0, 1))])
+    robot = sn.Robot.uniform(2, (0.5, 1.0), 0.8, radius=0.05, mount=0.32)
+    q0, q1 = np.array([[0.1, 0, 0.6], [0.2, 0.1, 0.7]]), np.array([[0.2, 0, 0.9], [-0.3, 0.4, 0.9]])
+    assert prove(Case(robot, floor, q0, q1))[0, VERDICT] == CLEAR
+    bare = robot.changed(mount=0.0)
+    assert prove(Case(bare, floor, q0, q1))[0, VERDICT] == TOUCHING
+
+
+def test_the_proof_ends_by_its_deadline() -> None:
+    case = random_case(0)
+    knots = np.stack([case.q0, case.q1] * 200)
+    answers = prove(case, seconds=0.0, knots=knots)
+    assert (answers[-100:, VERDICT] == UNDECIDED).all()
+    assert (answers[-100:, UNTIL] == 0.0).all()

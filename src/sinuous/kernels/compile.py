@@ -34,6 +34,19 @@ def kernel(function: Function) -> Function:
     return compiled
 
 
+def inline(compiled: Function) -> Function:
+    """The same kernel, copied into its caller: for the one place of the innermost loop that calls it.
+
+    A call hands over every array by its parts, some hundred numbers; that took longer than the arithmetic.
+    """
+    function: Any = compiled.py_func  # type: ignore[attr-defined]
+    own = type(function)(function.__code__, function.__globals__, f"{function.__name__}_here")
+    own.__module__, own.__qualname__ = function.__module__, f"{function.__qualname__}_here"
+    copied = _stored(own, "inner", once.Part, {**NO_WRAPPERS, "forceinline": True})
+    KERNELS[own.__module__, own.__qualname__] = copied
+    return copied
+
+
 def closure(function: Function) -> Function:
     """Compile a kernel that is made around another kernel, as a function within a function.
 

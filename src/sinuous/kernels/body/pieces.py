@@ -3,13 +3,15 @@
 import math
 from collections import namedtuple
 
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene, look, price_of
 from sinuous.kernels.fields.solids import BOUND
 from sinuous.kernels.maths.vectors import Array, Vec
 
 Scratch = namedtuple("Scratch", ["among", "clock"])
 """What looking at obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
+
+look_here = inline(look)
 
 
 @kernel
@@ -27,7 +29,7 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others."""
     count, rest = 0, math.inf
     for i in range(scene.table.shape[0]):
-        d, _ = look(scene, i, p, reach, BOUND)
+        d, _ = look_here(scene, i, p, reach, BOUND)
         if d < reach:
             among[count] = i
             count += 1
@@ -65,7 +67,7 @@ def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, mode: 
     """
     least, most, which = math.inf, math.inf, -1
     for j in range(count):
-        d, upper = look(scene, among[j], p, min(reach, least), mode)
+        d, upper = look_here(scene, among[j], p, min(reach, least), mode)
         most = min(most, upper)
         if d < least:
             least, which = d, among[j]

@@ -16,7 +16,7 @@ by w c takes as long as two searches. Where the least priority of one side alrea
 import math
 
 from sinuous.kernels.clock import spend
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.distances import price as looks_of
 from sinuous.kernels.freespace.cells import (
@@ -110,6 +110,9 @@ def _joins(sides: Side, grid: Grid, cell: int, met: int) -> bool:
     return _through(sides, cell) < _through(sides, met) and SMOOTHED * length <= grid.longest
 
 
+cell_of_here, push_here = inline(cell_of), inline(push)
+
+
 @kernel
 def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met: int) -> int:
     """Look at the neighbours of a cell; returns the cell that the cheapest route known so far leads through."""
@@ -122,7 +125,7 @@ def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met:
         for j in range(-1, 2):
             for k in range(-1, 2):
                 key = key_of(x + i, y + j, z + k)
-                new = cell_of(table, key)
+                new = cell_of_here(table, key)
                 if new == NONE:
                     new = add_cell(table, memory.sides, key, free_distance(grid, scene, middle(grid, key)))
                     spend(memory.clock, looks)
@@ -139,7 +142,7 @@ def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met:
                 rest = norm(sub(middle(grid, key), aim))
                 if cost < side.cost[new] and SMOOTHED * length + rest <= grid.longest:
                     side.cost[new], side.length[new], side.before[new] = cost, length, cell
-                    push(side, cost + grid.inflation * rest, new)
+                    push_here(side, cost + grid.inflation * rest, new)
                     if rest <= close:
                         _arrive(other, new, rest, close)
                     if other.cost[new] < math.inf and _joins(memory.sides, grid, new, met):

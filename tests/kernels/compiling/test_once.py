@@ -38,7 +38,10 @@ def test_an_entry_shows_nothing_but_itself() -> None:
     assert len(symbols(entry)) == 2  # the function, and the wrapper that Python calls
 
 
-@numba.njit
+njit: Any = numba.njit
+
+
+@njit  # type: ignore[untyped-decorator]
 def climb(x: float, steps: int, height: float) -> float:
     """Too much to be copied into its callers; where all of these go equally high, that height is made part of it."""
     return x if steps <= 0 else climb(x + height, steps - 1, height) + 0.0 * math.sin(x)
@@ -56,7 +59,7 @@ def test_code_of_users_is_not_mixed_up_with_what_an_entry_was_made_of() -> None:
 
     entry = compiling.entry(ours)
     assert entry(3) == 7.0
-    assert numba.njit(theirs)(3, 5.0) == 16.0
+    assert njit(theirs)(3, 5.0) == 16.0
     assert entry(3) == 7.0
 
 
@@ -71,7 +74,7 @@ def test_helpers_of_numba_serve_users_as_before() -> None:
         return float(b[n - 1, m - 1] * 1000 + b[0, m - 1] + min(b[0, 0], 1.0))
 
     values = np.arange(24.0)
-    own, user = compiling.entry(_copy(ours)), numba.njit(theirs)
+    own, user = compiling.entry(_copy(ours)), njit(theirs)
     assert own(values, 4) == 18.0 + 1.0 + 1.0
     for n, m in ((2, 12), (3, 8), (6, 4), (24, 1)):
         assert user(values, n, m) == 23000.0 + (m - 1) + 0.0
@@ -109,7 +112,7 @@ def test_an_untried_numba_compiles_as_it_does_by_itself(
     plain = getattr(inner, "compiled", inner)
 
     def both(x: float) -> float:
-        return plain(x) + plain(2.0 * x)
+        return float(plain(x) + plain(2.0 * x))
 
     entry = compiling.entry(both)
     assert entry(4.0) == 3.0

@@ -115,7 +115,8 @@ def test_the_code_of_another_function_is_not_taken_for_it(folder: Path) -> None:
     compiling.entry(half)(2.0)
     compiling.entry(third)(2.0)
     assert len({file.name for file in folder.iterdir()}) == 2
-    context = compiling.entry(half).targetctx
+    made: Any = compiling.entry(half)
+    context = made.targetctx
     names = {store.Store(f, kind)._path(s, context.codegen()) for f in (half, third) for kind in "ab" for s in "xy"}
     assert len(names) == 8
 

@@ -85,6 +85,16 @@ def _copy(function: Any) -> Any:
     return type(function)(function.__code__, function.__globals__)
 
 
+def test_code_that_numba_compiles_by_itself_can_call_kernels() -> None:
+    norm = store.KERNELS[parts.__name__, "norm"]
+
+    def twice(x: float) -> float:
+        return float(2.0 * norm(x, 4.0))
+
+    assert njit(twice)(3.0) == 10.0
+    assert compiling.entry(twice)(3.0) == 10.0
+
+
 @pytest.mark.usefixtures("fresh")
 def test_names_are_the_same_in_every_process() -> None:
     """Numba numbers functions as they come; kernels are called by what they depend on."""

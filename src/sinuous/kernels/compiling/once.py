@@ -19,7 +19,7 @@ from numba.core.compiler_machinery import PassManager
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
-TRIED = ("0.61", "0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
+TRIED = ("0.63", "0.64", "0.68")
 """Versions of Numba that parts and wholes were tried with."""
 
 NEEDLESS = {
@@ -50,11 +50,12 @@ class Part(JITCodeLibrary):
 
     Attributes
     ----------
-    parts : list of JITCodeLibrary
-        The kernels that it calls: parts too, or such as were read from the disk.
+    parts : list of Part
+        The kernels that it calls.
     """
 
-    parts: list[Any]
+    parts: "list[Part]"
+    _shared_module: Any
     _filled = False
 
     def add_ir_module(self, ir_module: Any) -> None:
@@ -74,10 +75,9 @@ class Part(JITCodeLibrary):
         own = {function.name for function in whole.functions if function.linkage == llvm.Linkage.external}
         self.parts = []
         for library in dict.fromkeys(self._linking_libraries):
-            if hasattr(library, "parts"):
+            if isinstance(library, Part):
                 self.parts.append(library)
             else:
-                self._reload_init.update(library._reload_init)
                 whole.link_in(library._get_module_for_linking(), preserve=True)
         for function in whole.functions:
             if not function.is_declaration and function.name not in own:
@@ -92,6 +92,19 @@ class Part(JITCodeLibrary):
         self._final_module.name = whole.name
         self._finalize_final_module()
 
+    def _get_module_for_linking(self) -> Any:
+        """Return this part and all that it calls: for code of others, which Numba compiles by itself."""
+        self._ensure_finalized()
+        module = self._shared_module.clone()
+        for part in reached([self])[1:]:
+            module.link_in(part._shared_module, preserve=True)
+        return module
+
+    def serialize_using_object_code(self) -> Any:
+        """Return what is kept on disk: this part alone."""
+        self._ensure_finalized()
+        return self.name, "object", (self._get_compiled_object(), self._shared_module.as_bitcode())
+
     def _lighten(self, module: Any) -> None:
         """Take out what was lowered in vain: addresses of this process among it, which cannot be kept on disk."""
         passes = llvm.create_new_module_pass_manager()
@@ -104,15 +117,10 @@ class Whole(JITCodeLibrary):
     """An entry with all that it calls, optimised at once."""
 
     def finalize(self) -> None:
-        """Link all parts, and what they call in turn."""
-        found: dict[Any, None] = {}
-        due = list(self._linking_libraries)
-        while due:
-            library = due.pop()
-            if library not in found:
-                found[library] = None
-                due += getattr(library, "parts", ())
-        self._linking_libraries = list(found)
+        """Link all parts, each once."""
+        for part in reached(self._linking_libraries):
+            self._final_module.link_in(part._shared_module, preserve=True)
+        self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, Part)]
         super().finalize()
 
     def _optimize_final_module(self) -> None:
@@ -132,6 +140,26 @@ class Whole(JITCodeLibrary):
         options.loop_vectorization, options.slp_vectorization = True, False
         builder = llvm.create_pass_builder(self._codegen._tm, options)
         builder.getModulePassManager().run(self._final_module, builder)
+
+
+def reached(libraries: list[Any]) -> list[Part]:
+    """List the parts among these libraries, and all that they call in turn, each once."""
+    found: dict[Part, None] = {}
+    due = [library for library in reversed(libraries) if isinstance(library, Part)]
+    while due:
+        part = due.pop()
+        if part not in found:
+            found[part] = None
+            due += part.parts
+    return list(found)
+
+
+def as_part(library: Any, parts: list[Part]) -> Part:
+    """Return a library that was read from the disk as the part that it was, which calls these others."""
+    library.__class__ = Part
+    library.parts = parts
+    part: Part = library
+    return part
 
 
 def compiler(library: type[JITCodeLibrary], name: str | None) -> type[Compiler]:

@@ -26,6 +26,7 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 
 from sinuous.caches import places, writable
+from sinuous.kernels.compiling.once import Part, as_part
 
 PACKAGE = Path(__file__).parents[2]
 
@@ -125,17 +126,17 @@ class Store(NullCache):
             return None
         result = CompileResult._rebuild(context, *reduced)
         if called is not None:
-            result.library.parts = parts
+            as_part(result.library, parts)
             self._sign(result)
         return result
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keep the code for a signature, where that can be done."""
         library = result.library
-        parts = getattr(library, "parts", None)
-        if parts is not None:
+        called = None
+        if isinstance(library, Part):
             self._sign(result)
-        called = None if parts is None else [getattr(part, "origin", None) for part in parts]
+            called = [getattr(part, "origin", None) for part in library.parts]
         if library.has_dynamic_globals or None in (called or ()):
             return
         data = serialize.dumps((called, result._reduce()))

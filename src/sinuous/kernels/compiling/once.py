@@ -19,7 +19,7 @@ from numba.core.compiler_machinery import PassManager
 
 config: Any = numba_config  # its settings are made at run time, which a type checker does not see
 
-TRIED = ("0.63", "0.64", "0.68")
+TRIED = ("0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
 """Versions of Numba that parts and wholes were tried with."""
 
 NEEDLESS = {

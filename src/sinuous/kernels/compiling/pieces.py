@@ -46,11 +46,11 @@ SHARED = 100
 
 
 PIECES = (
-    Piece("single solves", 8, ("kernels.solve.search.search" + FREE,), 14),
-    Piece("single solves among obstacles", 14, ("kernels.solve.search.search",), 24),
+    Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 17),
+    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 24),
     Piece(
         "routes among obstacles",
-        20,
+        19,
         (
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
@@ -58,10 +58,10 @@ PIECES = (
             "kernels.fitting.fit.fit_route",
         ),
     ),
-    Piece("batches of solves", 8, ("kernels.solve.search.search_many" + FREE,), 14),
-    Piece("batches of solves among obstacles", 8, ("kernels.solve.search.search_many",)),
-    Piece("preferences", 6, ("kernels.solve.preferences.prefer" + FREE,)),
-    Piece("preferences among obstacles", 8, ("kernels.solve.preferences.prefer",)),
+    Piece("batches of solves", 4, ("kernels.solve.search.search_many" + FREE,)),
+    Piece("batches of solves among obstacles", 5, ("kernels.solve.search.search_many",)),
+    Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
+    Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
     Piece(
         "kinematics",
         1,
@@ -79,12 +79,12 @@ PIECES = (
             "kernels.fields.solids.sample",
         ),
     ),
-    Piece("the method opti_path", 25, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
-    Piece("the method dls", 6, ("methods.dls.search.search",)),
-    Piece("the methods fabrikc and fabrikx", 8, ("methods.fabrik.search.search",)),
-    Piece("the method slinki", 10, ("methods.slinki.search.search",)),
+    Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
+    Piece("the method dls", 4, ("methods.dls.search.search",)),
+    Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.search.search",)),
+    Piece("the method slinki", 6, ("methods.slinki.search.search",)),
     Piece("the method fabrik_avoid", 6, ("methods.fabrik_avoid.search.search",)),
-    Piece("the method monte_carlo", 6, ("methods.monte_carlo.search.search",)),
+    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search.search",)),
 )
 """All that is compiled, what most users need first."""
 

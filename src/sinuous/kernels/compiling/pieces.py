@@ -47,7 +47,7 @@ SHARED = 100
 
 PIECES = (
     Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 17),
-    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 24),
+    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 26),
     Piece(
         "routes among obstacles",
         19,

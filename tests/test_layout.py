@@ -52,6 +52,7 @@ KERNEL_FLOORS = {
     "maths": 0,
     "clock": 0,
     "compile": 0,
+    "compiling": 0,
     "tables": 0,
 }
 

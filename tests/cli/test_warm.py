@@ -7,22 +7,23 @@ import pytest
 
 from sinuous.cli import warm
 from sinuous.cli.app import main
-from sinuous.kernels import compile as compiling
+from sinuous.kernels.compiling import pieces
 from sinuous.solving.warm import Step
 from tests.cli.test_progress import Terminal
 
-FIRST, SECOND = compiling.PIECES[:2]
+FIRST, SECOND = pieces.PIECES[:2]
 
 
 @pytest.fixture
-def compiled(monkeypatch: pytest.MonkeyPatch) -> Callable[[compiling.Piece], None]:
-    """Two steps, of which the first compiles and the second finds everything; returns what stands for compiling."""
+def compiled(monkeypatch: pytest.MonkeyPatch) -> Callable[[pieces.Piece], None]:
+    """Two steps, of which the first compiles and the second finds everything; returns what stands for pieces."""
 
-    def compile_it(piece: compiling.Piece) -> None:
-        compiling._tellers[-1](piece)
+    def compile_it(piece: pieces.Piece) -> None:
+        pieces._tellers[-1](piece)
 
     steps = [Step("one", lambda: compile_it(FIRST)), Step("another", lambda: None)]
     monkeypatch.setattr(warm, "steps", lambda methods: steps)
+    monkeypatch.setattr(warm, "cores", lambda: 1)
     return compile_it
 
 
@@ -32,7 +33,7 @@ def test_it_says_what_is_compiled_and_how_many_are_left(
 ) -> None:
     assert main(["warm"]) == 0
     said = capsys.readouterr()
-    assert said.err == f"sinuous: 1 of 2: compiling single solves (about {FIRST.seconds} s)\n"
+    assert said.err == f"sinuous: 1 of 2: compiling single solves (about {FIRST.expected} s)\n"
     assert said.out == "everything is compiled, in 0 s\n"
     stream = Terminal()
     monkeypatch.setattr(sys, "stderr", stream)
@@ -44,6 +45,7 @@ def test_what_is_there_is_not_compiled_again(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)])
+    monkeypatch.setattr(warm, "cores", lambda: 1)
     assert main(["warm"]) == 0
     said = capsys.readouterr()
     assert (said.out, said.err) == ("everything was compiled before\n", "")
@@ -54,6 +56,7 @@ def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkey
         raise KeyboardInterrupt
 
     monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None), Step("two", interrupted)])
+    monkeypatch.setattr(warm, "cores", lambda: 1)
     assert main(["warm"]) == 130
     assert capsys.readouterr().err == "sinuous: interrupted after 1 of 2; what is compiled stays so\n"
 
@@ -70,3 +73,17 @@ def test_methods_are_chosen_by_name(capsys: pytest.CaptureFixture[str], monkeypa
     assert asked == [("dls", "newton")]
     assert main(["warm", "--method", "magic"]) == 2
     assert capsys.readouterr().err.startswith("--method: expected one of newton, ")
+
+
+def test_processes_share_the_work(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warm, "cores", lambda: 2)
+    for _ in range(2):
+        assert main(["warm", "--method", "dls"]) == 0
+        said = capsys.readouterr()
+    assert (said.out, said.err) == ("everything was compiled before\n", "")
+
+
+def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)] * 99)
+    with pytest.raises(IndexError):
+        warm._use_in_processes(2, ("dls",), warm._Lines(99))

@@ -337,7 +337,7 @@ def test_many_at_once_are_the_same_as_one_by_one() -> None:
 def test_one_compilation_serves_every_problem() -> None:
     test_several_targets_at_once()
     test_blocked_target_and_base()
-    assert len(search.signatures) == 1  # type: ignore[attr-defined]
+    assert len(search.signatures) <= 2  # type: ignore[attr-defined]  # among obstacles, and without any
 
 
 @pytest.mark.parametrize(

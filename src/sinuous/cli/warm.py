@@ -1,15 +1,19 @@
 """The command warm: compile everything now, so that nobody waits for it later."""
 
+import os
+import signal
 import sys
 import time as clock
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from contextlib import contextmanager
+from multiprocessing import active_children, get_context
 from typing import Any
 
 import typer
 
 from sinuous.errors import InputError
-from sinuous.kernels.compile import Piece, told_to
+from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.methods.registry import METHODS
 from sinuous.solving.warm import Step, steps
 
@@ -29,18 +33,75 @@ def warm_up(methods: Sequence[str]) -> int:
             raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
     listed = steps(methods or METHODS)
     began = clock.perf_counter()
+    shared = min(cores(), len(listed))
     try:
-        with _shown(len(listed)) as shown, told_to(shown.compiling):
-            for step in listed:
-                shown.begin(step)
-                step.use()
-                shown.done += 1
+        with _shown(len(listed)) as shown:
+            if shared > 1:
+                _use_in_processes(shared, tuple(methods or METHODS), shown)
+            else:
+                _use_here(listed, shown)
     except KeyboardInterrupt:
         typer.echo(f"sinuous: interrupted after {shown.done} of {len(listed)}; what is compiled stays so", err=True)
         return INTERRUPTED
     seconds = clock.perf_counter() - began
     typer.echo(f"everything is compiled, in {seconds:.0f} s" if shown.compiled else "everything was compiled before")
     return DONE
+
+
+def cores() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _use_here(listed: list[Step], shown: "_Lines") -> None:
+    """Take one step after the other."""
+    with told_to(shown.compiling):
+        for step in listed:
+            shown.begin(step)
+            step.use()
+            shown.done += 1
+
+
+def _use_in_processes(count: int, methods: tuple[str, ...], shown: "_Lines") -> None:
+    """Take the steps in so many processes, which share what they compile through the disk."""
+    context = get_context("spawn")
+    said: Any = context.SimpleQueue()
+    pool = ProcessPoolExecutor(count, context, _begin, (said,))
+    try:
+        listed = steps(methods)
+        due = {pool.submit(_use, methods, i): step for i, step in enumerate(listed)}
+        while due:
+            done, _ = wait(due, timeout=0.1, return_when=FIRST_COMPLETED)
+            while not said.empty():
+                shown.compiling(said.get())
+            for one in done:
+                due.pop(one)
+                one.result()
+                shown.done += 1
+            if done and due:
+                shown.begin(next(iter(due.values())))
+    except BaseException:
+        for child in active_children():
+            child.terminate()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _begin(said: Any) -> None:
+    """Begin a process: tell the first one what is compiled, and let an interrupt end it without a word."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    _tell.append(said.put)
+
+
+def _use(methods: tuple[str, ...], i: int) -> None:
+    """Take a step in a process of the pool."""
+    with told_to(_tell[-1]):
+        steps(methods)[i].use()
+
+
+_tell: list[Callable[[Piece], None]] = []
+"""In a process of the pool: how the first one is told what is compiled."""
 
 
 class _Lines:
@@ -55,7 +116,7 @@ class _Lines:
     def compiling(self, piece: Piece) -> None:
         """Say what is about to be compiled."""
         self.compiled += 1
-        self.show(f"compiling {piece.what} (about {piece.seconds} s)")
+        self.show(f"compiling {piece.what} (about {piece.expected} s)")
 
     def show(self, text: str) -> None:
         """Say something of the step under way."""

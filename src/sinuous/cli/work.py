@@ -18,6 +18,7 @@ from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.track import Track, waypoints
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
+from sinuous.solving.between import load_motions
 from sinuous.solving.solver import OneSolve, Solver
 
 SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
@@ -115,6 +116,8 @@ def _solve_all(count: int, solver: Solver, problem: ProblemFile, bar: Bar) -> Al
 
 def _track(solver: Solver, problem: ProblemFile, bar: Bar) -> Track:
     """Follow the path; when interrupted, return what is there."""
+    if len(problem.waypoints) > 1:
+        load_motions(solver.robot, solver.scene.snapshot())  # so that it is not compiled after the last waypoint
     solutions: list[Solution] = []
     try:
         for solution in waypoints(solver, problem.waypoints, problem.start):

@@ -44,8 +44,8 @@ Problem = namedtuple(
         "step_depth",
     ],
 )
-"""What does not change during a solve: `Robot`, the scene, rows of targets (t, 15); the settings by their names
-(lengths in the length unit, angles in rad)."""
+"""What does not change during a solve: `Robot`, the scene or `None` (see `distances.Scene`), rows of targets (t, 15);
+the settings by their names (lengths in the length unit, angles in rad)."""
 
 
 @kernel
@@ -64,7 +64,7 @@ def read_robot(robot: Array) -> Robot:
 
 
 @kernel
-def read_problem(robot: Array, scene: Array, settings: Array, targets: Array) -> Problem:
+def read_problem(robot: Array, scene: Array | None, settings: Array, targets: Array) -> Problem:
     """Take the groups of one problem apart; layouts as `tables` says, `targets` (t, 15)."""
     own = read_robot(robot)
     return Problem(

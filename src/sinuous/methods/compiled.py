@@ -73,13 +73,17 @@ class Compiled:
         if not self._capabilities.any_target:
             for each in rows:
                 self._capabilities.refuse_targets(self._name, each, self._segments)
-        groups = self._robot, scene._kernel_group, self._settings
+        groups = self._robot, self._scene_group(scene), self._settings
         self._entry.search(*groups, rows, initial, budget, self._workspace(rows.shape[1]), answers)
 
     def _call(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget) -> Call:
         answers = np.empty((len(rows), answer_size(self._segments)))
-        groups = self._robot, scene._kernel_group, self._settings
+        groups = self._robot, self._scene_group(scene), self._settings
         return Call(self._entry.search, (*groups, rows, initial, budget, self._workspace(rows.shape[1]), answers))
+
+    def _scene_group(self, scene: Snapshot) -> Floats | None:
+        """Group of the scene, as the entry takes it."""
+        return scene._kernel_group
 
     def _workspace(self, targets: int) -> Floats:
         """Scratch of this thread, for so many targets at once."""

@@ -50,13 +50,17 @@ class PreparedNewton(Compiled):
             outcome.q[:] = 0.0
             self._prefer(outcome, nowhere.scene, nowhere._rows, None, 0.0)
 
+    def _scene_group(self, scene: Snapshot) -> Floats | None:
+        """Nothing where there are no obstacles: entries of their own, which compile faster, look at none."""
+        return scene._kernel_group if len(scene) else None
+
     def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
         """Return what `run` would call; see `Method.build`."""
         return Call(search, self._arguments(problem, initial, budget))
 
     def _arguments(self, problem: Problem, initial: Floats, budget: Budget) -> tuple[Any, ...]:
         rows, best = problem._rows, np.empty(self._shape)
-        group, workspace = problem.scene._kernel_group, self._workspace(len(rows))
+        group, workspace = self._scene_group(problem.scene), self._workspace(len(rows))
         return self._robot, group, self._settings, rows, initial, budget, workspace, best
 
     def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
@@ -87,7 +91,7 @@ class PreparedNewton(Compiled):
         """
         near = outcome.q.copy() if reference is None else np.array(reference)
         proved = outcome.position_error, outcome.angle_error, outcome.clearance, outcome.self_clearance, seconds
-        groups = self._robot, scene._kernel_group, self._settings, rows
+        groups = self._robot, self._scene_group(scene), self._settings, rows
         used, *better = prefer(*groups, near, proved, self._workspace(len(rows)), outcome.q)
         position_error, angle_error, clearance, self_clearance, spent = better
         return outcome._replace(

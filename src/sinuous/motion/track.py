@@ -12,7 +12,6 @@ from sinuous import checks
 from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
-from sinuous.motion.steps import Steps, prove_steps, unproved
 from sinuous.motion.table import write_csv
 from sinuous.problem.asked import read_asked
 from sinuous.problem.goals import KEYS, GoalArrays
@@ -22,6 +21,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
+from sinuous.solving.between import Steps, prove_steps, unproved
 from sinuous.solving.options import SolveArguments
 from sinuous.solving.solver import Initial, Solver
 

@@ -14,6 +14,9 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.nearest import least_gap
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
+from sinuous.solving.between import load_motions
+from sinuous.solving.options import SolveOptions
+from sinuous.solving.routes import Router
 from sinuous.solving.solver import OneSolve, Solver
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
@@ -35,19 +38,29 @@ class Step(NamedTuple):
 
 
 def steps(methods: Iterable[str] = METHODS) -> list[Step]:
-    """List what to use so that these methods, and all that goes with them, are compiled; what most need comes first."""
+    """List what to use so that these methods, and all that goes with them, are compiled; what most need comes first.
+
+    Neighbours share little, so that two processes that take turns at the list seldom compile the same at once.
+    """
     chosen = tuple(dict.fromkeys(map(name_of, methods)))
     own = [
-        Step("single solves", partial(OneSolve, ROBOT, FAR)),
-        Step("routes among obstacles", partial(Solver, ROBOT, FAR)),
-        Step("batches of solves", lambda: Solver(ROBOT).solve_many([TARGET])),
-        Step("preferences", lambda: Solver(ROBOT, prefer=Preferences(bends=1.0))),
+        Step("single solves", partial(OneSolve, ROBOT)),
+        Step("routes among obstacles", Router(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
+        Step("single solves among obstacles", partial(OneSolve, ROBOT, FAR)),
+        Step("batches of solves", lambda: OneSolve(ROBOT).solve_many([TARGET])),
+        Step("batches of solves among obstacles", lambda: OneSolve(ROBOT, FAR).solve_many([TARGET])),
+        Step("preferences", lambda: OneSolve(ROBOT, prefer=Preferences(bends=1.0))),
+        Step("preferences among obstacles", lambda: OneSolve(ROBOT, FAR, prefer=Preferences(bends=1.0))),
     ]
     others = [
         Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
     ]
-    geometry = [Step("kinematics", _kinematics), Step("distances", _distances)]
+    geometry = [Step("kinematics", _kinematics), Step("distances", _distances), Step("motions", _motions)]
     return [*(own if "newton" in chosen else []), *geometry, *others]
+
+
+def _motions() -> None:
+    load_motions(ROBOT, FAR.snapshot())
 
 
 def _kinematics() -> None:

@@ -28,7 +28,7 @@ segment is halved where it may be too near, and the mode of the distances, STEP 
 
 @kernel
 def contacts(
-    body: Body, scene: Scene, k: int, mount: float, look: Look, scratch: Scratch, rows: Rows, at: int
+    body: Body, scene: Scene | None, k: int, mount: float, look: Look, scratch: Scratch, rows: Rows, at: int
 ) -> tuple[int, float]:
     """Write a row for every place of segment `k` that is closer than `look.margin` to an obstacle, from row `at` on.
 
@@ -36,6 +36,8 @@ def contacts(
     begins. Returns the next free row and the least clearance that was seen at a place (infinite: none was looked at
     closely). When the time of the clock in `scratch` is over, rows are missing.
     """
+    if scene is None:
+        return at, math.inf
     q, frames = body.q, body.frames
     start, length, radius = free_part(q, k, mount), q[k, 2], body.limits[k, RADIUS]
     part = 1.0 - start

@@ -5,6 +5,7 @@ A primitive is in its row (see `primitives`); meshes, clouds and grids keep thei
 
 import math
 from collections import namedtuple
+from typing import Any
 
 from sinuous.kernels.clock import TREE_LOOKS
 from sinuous.kernels.compile import entry, kernel
@@ -28,12 +29,17 @@ from sinuous.kernels.tables import (
 )
 
 Scene = namedtuple("Scene", ["table", "store"])
-"""Rows (m, 18), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`."""
+"""Rows (m, 18), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
+
+Where there is nothing, `None` may stand for it: that is another type, for which nothing is compiled that looks at
+obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""
 
 
 @kernel
-def read_scene(scene: Array) -> Scene:
-    """Take the group of a scene apart."""
+def read_scene(scene: Array | None) -> Any:
+    """Take the group of a scene apart: a `Scene`, or `None` for `None`."""
+    if scene is None:
+        return None
     end = SCENE_HEADER + OBSTACLE_WIDTH * int(scene[0])
     return Scene(shaped(scene[SCENE_HEADER:end], (int(scene[0]), OBSTACLE_WIDTH)), scene[end:])
 
@@ -74,8 +80,18 @@ def obstacle(scene: Scene, i: int, p: Vec) -> tuple[float, Vec]:
 
 
 @kernel
-def coarseness(scene: Scene) -> float:
+def number_of(scene: Scene | None) -> int:
+    """How many obstacles there are."""
+    if scene is None:
+        return 0
+    return int(scene.table.shape[0])
+
+
+@kernel
+def coarseness(scene: Scene | None) -> float:
     """Largest spacing of samples that stand in for something exact; 0 without any."""
+    if scene is None:
+        return 0.0
     spacing = 0.0
     for i in range(scene.table.shape[0]):
         if scene.table[i, KIND] >= TREE and scene.table[i, FIRST_SAMPLE] >= 0.0:

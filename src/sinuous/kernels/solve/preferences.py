@@ -115,7 +115,7 @@ def improve(problem: Problem, states: State, work: Work, wishes: Wishes, best: A
 @entry
 def prefer(
     robot: Array,
-    scene: Array,
+    scene: Array | None,
     settings: Array,
     targets: Array,
     reference: Array,

@@ -132,7 +132,7 @@ def _solve(
 @entry
 def search(
     robot: Array,
-    scene: Array,
+    scene: Array | None,
     settings: Array,
     targets: Array,
     initial: Array,
@@ -142,7 +142,8 @@ def search(
 ) -> Numbers:
     """Solve from the configurations `initial` (g, n, 3), the single arc, then scattered shapes; targets (t, 15).
 
-    `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says. `budget` holds the numbers of
+    `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says; `scene` is `None` without
+    obstacles. `budget` holds the numbers of
     the own starts to try, from the first up to, without it, the last; a seed; and seconds. `workspace` (w,) is scratch,
     see `states.workspace_size`. Fills `best` (n, 3) with the best configuration found and returns its record.
     """
@@ -155,7 +156,7 @@ def search(
 @entry
 def search_many(
     robot: Array,
-    scene: Array,
+    scene: Array | None,
     settings: Array,
     targets: Array,
     initial: Array,

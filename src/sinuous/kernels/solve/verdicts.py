@@ -4,7 +4,7 @@ import math
 
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import at_most
+from sinuous.kernels.fields.distances import Scene, at_most
 from sinuous.kernels.maths.vectors import Array, Vec, dot, get_vec, norm, scale, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
@@ -104,8 +104,10 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
 
 
 @kernel
-def _target_blocked(problem: Problem, i: int, k: int) -> bool:
-    if problem.scene.table.shape[0] == 0 or problem.targets[i, HAS_POSITION] == 0.0:
+def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bool:
+    if scene is None:
+        return False
+    if scene.table.shape[0] == 0 or problem.targets[i, HAS_POSITION] == 0.0:
         return False
     shortest = 0.0
     for j in range(k + 1):
@@ -114,7 +116,7 @@ def _target_blocked(problem: Problem, i: int, k: int) -> bool:
         return False
     place, loose = backbone_end(problem, i, k)
     loose += problem.position_tolerance
-    return bool(at_most(problem.scene, place, math.inf) + loose < problem.limits[k, RADIUS] - 1e-9 * problem.unit)
+    return bool(at_most(scene, place, math.inf) + loose < problem.limits[k, RADIUS] - 1e-9 * problem.unit)
 
 
 @kernel
@@ -124,6 +126,6 @@ def verdict_of(problem: Problem) -> int:
         k = end_segment(problem.targets, i, problem.limits.shape[0])
         if _out_of_reach(problem, i, k):
             return OUT_OF_REACH
-        if _target_blocked(problem, i, k):
+        if _target_blocked(problem.scene, problem, i, k):
             return TARGET_BLOCKED
     return POSSIBLE

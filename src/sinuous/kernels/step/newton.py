@@ -11,9 +11,9 @@ from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
-from sinuous.kernels.compile import inline, kernel
+from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields import solids
-from sinuous.kernels.fields.distances import coarseness
+from sinuous.kernels.fields.distances import Scene, coarseness, number_of
 from sinuous.kernels.maths.vectors import ZERO, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
@@ -102,9 +102,6 @@ def add_self_contacts(problem: Problem, state: State, work: Work) -> None:
     state.norms[SELF_SEEN], state.norms[PAIRS] = low, count
 
 
-add_targets_here, close_here = inline(add_targets), inline(close)
-
-
 @kernel
 def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int, wish: float, with_self: bool) -> None:
     """Fill frames, rows and norms of `state` for its configuration; clearance up to `wish` becomes SOFT rows.
@@ -124,13 +121,13 @@ def linearise(problem: Problem, state: State, work: Work, depth: int, mode: int,
     for k in range(q.shape[0]):
         rows.start[k] = at
         actuator, at = actuation.add_rows(problem.actuation, k, actuator, rows, at)
-        if problem.scene.table.shape[0] > 0:
+        if number_of(problem.scene) > 0:
             at, least = contacts(body, problem.scene, k, mount, look, scratch, rows, at)
             seen = min(seen, least)
             mount -= q[k, 2]
-        at, miss, angle = add_targets_here(problem, state, k, at)
+        at, miss, angle = add_targets(problem, state, k, at)
         off, turn = max(off, miss), max(turn, angle)
-    close_here(state, at)
+    close(state, at)
     state.norms[POSITION], state.norms[ANGLE], state.norms[SEEN] = off, turn, seen
     if with_self:
         add_self_contacts(problem, state, work)
@@ -205,13 +202,20 @@ def met_by(state: State, loose: float) -> bool:
 @kernel
 def proof(problem: Problem, state: State, work: Work) -> tuple[int, float]:
     """Verdict and clearance of the whole body at `state`; see `proof.prove`."""
-    if problem.scene.table.shape[0] == 0:
+    return _proof_among(problem.scene, problem, state, work)
+
+
+@kernel
+def _proof_among(scene: Scene | None, problem: Problem, state: State, work: Work) -> tuple[int, float]:
+    if scene is None:
         return CLEAR, math.inf
-    slack = SAMPLED_SLACK if coarseness(problem.scene) > 0.0 else SLACK
+    if scene.table.shape[0] == 0:
+        return CLEAR, math.inf
+    slack = SAMPLED_SLACK if coarseness(scene) > 0.0 else SLACK
     finest = FINEST * problem.unit
     scratch = Scratch(work.among, work.clock)
     verdict, clearance, _, _, _ = prove(
-        problem.limits, state.q, state.frames, problem.scene, problem.mount, slack, finest, scratch
+        problem.limits, state.q, state.frames, scene, problem.mount, slack, finest, scratch
     )
     return verdict, clearance
 
@@ -234,9 +238,6 @@ def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int
     if merit == math.inf:
         return slow, easing
     return slow + 1 if found > 0.8 * merit else 0, max(1e-6, 0.3 * easing)
-
-
-linearise_here, step_here = inline(linearise), inline(step)
 
 
 @kernel
@@ -262,7 +263,7 @@ def descend(
     bound = with_self = False
     while True:
         looked = pick(states, looked_at)
-        linearise_here(problem, looked, work, depth, mode, 0.0, with_self)
+        linearise(problem, looked, work, depth, mode, 0.0, with_self)
         if late(work.clock):
             if merit == math.inf:
                 at, looked.norms[MERIT] = looked_at, math.inf
@@ -297,6 +298,6 @@ def descend(
             return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound
         iteration += 1
         rest(work)
-        bound = step_here(problem, state, work, max(EXACT, 0.01 * easing * merit))
+        bound = step(problem, state, work, max(EXACT, 0.01 * easing * merit))
         looked_at = 1 - at
         move(problem, state, work, pick(states, looked_at))

@@ -11,6 +11,7 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
@@ -48,7 +49,7 @@ def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) 
 @kernel
 def carve(buffer: Array, problem: Problem) -> tuple[State, Work]:
     """Lay out workspace: several states, as arrays with one more axis in front (see `pick`), and scratch."""
-    return carve_for(buffer, problem, problem.scene.table.shape[0])
+    return carve_for(buffer, problem, number_of(problem.scene))
 
 
 @kernel

@@ -86,3 +86,8 @@ def unproved(count: int) -> Floats:
     answers = np.full((count, ANSWER_WIDTH), math.inf)
     answers[:, VERDICT], answers[:, UNTIL] = UNDECIDED, 0.0
     return answers
+
+
+def load_motions(robot: Robot, scene: Snapshot) -> None:
+    """Compile what proves motions, or load it."""
+    prove_steps(robot, scene, np.zeros((1, len(robot), 3)))

@@ -1,0 +1,191 @@
+"""Optimise every entry once, together with all that it calls.
+
+For each kernel Numba links all its callees, optimises the whole, emits machine code, and does so again in each of its
+callers. Here a kernel stays a `Part`, as Numba lowers it, and the entry, a `Whole`, links, optimises and emits.
+
+Of Numba this takes the hook that lets a function have a compiler of its own (`pipeline_class`), and the methods of its
+`JITCodeLibrary` that are overridden below. `TRIED` lists the versions that this was tried with; with others
+(`kernels.compile`) Numba compiles as it does by itself.
+"""
+
+from typing import Any
+
+import numba
+from llvmlite import binding as llvm
+from numba.core import config as numba_config
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager
+
+config: Any = numba_config  # its settings are made at run time, which a type checker does not see
+
+TRIED = ("0.62", "0.63", "0.64", "0.65", "0.66", "0.67", "0.68")
+"""Versions of Numba that parts and wholes were tried with."""
+
+NEEDLESS = {
+    "AnnotateTypes",
+    "DumpParforDiagnostics",
+    "FindLiterallyCalls",
+    "InlineClosureLikes",
+    "InlineOverloads",
+    "LiteralPropagationSubPipelinePass",
+    "LiteralUnroll",
+    "MakeFunctionToJitFunction",
+    "NopythonRewrites",
+    "RewriteDynamicRaises",
+}
+"""Passes of Numba's front end that kernels have no use for: closures, generators, array expressions, reports."""
+
+ENVIRONMENT = "_ZN08NumbaEnv"
+"""What names of Numba's environments begin with."""
+
+
+def tried() -> bool:
+    """Say whether this version of Numba is one that parts and wholes were tried with."""
+    return ".".join(numba.__version__.split(".")[:2]) in TRIED
+
+
+class Part(JITCodeLibrary):
+    """A kernel as Numba lowers it, neither optimised nor machine code.
+
+    Attributes
+    ----------
+    parts : list of Part
+        The kernels that it calls.
+    """
+
+    parts: "list[Part]"
+    _shared_module: Any
+    _filled = False
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Take a module over as it is."""
+        self._raise_if_finalized()
+        module = llvm.parse_assembly(str(ir_module))
+        module.data_layout = self._codegen._data_layout
+        if self._filled:
+            self._final_module.link_in(module)
+        else:
+            module.name = self._final_module.name
+            self._final_module, self._filled = module, True
+
+    def finalize(self) -> None:
+        """Keep what entries link; give the engine nothing but Numba's environment, for which it asks."""
+        whole = self._final_module
+        own = {function.name for function in whole.functions if function.linkage == llvm.Linkage.external}
+        self.parts = []
+        for library in dict.fromkeys(self._linking_libraries):
+            if isinstance(library, Part):
+                self.parts.append(library)
+            else:
+                whole.link_in(library._get_module_for_linking(), preserve=True)
+        for function in whole.functions:
+            if not function.is_declaration and function.name not in own:
+                # Another process may have given its name to another helper of Numba: nobody sees it.
+                function.linkage = "private"
+        self._lighten(whole)
+        for name in own:
+            whole.get_function(name).linkage = "linkonce_odr"
+        self._finalize_dynamic_globals()
+        self._shared_module = whole
+        self._final_module = llvm.parse_assembly(str(self._codegen._create_empty_module(self.name)) + _seen(whole))
+        self._final_module.name = whole.name
+        self._finalize_final_module()
+
+    def _get_module_for_linking(self) -> Any:
+        """Return this part and all that it calls: for code of others, which Numba compiles by itself."""
+        self._ensure_finalized()
+        module = self._shared_module.clone()
+        for part in reached([self])[1:]:
+            module.link_in(part._shared_module, preserve=True)
+        return module
+
+    def serialize_using_object_code(self) -> Any:
+        """Return what is kept on disk: this part alone."""
+        self._ensure_finalized()
+        return self.name, "object", (self._get_compiled_object(), self._shared_module.as_bitcode())
+
+    def _lighten(self, module: Any) -> None:
+        """Take out what was lowered in vain: addresses of this process among it, which cannot be kept on disk."""
+        passes = llvm.create_new_module_pass_manager()
+        passes.add_dead_code_elimination_pass()
+        passes.add_global_dead_code_eliminate_pass()
+        passes.run(module, llvm.create_pass_builder(self._codegen._tm, llvm.create_pipeline_tuning_options(1)))
+
+
+class Whole(JITCodeLibrary):
+    """An entry with all that it calls, optimised at once."""
+
+    def finalize(self) -> None:
+        """Link all parts, each once."""
+        for part in reached(self._linking_libraries):
+            self._final_module.link_in(part._shared_module, preserve=True)
+        self._linking_libraries = [one for one in self._linking_libraries if not isinstance(one, Part)]
+        super().finalize()
+
+    def _optimize_final_module(self) -> None:
+        """Optimise once; what was linked belongs to this entry alone.
+
+        Its arguments may change, and what is called once moves into its caller. So nobody else may be given it by its
+        name, as the engine would give it: private functions have none in the machine code.
+        """
+        for number, function in enumerate(list(self._final_module.functions)):
+            if function.is_declaration:
+                if function.name.startswith("_ZN"):
+                    raise AssertionError(f"{function.name} is not there to be linked")
+            elif function.linkage != llvm.Linkage.external:
+                function.linkage = "private"
+                function.name = f"{self.name}.{number}.{function.name}"
+        options = llvm.create_pipeline_tuning_options(int(config.OPT))
+        options.loop_vectorization, options.slp_vectorization = True, False
+        builder = llvm.create_pass_builder(self._codegen._tm, options)
+        builder.getModulePassManager().run(self._final_module, builder)
+
+
+def reached(libraries: list[Any]) -> list[Part]:
+    """List the parts among these libraries, and all that they call in turn, each once."""
+    found: dict[Part, None] = {}
+    due = [library for library in reversed(libraries) if isinstance(library, Part)]
+    while due:
+        part = due.pop()
+        if part not in found:
+            found[part] = None
+            due += part.parts
+    return list(found)
+
+
+def as_part(library: Any, parts: list[Part]) -> Part:
+    """Return a library that was read from the disk as the part that it was, which calls these others."""
+    library.__class__ = Part
+    library.parts = parts
+    part: Part = library
+    return part
+
+
+def compiler(library: type[JITCodeLibrary], name: str | None) -> type[Compiler]:
+    """Return a compiler without needless passes, for one function whose code goes into such a library.
+
+    With a `name` the symbol of the function is the same in every process. Numba counts instead, and what one process
+    calls by a number another one calls by another.
+    """
+
+    class KernelCompiler(Compiler):
+        def define_pipelines(self) -> list[PassManager]:
+            state = self.state
+            if name is not None:
+                state.func_id.unique_id = name
+            state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
+            (pipeline,) = super().define_pipelines()
+            manager = PassManager(pipeline.pipeline_name)
+            manager.passes = [each for each in pipeline.passes if each[0].__name__ not in NEEDLESS]
+            manager.finalize()
+            return [manager]
+
+    return KernelCompiler
+
+
+def _seen(module: Any) -> str:
+    """Numba's environments in a module, as text."""
+    names = [one.name for one in module.global_variables if one.name.startswith(ENVIRONMENT)]
+    return "".join(f"@{name} = common global i8* null\n" for name in names)

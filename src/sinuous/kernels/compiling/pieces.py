@@ -1,0 +1,140 @@
+"""What is compiled for which purpose, how long that takes, and who is told before it begins."""
+
+import contextlib
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+from numba import types
+
+from sinuous.kernels.compiling.store import CACHE
+
+FREE = " without obstacles"
+"""What follows the name of an entry for which there are no obstacles at all: the form of it that is compiled for `None`
+in the place of a scene."""
+
+
+class Piece(NamedTuple):
+    """Entries that are compiled for one purpose.
+
+    Attributes
+    ----------
+    what : str
+        The purpose, in the words of the user.
+    seconds : int
+        About how long compiling takes, on a core that nobody else uses, once `SHARED` kernels have been compiled.
+    entries : tuple of str
+        Module within the package, and name; see `FREE`.
+    alone : int
+        The same where nothing is compiled yet, if that can be; else 0.
+    """
+
+    what: str
+    seconds: int
+    entries: tuple[str, ...]
+    alone: int = 0
+
+    @property
+    def expected(self) -> int:
+        """Seconds that compiling takes about, with what is in the cache now."""
+        compiled = sum(1 for _ in CACHE.glob("*.code"))
+        return self.seconds if compiled >= SHARED else max(self.alone, self.seconds)
+
+
+SHARED = 100
+"""Kernels in the cache from which on most of what is shared is among them."""
+
+
+PIECES = (
+    Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 17),
+    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 26),
+    Piece(
+        "routes among obstacles",
+        19,
+        (
+            "kernels.fitting.query.route_query",
+            "kernels.freespace.find.find_routes",
+            "kernels.freespace.lengthen.lengthen_route",
+            "kernels.fitting.fit.fit_route",
+        ),
+    ),
+    Piece("batches of solves", 4, ("kernels.solve.search.search_many" + FREE,)),
+    Piece("batches of solves among obstacles", 5, ("kernels.solve.search.search_many",)),
+    Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
+    Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
+    Piece(
+        "kinematics",
+        1,
+        tuple(f"kernels.chain.batch.{name}" for name in ("frames_of", "points_of", "jacobians_of")),
+    ),
+    Piece(
+        "distances",
+        3,
+        (
+            "kernels.fields.distances.many",
+            "kernels.fields.distances.least_gap",
+            "kernels.fields.trees.arrange",
+            "kernels.fields.trees.enclose",
+            "kernels.fields.solids.enclose",
+            "kernels.fields.solids.sample",
+        ),
+    ),
+    Piece("motions", 8, ("kernels.between.query.prove_motions",)),
+    Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
+    Piece("the method dls", 4, ("methods.dls.search.search",)),
+    Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.search.search",)),
+    Piece("the method slinki", 6, ("methods.slinki.search.search",)),
+    Piece("the method fabrik_avoid", 6, ("methods.fabrik_avoid.search.search",)),
+    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search.search",)),
+)
+"""All that is compiled, what most users need first."""
+
+SHORT = 2
+"""Seconds from which on a person should know what takes so long."""
+
+
+def telling(compiled: Any) -> Any:
+    """Let an entry tell when it is about to be compiled: when Numba has asked the cache for it in vain."""
+    load = compiled._cache.load_overload
+
+    def load_or_tell(signature: Any, context: Any) -> Any:
+        found = load(signature, context)
+        if found is None:
+            name = name_of(compiled, signature)
+            piece = next((piece for piece in PIECES if name in piece.entries), None)
+            if piece is not None and piece not in _told:
+                _told.append(piece)
+                _tellers[-1](piece)
+        return found
+
+    compiled._cache.load_overload = load_or_tell
+    return compiled
+
+
+def name_of(compiled: Any, signature: Any) -> str:
+    """Name of an entry for such arguments as `PIECES` has it."""
+    name = f"{compiled.__module__.partition('.')[2]}.{compiled.__name__}"
+    return name + FREE if types.none in signature else name
+
+
+def _print(piece: Piece) -> None:
+    """Say on standard error what is about to be compiled, and how long that takes."""
+    seconds = piece.expected
+    if seconds > SHORT:
+        hint = "; 'sinuous warm' compiles everything ahead" if len(_told) == 1 else ""
+        text = f"sinuous: compiling {piece.what}, once on this machine (about {seconds} s){hint}"
+        print(text, file=sys.stderr, flush=True)  # noqa: T201
+
+
+@contextlib.contextmanager
+def told_to(teller: Callable[[Piece], None]) -> Iterator[None]:
+    """Call `teller` with each piece that is about to be compiled, instead of saying it on standard error."""
+    _tellers.append(teller)
+    try:
+        yield
+    finally:
+        _tellers.pop()
+
+
+_told: list[Piece] = []
+_tellers: list[Callable[[Piece], None]] = [_print]

@@ -1,0 +1,134 @@
+"""Parts are optimised with the entry that calls them, and nobody else is given them."""
+
+import math
+import re
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+
+from sinuous.kernels import compile as compiling
+from sinuous.kernels.compiling import once, store
+from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.vectors import Array
+from tests.kernels.compiling import parts
+
+
+def symbols(entry: Any) -> set[str]:
+    """Functions that the engine could give to other code by their names."""
+    (result,) = entry.overloads.values()
+    return {
+        function.name
+        for function in result.library._final_module.functions
+        if not function.is_declaration and function.linkage.name != "private"
+    }
+
+
+@pytest.fixture
+def fresh(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
+    monkeypatch.setattr(store, "CACHE", tmp_path_factory.mktemp("cache"))
+
+
+@pytest.mark.usefixtures("fresh")
+def test_an_entry_shows_nothing_but_itself() -> None:
+    entry = compiling.entry(parts.twice_the_norm.py_func)  # type: ignore[attr-defined]
+    assert entry(3.0, 4.0) == 10.0
+    assert all("twice_the_norm" in name for name in symbols(entry))
+    assert len(symbols(entry)) == 2  # the function, and the wrapper that Python calls
+
+
+njit: Any = numba.njit
+
+
+@njit  # type: ignore[untyped-decorator]
+def climb(x: float, steps: int, height: float) -> float:
+    """Too much to be copied into its callers; where all of these go equally high, that height is made part of it."""
+    return x if steps <= 0 else climb(x + height, steps - 1, height) + 0.0 * math.sin(x)
+
+
+@pytest.mark.usefixtures("fresh")
+def test_code_of_users_is_not_mixed_up_with_what_an_entry_was_made_of() -> None:
+    """What others compiled keeps its name where it is linked; optimised here, it is something else."""
+
+    def ours(steps: int) -> float:
+        return float(climb(1.0, steps, 2.0))
+
+    def theirs(steps: int, height: float) -> float:
+        return float(climb(1.0, steps, height))
+
+    entry = compiling.entry(ours)
+    assert entry(3) == 7.0
+    assert njit(theirs)(3, 5.0) == 16.0
+    assert entry(3) == 7.0
+
+
+@pytest.mark.usefixtures("fresh")
+def test_helpers_of_numba_serve_users_as_before() -> None:
+    def ours(a: Array, n: int) -> float:
+        b = a.reshape((n, a.size // n))
+        return float(b[n - 1, 0] + shaped(a, (n, a.size // n))[0, 1] + max(b[0, 0], 1.0))
+
+    def theirs(a: Array, n: int, m: int) -> float:
+        b = a.reshape((n, m))
+        return float(b[n - 1, m - 1] * 1000 + b[0, m - 1] + min(b[0, 0], 1.0))
+
+    values = np.arange(24.0)
+    own, user = compiling.entry(_copy(ours)), njit(theirs)
+    assert own(values, 4) == 18.0 + 1.0 + 1.0
+    for n, m in ((2, 12), (3, 8), (6, 4), (24, 1)):
+        assert user(values, n, m) == 23000.0 + (m - 1) + 0.0
+    assert own(values, 4) == 18.0 + 1.0 + 1.0
+
+
+def _copy(function: Any) -> Any:
+    return type(function)(function.__code__, function.__globals__)
+
+
+def test_code_that_numba_compiles_by_itself_can_call_kernels() -> None:
+    norm = store.KERNELS[parts.__name__, "norm"]
+
+    def twice(x: float) -> float:
+        return float(2.0 * norm(x, 4.0))
+
+    assert njit(twice)(3.0) == 10.0
+    assert compiling.entry(twice)(3.0) == 10.0
+
+
+@pytest.mark.usefixtures("fresh")
+def test_names_are_the_same_in_every_process() -> None:
+    """Numba numbers functions as they come; kernels are called by what they depend on."""
+    parts.norm(3.0, 4.0)  # compiles it, behind the proxy of the tests
+    compiled = parts.twice_the_norm
+    compiled(3.0, 4.0)
+    (result,) = store.KERNELS[parts.__name__, "norm"].overloads.values()
+    name = store.Store(parts.norm.py_func, "inner").name  # type: ignore[attr-defined]
+    assert re.fullmatch("inner[0-9a-f]{16}", name)
+    assert name != store.Store(parts.square.py_func, "inner").name  # type: ignore[attr-defined]
+    assert "inner" in result.fndesc.mangled_name
+
+
+def test_an_untried_numba_compiles_as_it_does_by_itself(
+    monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    monkeypatch.setattr(store, "CACHE", tmp_path_factory.mktemp("cache"))
+    monkeypatch.setattr(numba, "__version__", "9.1.0")
+    assert not once.tried()
+
+    def quarter(x: float) -> float:
+        return 0.25 * x
+
+    inner = compiling.kernel(_copy(quarter))
+    plain = getattr(inner, "compiled", inner)
+
+    def both(x: float) -> float:
+        return float(plain(x) + plain(2.0 * x))
+
+    entry = compiling.entry(both)
+    assert entry(4.0) == 3.0
+    (result,) = plain.overloads.values()
+    assert not isinstance(result.library, once.Part)
+
+
+def test_this_numba_is_tried() -> None:
+    assert once.tried()

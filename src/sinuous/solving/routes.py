@@ -248,7 +248,7 @@ def _plans(radius: float, length: float) -> tuple[Plan, ...]:
     second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False, False)] if coarse > fine else []
     return (
         *first,
-        Plan(fine, through, many, 1, 20, False, proves),
+        Plan(fine, through, few, 1, 20, False, proves),
         *second,
         Plan(fine, through, many, 1, 40, True, proves),
         Plan(fine, through, many, ALTERNATIVES, 160, False, proves),

@@ -12,8 +12,8 @@ from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, corners
 from sinuous.kernels.maths.vectors import Vec, add, add_scaled, dot, get_mat, get_vec, scale, sub, vec_mat
 from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, HALF_SPACE, KIND, ROUNDING, SIGN
 
-THIN = 0.1
-"""Least clearance, in edges of the finest cells, with which a wall cannot be stepped over, see `grid.walled`."""
+THIN = 1.0
+"""Least clearance, in edges of the finest cells, with which no cell on one side of a wall reaches to the other side."""
 
 
 @kernel

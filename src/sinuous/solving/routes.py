@@ -24,19 +24,19 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.buffers import BufferPool
 from sinuous.solving.sources import Batch, Question
 
-COARSE, FINE = 64, 1000
-"""Cells in the length of the longest robot: most of them at first, and most at all."""
+COARSE, FINE = 64, 20_000
+"""Finest cells in the length of the longest robot: most of them at first, and most at all."""
 
 ALTERNATIVES = 4
 """Routes to one target that differ."""
 
 CELLS = (1 << 12, 1 << 14, 1 << 17, 1 << 19)
-"""Most cells of a search."""
+"""Most cells of a search, by blocks of eight of which some nobody looks at."""
 
 CELLS_A_START = 100
 """Cells that a search may look at for each scattered start that follows it: a descent costs about as much."""
 
-POINTS = 256
+POINTS = 1024
 """Most points of a route."""
 
 SIDES = tuple(turns * math.pi for turns in (0.0, 1.0, 0.5, 1.5, 0.25, 1.25, 0.75, 1.75))
@@ -49,8 +49,8 @@ ROD_POINTS = 160
 """Points of such a route."""
 
 MEMORY = BufferPool(most=2, largest=memory_size(CELLS[2]))
-"""What all searches of this process work in. A search takes 83 bytes a cell and 0.2 MB: 11 MB at most in the last but
-one size, 44 MB in the largest. The largest is not kept after the search; of the others two are."""
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
+one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
 
 
 class Plan(NamedTuple):
@@ -250,7 +250,7 @@ def _plans(radius: float, length: float) -> tuple[Plan, ...]:
         *first,
         Plan(fine, through, few, 1, 20, False, proves),
         *second,
-        Plan(fine, through, few, 1, 40, True, proves),
+        Plan(fine, through, many, 1, 40, True, proves),
         Plan(fine, through, many, ALTERNATIVES, 160, False, proves),
         Plan(fine, through, most, ALTERNATIVES, 0, True, proves),
     )

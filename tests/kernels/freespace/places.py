@@ -8,7 +8,7 @@ import numpy as np
 from sinuous import packing
 from sinuous.kernels import tables as t
 from sinuous.kernels.fields.solids import EXACT
-from sinuous.kernels.freespace.cells import FIRST_SLOTS, LINE_POINTS, CellTable, Memory, Side
+from sinuous.kernels.freespace.cells import FIRST_SLOTS, LINE_POINTS, STACK, CellTable, Memory, Side
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
@@ -25,25 +25,29 @@ def memory(most: int = 1 << 14, deadline: int = NEVER) -> Memory:
         np.zeros((2, most), np.int32),
         np.zeros((2, most)),
         np.zeros((2, most), np.float32),
+        np.zeros((2, most, 3)),
         np.zeros((2, most), np.uint8),
         np.zeros((2, most)),
         np.zeros((2, most), np.int32),
-        np.zeros((2, 1), np.int64),
+        np.zeros((2, 2), np.int64),
     )
     table = CellTable(
-        np.zeros(2 * most, np.int32),
-        np.array([0, min(FIRST_SLOTS, 2 * most)]),
-        np.zeros(most, np.int64),
+        np.zeros(most // 4, np.int32),
+        np.array([0, min(FIRST_SLOTS, most // 4), 0, 0]),
+        np.zeros(most // 8, np.int64),
+        np.zeros(most // 8, np.int32),
         np.zeros(most),
         np.zeros(most, np.uint8),
     )
-    return Memory(table, sides, np.zeros((LINE_POINTS, 3)), make_clock(deadline))
+    return Memory(table, sides, np.zeros((LINE_POINTS, 3)), np.zeros(STACK, np.int64), make_clock(deadline))
 
 
 def grid(**changed: Any) -> Grid:
+    """A grid of cells of one size, unless `levels` says more."""
     values: dict[str, Any] = {
         "origin": (0.0, 0.0, 0.0),
         "cell": CELL,
+        "levels": 0,
         "clearance": RADIUS - HALF_DIAGONAL * CELL,
         "radius": RADIUS,
         "room": 0.3,
@@ -60,7 +64,9 @@ def grid(**changed: Any) -> Grid:
         "longest": math.inf,
         "mode": EXACT,
     }
-    return Grid(**(values | changed))
+    values |= changed
+    clearance = values["clearance"]
+    return Grid(**({"ample": max(clearance, 2.0 * HALF_DIAGONAL * values["cell"] - clearance)} | values))
 
 
 def query(**changed: Any) -> Floats:

@@ -81,6 +81,14 @@ def test_an_origin_in_a_closed_room_leaves_it_by_its_free_length() -> None:
     assert find(walls, query(free_length=0.45)).ended == FOUND
 
 
+def test_a_room_of_forty_radii_is_proved_to_be_closed() -> None:
+    walls = room(0.08, 2.0, (0.3, 0.2, 0.1))
+    found = find(walls, query(goal=(0.0, 0.0, 4.0), longest=9.0, most_cells=1 << 17))
+    assert found.ended == PROVED_CLOSED
+    assert found.cells < 40_000
+    assert find(walls, query(goal=(0.0, 0.0, 4.0), longest=9.0, most_cells=1 << 17, free_length=2.2)).ended == FOUND
+
+
 def test_a_full_table_and_a_spent_time_are_said() -> None:
     assert find(BALL, query(most_cells=128)).ended == FULL
     assert find(room(0.02, 0.6, (0.0, 0.0, 2.0)), query(), seconds=-1.0).ended == TIMED_OUT

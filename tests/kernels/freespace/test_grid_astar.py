@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from scipy.ndimage import label
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
+from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.freespace import grid_astar
-from sinuous.kernels.freespace.cells import Memory, restart
-from sinuous.kernels.freespace.grid import FINEST, HALF_DIAGONAL, Grid, middle
+from sinuous.kernels.freespace.cells import SEEN, Memory, restart
+from sinuous.kernels.freespace.grid import FINEST, HALF_DIAGONAL, Grid
 from sinuous.kernels.tables import CLOSED, FOUND, FULL, TIMED_OUT
-from sinuous.scene.obstacles import Sphere
+from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene
 from tests.kernels.freespace.places import CELL, GOAL, RADIUS, REACH, grid, memory, room, spheres
@@ -30,10 +31,10 @@ def trace(work: Memory, where: Grid, met: int) -> Floats:
     for which in (grid_astar.FROM_START, grid_astar.FROM_GOAL):
         cell, points = met, []
         while cell >= 0:
-            points.append(middle(where, work.table.keys[cell]))
+            points.append(work.sides.points[which, cell].copy())
             cell = int(work.sides.before[which, cell])
         halves.append(points)
-    return np.array(halves[0][::-1] + halves[1][1:])
+    return np.array(halves[0][::-1] + halves[1])
 
 
 def cost(work: Memory, met: int) -> float:
@@ -54,10 +55,10 @@ def walled(where: Grid, scene: Scene, a: Floats, b: Floats) -> Any:
     return found
 
 
-def within_reach(middles: Floats, reach: float) -> Any:
+def within_reach(middles: Floats, reach: float, cell: float = CELL) -> Any:
     """Where a route of that length from the origin to the goal can lead through."""
     length = np.linalg.norm(middles, axis=-1) + np.linalg.norm(middles - GOAL, axis=-1)
-    return length <= reach + 2.0 * HALF_DIAGONAL * CELL
+    return length <= reach + 2.0 * HALF_DIAGONAL * cell
 
 
 def prices(where: Grid, d: Floats) -> Floats:
@@ -70,12 +71,12 @@ def prices(where: Grid, d: Floats) -> Floats:
 
 def whole_grid(where: Grid, scene: Scene) -> tuple[Floats, Floats, Any, Any, Floats]:
     """Middles and distances (-inf: cannot be passed) of all cells within reach; edges from and to cells, and costs."""
-    most = math.ceil(REACH / CELL) + 1
+    most = math.ceil(REACH / where.cell) + 1
     axis = np.arange(-most, most + 1, dtype=np.float64)
     index = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
-    middles: Floats = CELL * index
+    middles: Floats = where.cell * index
     d = scene.distance(middles)
-    d[(d < where.clearance) | ~within_reach(middles, REACH)] = -np.inf
+    d[(d < where.clearance) | ~within_reach(middles, REACH, where.cell)] = -np.inf
     price = prices(where, d)
     side = len(axis)
     numbers = np.arange(side**3).reshape(side, side, side)
@@ -84,7 +85,7 @@ def whole_grid(where: Grid, scene: Scene) -> tuple[Floats, Floats, Any, Any, Flo
         here = tuple(slice(max(0, -s), side - max(0, s)) for s in step)
         there = tuple(slice(max(0, s), side - max(0, -s)) for s in step)
         a, b = numbers[here].ravel(), numbers[there].ravel()
-        length = CELL * np.linalg.norm(step)
+        length = where.cell * np.linalg.norm(step)
         keep = (d[a] > -np.inf) & (d[b] > -np.inf) & (length > 0.0)
         a, b = a[keep], b[keep]
         asked = d[a] + d[b] < length
@@ -161,7 +162,7 @@ def test_half_a_radius_does_not_leak_through_a_wall(wall: float) -> None:
     where = grid(cell=cell, clearance=RADIUS - HALF_DIAGONAL * cell, reach=3.0, start_radius=HALF_DIAGONAL * cell)
     work = memory()
     assert explore(work, where, room(wall))[0] == CLOSED
-    assert work.table.size[0] < 4000
+    assert work.table.size[SEEN] < 4000
 
 
 @pytest.mark.parametrize("turn_round", [False, True])
@@ -170,7 +171,7 @@ def test_the_side_in_the_smaller_room_proves_it_closed(turn_round: bool) -> None
     where = grid(cell=cell, clearance=RADIUS - HALF_DIAGONAL * cell, reach=100.0, start_radius=HALF_DIAGONAL * cell)
     work = memory()
     assert explore(work, turned(where) if turn_round else where, room(0.05))[0] == CLOSED
-    assert work.table.size[0] < 4000
+    assert work.table.size[SEEN] < 4000
 
 
 def test_closed_is_said_exactly_where_free_space_is_cut_in_two() -> None:
@@ -194,6 +195,111 @@ def test_closed_is_said_exactly_where_free_space_is_cut_in_two() -> None:
             assert (scene.distance(middles)[free] < CELL).any()
 
 
+def world(seed: int) -> Scene:
+    """A closed room about the goal or the start, with a door or without, askew, and some more boxes and balls."""
+    rng = np.random.default_rng(seed)
+    turn = Rotation.from_rotvec(rng.normal(size=3) * rng.integers(0, 2)).as_matrix()
+    middle = np.array(GOAL) if seed % 2 else np.zeros(3)
+    half, wall, found = rng.uniform(0.45, 0.8, 3), rng.uniform(0.05, 0.2), []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            center, size = np.zeros(3), 2.0 * half + 2.0 * wall
+            center[axis], size[axis] = side * (half[axis] + 0.5 * wall), wall
+            if (axis, side) == (seed % 3, 1.0):  # a slit at one end of it, perhaps wide enough
+                slit = rng.uniform(0.0, 4.0 * RADIUS)
+                size[axis - 1] -= slit
+                center[axis - 1] -= 0.5 * slit
+            found.append(Box(middle + turn @ center, size, turn))
+    for _ in range(rng.integers(0, 5)):
+        turn = Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
+        found.append(Box(rng.uniform(-1.0, 1.5, 3), rng.uniform(0.05, 1.5, 3), turn))
+    return Scene([*found, Sphere((*rng.uniform(-0.9, 1.4, 2), 0.9), 0.1)])
+
+
+HALVED = 0.5 * RADIUS
+
+
+def is_joined(where: Grid, scene: Scene) -> bool:
+    """Whether the finest cells about the start and those about the goal hang together, by all cells of the grid."""
+    middles, d, rows, columns, costs = whole_grid(where, scene)
+    edges: Any = coo_array((costs, (rows, columns)), shape=(len(middles),) * 2).tocsr()
+    parts = connected_components(edges, directed=False)[1]
+    free = d > -np.inf
+    at_start = parts[free & (np.linalg.norm(middles - where.start, axis=1) <= where.start_radius)]
+    goal_radius = where.goal_radius + HALF_DIAGONAL * where.cell
+    at_goal = parts[free & (np.linalg.norm(middles - where.goal, axis=1) <= goal_radius)]
+    return len(np.intersect1d(at_start, at_goal)) > 0
+
+
+def of_sizes(levels: int, **changed: Any) -> Grid:
+    clearance = RADIUS - HALF_DIAGONAL * HALVED
+    changed = {"cell": HALVED, "start_radius": HALVED, "clearance": clearance, "inflation": 2.0} | changed
+    return grid(levels=levels, **changed)
+
+
+@pytest.mark.parametrize("levels", [1, 3, 5])
+@pytest.mark.parametrize("seed", range(24))
+def test_cells_of_all_sizes_lead_as_far_as_the_finest(seed: int, levels: int) -> None:
+    scene, where = world(seed), of_sizes(levels)
+    ended, met = explore(memory(1 << 16), where._replace(inflation=1e6, clearance_weight=0.0), scene)
+    assert ended == (FOUND if is_joined(where, scene) else CLOSED)
+    assert (met >= 0) == (ended == FOUND)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_both_directions_have_the_same_verdict(seed: int) -> None:
+    scene, where = world(seed), of_sizes(5, reach=100.0, inflation=1e6, clearance_weight=0.0)
+    assert explore(memory(1 << 16), where, scene)[0] == explore(memory(1 << 16), turned(where), scene)[0]
+
+
+def mirrored(scene: Scene, axis: int) -> Scene:
+    flip = np.ones(3)
+    flip[axis] = -1.0
+    found: list[Any] = []
+    for o in scene.obstacles:
+        if isinstance(o, Box):
+            found.append(Box(flip * o.center, o.size, flip[:, None] * o.rotation * flip))
+        else:
+            assert isinstance(o, Sphere)
+            found.append(Sphere(flip * o.center, o.radius))
+    return Scene(found)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_mirror_changes_nothing(seed: int) -> None:
+    scene, axis, where = world(seed), seed % 3, of_sizes(4)
+    goal = tuple(-x if i == axis else x for i, x in enumerate(GOAL))
+    ended, met = explore(work := memory(1 << 16), where, scene)
+    there, met_there = explore(other := memory(1 << 16), where._replace(goal=goal), mirrored(scene, axis))
+    assert ended == there
+    if ended == FOUND:
+        assert cost(work, met) == pytest.approx(cost(other, met_there), rel=0.5)
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_a_route_by_cells_of_all_sizes_is_clear_and_not_dear(seed: int) -> None:
+    scene, where, work = world(seed), of_sizes(4)._replace(ample=RADIUS), memory(1 << 16)
+    ended, met = explore(work, where, scene)
+    if ended != FOUND:
+        return
+    route = trace(work, where, met)
+    steps = np.linspace(0.0, 1.0, 20)[:, None, None]
+    along = route[:-1] + steps * np.diff(route, axis=0)
+    assert scene.distance(along).min() > where.clearance - HALF_DIAGONAL * where.cell
+    plain = explore(finest := memory(1 << 16), of_sizes(0), scene)[1]
+    assert cost(work, met) <= 2.0 * cost(finest, plain)
+
+
+def test_a_large_room_takes_few_cells() -> None:
+    where = of_sizes(7, reach=1e3, goal=(3.0, 2.0, 45.0))
+    walls = [Box(p, s) for p, s in (((0, 0, 20.0), (80, 80, 0.2)), ((3, 40, 40), (80, 0.2, 80)))]
+    hole = [Box((0, -21.0, 20.0), (80, 38.0, 0.2)), Box((0, 21.0, 20.0), (80, 38.0, 0.2))]
+    for scene in (Scene(walls), Scene([*hole, walls[1]])):
+        work = memory(1 << 16)
+        assert explore(work, where, scene)[0] == FOUND
+        assert work.table.size[SEEN] < 12000
+
+
 def test_a_full_table_and_a_spent_time_are_said() -> None:
     far = grid(reach=50.0, goal=(9.0, 0.0, 0.0))
     assert explore(memory(1 << 7), far, Scene())[0] == FULL
@@ -202,14 +308,14 @@ def test_a_full_table_and_a_spent_time_are_said() -> None:
 
 @pytest.mark.parametrize("off", [0.0, 3.0])
 def test_a_goal_too_large_for_the_table_is_searched_for_from_the_start(off: float) -> None:
-    where, work = grid(reach=50.0, goal=(0.0, 0.0, 2.0 + off), goal_radius=2.0), memory(1 << 9)
+    where, work = grid(reach=50.0, goal=(0.0, 0.0, 2.0 + off), goal_radius=2.0), memory(1 << 10)
     ended, met = explore(work, where, Scene())
     assert ended == FOUND
     route = trace(work, where, met)
     assert np.linalg.norm(route[0]) <= where.start_radius
     assert np.linalg.norm(route[-1] - where.goal) <= where.goal_radius + HALF_DIAGONAL * CELL
-    assert explore(memory(1 << 9), turned(where), Scene())[0] == FOUND
-    assert explore(memory(1 << 9), where._replace(start_radius=2.0), Scene())[0] == FULL
+    assert explore(memory(1 << 10), turned(where), Scene())[0] == FOUND
+    assert explore(memory(1 << 10), where._replace(start_radius=2.0), Scene())[0] == FULL
 
 
 def test_a_full_heap_is_said_before_it_overflows() -> None:
@@ -232,7 +338,7 @@ def test_the_next_route_differs() -> None:
     where, work = grid(reach=3.0), memory()
     _, met = explore(work, where, scene)
     first = trace(work, where, met)
-    grid_astar.penalize(work, met, 2)
+    grid_astar.penalize(work, where, kernel_scene(scene), met, 2)
     restart(work)
     _, met = explore(work, where, scene)
     second = trace(work, where, met)

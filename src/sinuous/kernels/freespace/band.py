@@ -13,6 +13,9 @@ from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, 
 SWEEPS = 24
 """How often all points are moved."""
 
+RESPACED = 8
+"""After so many sweeps they are spaced evenly again."""
+
 FEWEST = 6
 """Points that a band has at least."""
 
@@ -61,23 +64,34 @@ def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
 def tighten(scene: Scene, grid: Grid, route: Array, memory: Memory, count: int) -> None:
     """Draw the first `count` points of `route` (m, 3) tight and away from obstacles, as far as the time allows.
 
-    The first two points stay, and the last; so does the last but one when the goal has a tangent.
+    The first two points stay, and the last; so does the last but one when the goal has a tangent. Where a point is far
+    from all obstacles nobody asks again before it has moved as far.
     """
     wanted = grid.radius + grid.room
     last = count - 1 if norm(grid.back) == 0.0 else count - 2
-    spare, looks = memory.points, price(scene)
+    spare, free, looks = memory.points[:count], memory.points[count:], price(scene)
     for sweep in range(SWEEPS):
         most = grid.cell * (0.5 - 0.4 * sweep / SWEEPS)
+        if sweep % RESPACED == 0:
+            for i in range(count):
+                free[i, 0] = 0.0
         for i in range(2, last):
-            if spend(memory.clock, looks):
-                return
             p = get_vec(route, i, 0)
             between = scale(0.5, add(get_vec(route, i - 1, 0), get_vec(route, i + 1, 0)))
             pull = sub(between, p)
             size = norm(pull)
             p = add_scaled(p, min(0.7, most / size) if size > 0.0 else 0.0, pull)
-            put_vec(route, i, 0, push_off(scene, p, wanted, most))
-        if sweep % 8 == 7:
+            free[i, 0] -= min(0.7 * size, most)
+            if free[i, 0] < 0.0:
+                if spend(memory.clock, looks):
+                    return
+                d, which = closest(scene, p, wanted + RESPACED * most, STEP)
+                free[i, 0] = d - wanted
+                if d < wanted:
+                    _, g = obstacle(scene, which, p)
+                    p = add_scaled(p, min(most, wanted - d), g)
+            put_vec(route, i, 0, p)
+        if sweep % RESPACED == RESPACED - 1:
             respace(route, count, spare, count)
             for i in range(count):
                 put_vec(route, i, 0, get_vec(spare, i, 0))

@@ -4,11 +4,11 @@ from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
-from sinuous.kernels.freespace.cells import NONE, Memory, carve, clear, restart
-from sinuous.kernels.freespace.grid import Grid, middle
+from sinuous.kernels.freespace.cells import NONE, SEEN, Memory, carve, clear, restart
+from sinuous.kernels.freespace.grid import Grid
 from sinuous.kernels.freespace.grid_astar import FROM_GOAL, FROM_START, explore, penalize
 from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid, straight_length
-from sinuous.kernels.maths.vectors import Array, put_vec
+from sinuous.kernels.maths.vectors import Array, get_vec, put_vec
 from sinuous.kernels.tables import CLOSED, FOUND, PROVED_CLOSED
 
 APART = 2
@@ -28,22 +28,22 @@ def _chain(memory: Memory, which: int, met: int) -> int:
 def _trace(memory: Memory, grid: Grid, met: int, query: Query) -> int:
     """Write the line of the route through the cell `met` to `memory.points`; returns the number of its points.
 
-    It has both straight pieces, and middles of cells between them, but for those that both ends lie in. Returns 0 when
-    there is no place for it.
+    It has both straight pieces, and between them the places where the route enters cells, but for those that both ends
+    lie in. Returns 0 when there is no place for it.
     """
-    points, table, before = memory.points, memory.table, memory.sides.before
+    points, sides = memory.points, memory.sides
     behind, ahead = _chain(memory, FROM_START, met), _chain(memory, FROM_GOAL, met)
-    if behind + ahead + 5 > points.shape[0]:
+    if behind + ahead + 6 > points.shape[0]:
         return 0
     first = 1  # the place of the cell that the start lies in: the next one writes over it
     at, cell = first + behind, met
     while cell != NONE:
-        put_vec(points, at, 0, middle(grid, table.keys[cell]))
-        at, cell = at - 1, int(before[FROM_START, cell])
-    at, cell = first + behind + 1, int(before[FROM_GOAL, met])
+        put_vec(points, at, 0, get_vec(sides.points[FROM_START], cell, 0))
+        at, cell = at - 1, int(sides.before[FROM_START, cell])
+    at, cell = first + behind + 1, met
     while cell != NONE:
-        put_vec(points, at, 0, middle(grid, table.keys[cell]))
-        at, cell = at + 1, int(before[FROM_GOAL, cell])
+        put_vec(points, at, 0, get_vec(sides.points[FROM_GOAL], cell, 0))
+        at, cell = at + 1, int(sides.before[FROM_GOAL, cell])
     put_vec(points, 0, 0, query.origin)
     put_vec(points, 1, 0, grid.start)
     count = max(2, at - 1)
@@ -107,7 +107,7 @@ def _find(memory: Memory, scene: Scene, query: Query, routes: Array, counts: Arr
         counts[count] = points
         count += 1
         if count < routes.shape[0]:
-            penalize(memory, met, APART)
+            penalize(memory, grid, scene, met, APART)
             restart(memory)
     return count, ended
 
@@ -142,4 +142,4 @@ def find_routes(
     begin(memory.clock)
     allow(memory.clock, seconds)
     count, ended = _find(memory, obstacles, asked, routes, counts)
-    return count, ended, int(memory.table.size[0])
+    return count, ended, int(memory.table.size[SEEN])

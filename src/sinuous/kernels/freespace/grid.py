@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest
-from sinuous.kernels.freespace.cells import key_of, numbers_of
+from sinuous.kernels.freespace.keys import key_of, numbers_of
 from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, norm, sub
 
 HALF_DIAGONAL = 0.5 * math.sqrt(3.0)
@@ -19,7 +19,9 @@ Grid = namedtuple(
     [
         "origin",
         "cell",
+        "levels",
         "clearance",
+        "ample",
         "radius",
         "room",
         "reach",
@@ -38,8 +40,9 @@ Grid = namedtuple(
 )
 """What one search is about; lengths in the length unit.
 
-`origin` is the middle of the cell (0, 0, 0), `cell` the edge of the cells. `clearance` is the distance from obstacles
-with which a cell can be passed, `radius` that of the body, `room` the distance beyond it that costs nothing. Routes run
+`origin` is the middle of the finest cell (0, 0, 0), `cell` the edge of these, and there are `levels` larger sizes.
+`clearance` is the distance from obstacles with which one of the finest can be passed, `ample` that of all that are
+joined to a larger one; `radius` is that of the body, `room` the distance beyond it that costs nothing. Routes run
 from within `start_radius` of `start`, where they leave along the unit vector `axis`, to within `goal_radius` of `goal`,
 where the unit vector `back` points to where they come from (zero: from anywhere); within `turn` of both nothing passes
 behind them. From `origin` to `goal` no route is longer than `reach`, from `start` to `goal` none than `longest`. The
@@ -51,38 +54,39 @@ for in a mode of `solids`; a proof asks for upper bounds, because what can be pa
 @kernel
 def middle(grid: Grid, key: int) -> Vec:
     """Middle of the cell `key`."""
-    x, y, z = numbers_of(key)
-    o, h = grid.origin, grid.cell
-    return o[0] + h * x, o[1] + h * y, o[2] + h * z
+    level, x, y, z = numbers_of(key)
+    size = float(1 << level)
+    o, h, first = grid.origin, grid.cell * size, 0.5 * grid.cell * (size - 1.0)
+    return o[0] + h * x + first, o[1] + h * y + first, o[2] + h * z + first
+
+
+@kernel
+def corners(grid: Grid, key: int) -> tuple[Vec, Vec]:
+    """Low and high corner of the cell `key`."""
+    level, _, _, _ = numbers_of(key)
+    p, r = middle(grid, key), 0.5 * grid.cell * (1 << level)
+    return (p[0] - r, p[1] - r, p[2] - r), (p[0] + r, p[1] + r, p[2] + r)
 
 
 @kernel
 def cell_at(grid: Grid, p: Vec) -> int:
-    """Key of the cell that the point `p` lies in."""
+    """Key of the finest cell that the point `p` lies in."""
     o, h = grid.origin, grid.cell
-    return key_of(
-        math.floor((p[0] - o[0]) / h + 0.5), math.floor((p[1] - o[1]) / h + 0.5), math.floor((p[2] - o[2]) / h + 0.5)
-    )
+    x, y, z = math.floor((p[0] - o[0]) / h + 0.5), math.floor((p[1] - o[1]) / h + 0.5), (p[2] - o[2]) / h + 0.5
+    return key_of(0, x, y, math.floor(z))
 
 
 @kernel
-def _behind(grid: Grid, p: Vec, place: Vec, axis: Vec) -> bool:
-    """Whether `p` is behind `place`, and so near that a route cannot leave along `axis` and turn there."""
+def behind(grid: Grid, p: Vec, place: Vec, axis: Vec, spread: float) -> int:
+    """Whether what is nearer to `p` than `spread` is behind `place`: 0 nothing, 1 a part of it, 2 all.
+
+    Behind is what is so near that a route cannot leave along `axis` and turn there.
+    """
     away = sub(p, place)
-    return dot(away, axis) < -grid.cell and dot(away, away) < grid.turn * grid.turn
-
-
-@kernel
-def free_distance(grid: Grid, scene: Scene, p: Vec) -> float:
-    """Distance of the middle `p` of a cell to the obstacles; -inf where the cell cannot be passed."""
-    h = grid.cell
-    # A route of bounded length from one place to another stays within an ellipsoid about both.
-    far = norm(sub(p, grid.origin)) + max(0.0, norm(sub(p, grid.goal)) - grid.goal_radius)
-    if far > grid.reach + 2.0 * HALF_DIAGONAL * h:
-        return -math.inf
-    d, _ = closest(scene, p, max(grid.radius + grid.room, 2.0 * h), grid.mode)
-    barred = _behind(grid, p, grid.start, grid.axis) or _behind(grid, p, grid.goal, grid.back)
-    return -math.inf if barred or d < grid.clearance else d
+    ahead, off = dot(away, axis) + grid.cell, norm(away)
+    if ahead >= spread or off >= grid.turn + spread or dot(axis, axis) == 0.0:
+        return 0
+    return 2 if ahead < -spread and off < grid.turn - spread else 1
 
 
 @kernel

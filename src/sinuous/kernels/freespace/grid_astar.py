@@ -14,32 +14,42 @@ by w c takes as long as two searches. Where the least priority of one side alrea
 """
 
 import math
+from collections import namedtuple
 
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene
 from sinuous.kernels.fields.distances import price as looks_of
 from sinuous.kernels.freespace.cells import (
+    BLOCKED,
+    BLOCKS,
+    DIVIDED,
+    DONE,
     NONE,
+    OPEN,
+    OVERFLOW,
+    UNKNOWN,
     Memory,
     Side,
-    add_cell,
-    cell_of,
-    key_of,
-    numbers_of,
+    add_block,
+    block_of,
+    key_in,
     pick,
     pop,
     push,
 )
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, cell_at, free_distance, middle, price, walled
-from sinuous.kernels.maths.vectors import Vec, norm, sub
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid, cell_at, corners, middle, price, walled
+from sinuous.kernels.freespace.halves import beside, beyond, linked, shared
+from sinuous.kernels.freespace.keys import child_of, key_of, numbers_of, octant_of, touch
+from sinuous.kernels.freespace.octree import LEAF, block_at, known_leaf, leaf_at, look_at
+from sinuous.kernels.maths.vectors import Vec, add_scaled, get_vec, norm, put_vec, sub
 from sinuous.kernels.tables import CLOSED, FOUND, FULL, TIMED_OUT
 
 FROM_GOAL, FROM_START = 0, 1
 """The sides of a search."""
 
 SMOOTHED = 0.9
-"""What is left of the length of a route when its corners are cut: cells are left in 26 directions only."""
+"""What is left of the length of a route when its corners are cut: finest cells are left in 26 directions only."""
 
 DETOUR = 2.0
 """Surcharge on a unit of length near a route that is known already, so that the next one differs."""
@@ -49,7 +59,14 @@ SEEDS = 0.25
 ends when it gets there."""
 
 AROUND = 27
-"""Cells that a look at all neighbours of one may add to the table, and to a heap."""
+"""Looks of a clock that one cell counts for."""
+
+TURNS = 4
+"""How often a point beside a wall is put back between two cells."""
+
+Here = namedtuple("Here", ["which", "cell", "key", "cut", "level", "point", "price"])
+"""The cell whose neighbours are looked at, by one side: number and key of it; the wall that cuts it; its level; where
+the route enters it; and what a unit of length costs there."""
 
 
 @kernel
@@ -61,99 +78,253 @@ def _end(grid: Grid, which: int) -> tuple[Vec, float]:
 
 
 @kernel
-def _arrive(other: Side, cell: int, rest: float, close: float) -> None:
-    """Note of a cell that is as near to the place of the other side as its routes begin, how far it is from there."""
-    if rest <= close and rest < other.cost[cell]:
-        other.cost[cell], other.length[cell], other.before[cell] = rest, rest, NONE
+def _clamp(p: Vec, low: Vec, high: Vec) -> Vec:
+    """The point between two corners that is nearest to `p`."""
+    return (
+        min(max(p[0], low[0]), high[0]),
+        min(max(p[1], low[1]), high[1]),
+        min(max(p[2], low[2]), high[2]),
+    )
+
+
+@kernel
+def _begin(side: Side, cell: int, off: float, p: Vec) -> None:
+    """Note of a cell that the point `p` of it is within the ball where a side begins, and how far it is from there."""
+    if off < side.cost[cell]:
+        side.cost[cell], side.length[cell], side.before[cell] = off, off, NONE
+        put_vec(side.points, cell, 0, p)
 
 
 @kernel
 def _seed(memory: Memory, grid: Grid, scene: Scene, which: int) -> bool:
-    """Open the cells that have their middles in the ball where a side begins; say whether they are not too many."""
+    """Open the cells in which there are middles in the ball where a side begins; say whether they are not too many."""
     table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
     place, around = _end(grid, which)
     aim, close = _end(grid, 1 - which)
     span = math.ceil(around / grid.cell) + 1
-    if (2.0 * span + 1.0) ** 3 > SEEDS * table.keys.shape[0]:
+    if (2.0 * span + 1.0) ** 3 > SEEDS * table.distance.shape[0]:
         return False
-    looks = looks_of(scene)
-    x, y, z = numbers_of(cell_at(grid, place))
+    _, x, y, z = numbers_of(cell_at(grid, place))
     for i in range(-span, span + 1):
         for j in range(-span, span + 1):
             for k in range(-span, span + 1):
-                key = key_of(x + i, y + j, z + k)
-                off = norm(sub(middle(grid, key), place))
+                key = key_of(0, x + i, y + j, z + k)
+                p = middle(grid, key)
+                off = norm(sub(p, place))
                 if off > around:
                     continue
-                if table.size[0] == table.keys.shape[0] or spend(memory.clock, looks):
+                if table.size[OVERFLOW] != 0 or spend(memory.clock, 1):
                     return True
-                cell = cell_of(table, key)
-                if cell == NONE:
-                    cell = add_cell(table, memory.sides, key, free_distance(grid, scene, middle(grid, key)))
-                if table.distance[cell] > -math.inf:
-                    _arrive(side, cell, off, around)
-                    _arrive(other, cell, norm(sub(middle(grid, key), aim)), close)
-                    push(side, 0.0, cell)
+                cell = leaf_at(memory, grid, scene, key)
+                if cell != NONE:
+                    new = side.cost[cell] == math.inf
+                    _begin(side, cell, off, p)
+                    rest = norm(sub(p, aim))
+                    if rest <= close:
+                        _begin(other, cell, rest, p)
+                    if new:
+                        push(memory, which, 0.0, cell)
     return True
 
 
 @kernel
-def _through(sides: Side, cell: int) -> float:
-    """Cost of the route through a cell that both sides have come to; infinite without one."""
-    return math.inf if cell == NONE else sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell]
+def _gap(sides: Side, cell: int) -> float:
+    """How far apart both routes enter a cell."""
+    return norm(sub(get_vec(sides.points[FROM_GOAL], cell, 0), get_vec(sides.points[FROM_START], cell, 0)))
 
 
 @kernel
-def _joins(sides: Side, grid: Grid, cell: int, met: int) -> bool:
+def _through(memory: Memory, grid: Grid, cell: int) -> float:
+    """Cost of the route through a cell that both sides have come to; infinite without one."""
+    sides = memory.sides
+    if cell == NONE or sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] == math.inf:
+        return math.inf
+    own = price(grid, memory.table.distance[cell]) + DETOUR * memory.table.penalized[cell]
+    return sides.cost[FROM_GOAL, cell] + sides.cost[FROM_START, cell] + own * _gap(sides, cell)
+
+
+@kernel
+def _joins(memory: Memory, grid: Grid, cell: int, met: int) -> bool:
     """Whether the route through `cell` is cheaper than that through `met`, and not too long."""
-    length = sides.length[FROM_GOAL, cell] + sides.length[FROM_START, cell]
-    return _through(sides, cell) < _through(sides, met) and SMOOTHED * length <= grid.longest
+    sides = memory.sides
+    cost = _through(memory, grid, cell)
+    if cost == math.inf or cost >= _through(memory, grid, met):
+        return False
+    length = sides.length[FROM_GOAL, cell] + sides.length[FROM_START, cell] + _gap(sides, cell)
+    return SMOOTHED * length <= grid.longest
 
 
-cell_of_here, push_here = inline(cell_of), inline(push)
+@kernel
+def _crossing(grid: Grid, scene: Scene, here: Here, key: int, half: tuple[int, int], aim: Vec) -> Vec:
+    """Where a route enters the cell `key`: in its middle if it is one of the finest, else where it leads to `aim`.
+
+    The point of the face, edge or corner between both cells that the straight line meets, or is nearest to; beside the
+    wall that cuts the cell, of which the wall and the side are `half`.
+    """
+    if numbers_of(key)[0] == 0:
+        return middle(grid, key)
+    low, high = shared(grid, here.key, key)
+    p, line = here.point, sub(aim, here.point)
+    thin, share = 0.25 * grid.cell, 0.0
+    if high[0] - low[0] < thin and line[0] != 0.0:
+        share = max(share, min(1.0, (low[0] - p[0]) / line[0]))
+    if high[1] - low[1] < thin and line[1] != 0.0:
+        share = max(share, min(1.0, (low[1] - p[1]) / line[1]))
+    if high[2] - low[2] < thin and line[2] != 0.0:
+        share = max(share, min(1.0, (low[2] - p[2]) / line[2]))
+    p = _clamp(add_scaled(p, share, line), low, high)
+    if half[0] == NONE:
+        return p
+    for _ in range(TURNS):
+        p = _clamp(beside(scene, half[0], half[1], p, grid.radius), low, high)
+    return beside(scene, half[0], half[1], p, grid.clearance)
+
+
+@kernel
+def _arrive(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, key: int) -> None:
+    """Note of a cell, if it is so, that it reaches to where routes of the other side begin."""
+    aim, close = _end(grid, 1 - which)
+    low, high = corners(grid, key)
+    half = 0.5 * grid.cell  # it is the middles of the finest cells that count
+    p = _clamp(aim, (low[0] + half, low[1] + half, low[2] + half), (high[0] - half, high[1] - half, high[2] - half))
+    rest, cut = norm(sub(p, aim)), memory.table.cuts[cell >> 3]
+    if rest <= close and (cut == NONE or beyond(scene, cut, cell & 7, aim) + close >= grid.clearance):
+        _begin(pick(memory.sides, 1 - which), cell, rest, p)
+
+
+push_here = inline(push)
+
+
+@kernel
+def _reach(memory: Memory, grid: Grid, scene: Scene, here: Here, new: int, key: int, met: int) -> int:
+    """See whether the route to the cell `new` is cheaper from here; returns the cell of the cheapest route so far."""
+    table, side, other = memory.table, pick(memory.sides, here.which), pick(memory.sides, 1 - here.which)
+    cut = table.cuts[new >> 3]
+    if side.done[new] != 0:
+        return met
+    if (cut != NONE or here.cut != NONE) and not linked(
+        grid, scene, (here.key, here.cut, here.cell & 7), (key, cut, new & 7)
+    ):
+        return met
+    aim, close = _end(grid, 1 - here.which)
+    d = table.distance[new]
+    there = _crossing(grid, scene, here, key, (cut, new & 7), aim)
+    step = norm(sub(there, here.point))
+    cost = side.cost[here.cell] + 0.5 * step * (here.price + price(grid, d) + DETOUR * table.penalized[new])
+    length = side.length[here.cell] + step
+    rest = norm(sub(there, aim))
+    if cost >= side.cost[new] or SMOOTHED * length + rest > grid.longest:
+        return met
+    if here.level == 0 and numbers_of(key)[0] == 0 and d + table.distance[here.cell] < step:
+        spend(memory.clock, looks_of(scene))
+        if walled(grid, scene, here.key, key):
+            return met
+    side.cost[new], side.length[new], side.before[new] = cost, length, here.cell
+    put_vec(side.points, new, 0, there)
+    push_here(memory, here.which, cost + grid.inflation * rest, new)
+    if rest <= close + 2.0 * HALF_DIAGONAL * grid.cell * (1 << numbers_of(key)[0]):
+        _arrive(memory, grid, scene, here.which, new, key)
+    return new if other.cost[new] < math.inf and _joins(memory, grid, new, met) else met
+
+
+@kernel
+def _reach_into(memory: Memory, grid: Grid, scene: Scene, here: Here, divided: int, met: int) -> int:
+    """The same for all cells that can be passed in a larger one, `divided`, and touch the one here."""
+    table, stack = memory.table, memory.stack
+    stack[0], count = divided, 1
+    while count > 0:
+        count -= 1
+        key = stack[count]
+        block = block_of(table, key)
+        if block == NONE:
+            block = add_block(memory, key, NONE)
+        if block == NONE:
+            return met
+        if table.cuts[block] != NONE:
+            for half in range(2):
+                met = _reach(memory, grid, scene, here, 8 * block + half, key, met)
+            continue
+        for octant in range(8):
+            child = child_of(key, octant)
+            if table.distance[8 * block + octant] == BLOCKED or not touch(child, here.key):
+                continue
+            d = look_at(memory, grid, scene, child, 8 * block + octant)
+            if d == DIVIDED:
+                stack[count] = child
+                count += 1
+            elif d > DIVIDED:
+                met = _reach(memory, grid, scene, here, 8 * block + octant, child, met)
+    return met
+
+
+block_of_here, reach_here = inline(block_of), inline(_reach)
+
+
+@kernel
+def _reach_halves(memory: Memory, grid: Grid, scene: Scene, here: Here, block: int, met: int) -> int:
+    """The same for both halves of a cell that a wall cuts."""
+    cost = memory.sides.cost
+    for half in range(8 * block, 8 * block + 2):
+        if cost[here.which, half] > cost[here.which, here.cell]:
+            met = _reach(memory, grid, scene, here, half, memory.table.parents[block], met)
+    return met
+
+
+@kernel
+def _reach_block(memory: Memory, grid: Grid, scene: Scene, here: Here, block: int, met: int) -> int:
+    """The same for those of the eight cells of a block that touch the one here, which is as large as they are."""
+    table, cost = memory.table, memory.sides.cost[here.which]
+    level, x, y, z = numbers_of(here.key)
+    _, i, j, k = numbers_of(table.parents[block])
+    for u in range(max(2 * i, x - 1), min(2 * i + 1, x + 1) + 1):
+        for v in range(max(2 * j, y - 1), min(2 * j + 1, y + 1) + 1):
+            for w in range(max(2 * k, z - 1), min(2 * k + 1, z + 1) + 1):
+                new, key = 8 * block + octant_of(u, v, w), key_of(level, u, v, w)
+                d = table.distance[new]
+                if d == BLOCKED or cost[new] <= cost[here.cell]:  # nothing is reached from here that costs no more
+                    continue
+                if d == UNKNOWN:
+                    d = look_at(memory, grid, scene, key, new)
+                if d > DIVIDED:
+                    met = reach_here(memory, grid, scene, here, new, key, met)
+                elif d == DIVIDED:
+                    met = _reach_into(memory, grid, scene, here, key, met)
+    return met
+
+
+reach_block_here = inline(_reach_block)
 
 
 @kernel
 def _widen(memory: Memory, grid: Grid, scene: Scene, which: int, cell: int, met: int) -> int:
     """Look at the neighbours of a cell; returns the cell that the cheapest route known so far leads through."""
-    table, side, other = memory.table, pick(memory.sides, which), pick(memory.sides, 1 - which)
-    aim, close = _end(grid, 1 - which)
-    x, y, z = numbers_of(table.keys[cell])
-    h, looks = grid.cell, looks_of(scene)
+    table, side = memory.table, pick(memory.sides, which)
+    key = key_in(table, cell)
+    level, x, y, z = numbers_of(key)
     own = price(grid, table.distance[cell]) + DETOUR * table.penalized[cell]
-    for i in range(-1, 2):
-        for j in range(-1, 2):
-            for k in range(-1, 2):
-                key = key_of(x + i, y + j, z + k)
-                new = cell_of_here(table, key)
-                if new == NONE:
-                    new = add_cell(table, memory.sides, key, free_distance(grid, scene, middle(grid, key)))
-                    spend(memory.clock, looks)
-                d = table.distance[new]
-                if d == -math.inf or side.done[new] != 0:
-                    continue
-                step = h * math.sqrt(i * i + j * j + k * k)
-                if d + table.distance[cell] < step:
-                    spend(memory.clock, looks)
-                    if walled(grid, scene, table.keys[cell], key):
-                        continue
-                cost = side.cost[cell] + 0.5 * step * (own + price(grid, d) + DETOUR * table.penalized[new])
-                length = side.length[cell] + step
-                rest = norm(sub(middle(grid, key), aim))
-                if cost < side.cost[new] and SMOOTHED * length + rest <= grid.longest:
-                    side.cost[new], side.length[new], side.before[new] = cost, length, cell
-                    push_here(side, cost + grid.inflation * rest, new)
-                    if rest <= close:
-                        _arrive(other, new, rest, close)
-                    if other.cost[new] < math.inf and _joins(memory.sides, grid, new, met):
-                        met = new
+    here = Here(which, cell, key, table.cuts[cell >> 3], level, get_vec(side.points, cell, 0), own)
+    for i in range((x - 1) >> 1, ((x + 1) >> 1) + 1):
+        for j in range((y - 1) >> 1, ((y + 1) >> 1) + 1):
+            for k in range((z - 1) >> 1, ((z + 1) >> 1) + 1):
+                parent = key_of(level + 1, i, j, k)
+                block = block_of_here(table, parent)
+                if block == NONE:
+                    block = block_at(memory, grid, scene, parent)
+                if block <= LEAF:
+                    new = LEAF - block
+                    if side.cost[new] > side.cost[cell]:
+                        met = _reach(memory, grid, scene, here, new, key_in(table, new), met)
+                elif block != NONE and table.cuts[block] != NONE:
+                    met = _reach_halves(memory, grid, scene, here, block, met)
+                elif block != NONE:
+                    met = reach_block_here(memory, grid, scene, here, block, met)
     return met
 
 
 @kernel
 def _least(side: Side) -> float:
     """Least priority of a side; infinite when it is dry."""
-    return side.priority[0] if side.size[0] > 0 else math.inf
+    return side.priority[0] if side.size[OPEN] > 0 else math.inf
 
 
 @kernel
@@ -165,50 +336,51 @@ def explore(memory: Memory, grid: Grid, scene: Scene) -> tuple[int, int]:
     """
     table, sides = memory.table, memory.sides
     goal_side, start_side = pick(sides, FROM_GOAL), pick(sides, FROM_START)
-    most, places = table.keys.shape[0] - AROUND, goal_side.items.shape[0] - AROUND
     from_goal = _seed(memory, grid, scene, FROM_GOAL)
     from_start = _seed(memory, grid, scene, FROM_START)
     if not from_goal and not from_start:
         return FULL, NONE
     met = NONE
-    for cell in range(table.size[0]):
-        if _joins(sides, grid, cell, met):
+    for cell in range(8 * table.size[BLOCKS]):
+        if _joins(memory, grid, cell, met):
             met = cell
     while True:
         if spend(memory.clock, AROUND):
             return TIMED_OUT, NONE
+        if table.size[OVERFLOW] != 0:
+            return FULL, NONE
         least_from_goal = _least(goal_side) if from_goal else 0.0
         least_from_start = _least(start_side) if from_start else 0.0
-        if met != NONE and _through(sides, met) <= max(least_from_goal, least_from_start):
+        if met != NONE and _through(memory, grid, met) <= max(least_from_goal, least_from_start):
             return FOUND, met
         if max(least_from_goal, least_from_start) == math.inf:
             return CLOSED, NONE
-        fewer = start_side.size[0] < goal_side.size[0]
+        fewer = start_side.size[OPEN] < goal_side.size[OPEN]
         which = FROM_START if from_start and (fewer or not from_goal) else FROM_GOAL
         side = pick(sides, which)
-        if table.size[0] > most or side.size[0] > places:
-            return FULL, NONE
         cell = pop(side)
         if side.done[cell] != 0:
             continue
         side.done[cell] = 1
+        side.size[DONE] += 1
         if sides.done[1 - which, cell] != 0 and met != NONE:
             return FOUND, met
         met = _widen(memory, grid, scene, which, cell, met)
 
 
 @kernel
-def penalize(memory: Memory, met: int, around: int) -> None:
-    """Make the route through the cell `met`, and all cells up to `around` cells from it, dearer."""
+def penalize(memory: Memory, grid: Grid, scene: Scene, met: int, around: int) -> None:
+    """Make the route through the cell `met`, and cells up to `around` cells from it, dearer: about large ones, one."""
     table = memory.table
     for which in range(2):
         cell = met
         while cell != NONE:
-            x, y, z = numbers_of(table.keys[cell])
-            for i in range(-around, around + 1):
-                for j in range(-around, around + 1):
-                    for k in range(-around, around + 1):
-                        near = cell_of(table, key_of(x + i, y + j, z + k))
+            level, x, y, z = numbers_of(key_in(table, cell))
+            reach = around if level == 0 else 1
+            for i in range(-reach, reach + 1):
+                for j in range(-reach, reach + 1):
+                    for k in range(-reach, reach + 1):
+                        near = known_leaf(memory, grid, scene, key_of(level, x + i, y + j, z + k))
                         if near != NONE:
                             table.penalized[near] = 1
             cell = int(memory.sides.before[which, cell])

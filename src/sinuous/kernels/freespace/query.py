@@ -40,6 +40,9 @@ GREEDY = 1e6
 CLEARANCE_WEIGHT = 0.2
 """See `grid.Grid`: little, because with more the search looks at all the room around a narrow place first."""
 
+LEVELS = 7
+"""Sizes of cells beside the finest, each twice as large as the one before."""
+
 STRAIGHT_STEPS = 16
 """Steps in which it is looked how far a route can leave straight."""
 
@@ -134,11 +137,14 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
     goal = query.goal
     if norm(query.back) > 0.0:
         goal = _end_of_straight(scene, query.goal, query.back, 0.0, turn, query.radius)
+    ample = max(query.clearance, 2.0 * HALF_DIAGONAL * query.cell - query.clearance)
     pieces = norm(sub(start, query.origin)) + norm(sub(goal, query.goal))
     return Grid(
         query.origin,
         query.cell,
+        LEVELS,
         query.clearance,
+        max(query.radius, ample),
         query.radius,
         query.room,
         query.longest,
@@ -159,10 +165,13 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
 @kernel
 def proof_grid(query: Query) -> Grid:
     """The grid for the proof that there is no route: whatever any body of this radius can pass, can be passed."""
+    clearance = query.radius - HALF_DIAGONAL * query.cell
     return Grid(
         query.origin,
         query.cell,
-        query.radius - HALF_DIAGONAL * query.cell,
+        LEVELS,
+        clearance,
+        max(clearance, 2.0 * HALF_DIAGONAL * query.cell - clearance),
         query.radius,
         query.radius,
         query.longest,

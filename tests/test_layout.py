@@ -39,6 +39,7 @@ FLOORS = {
 KERNEL_FLOORS = {
     "solve": 5,
     "fitting": 4,
+    "growing": 4,
     "step": 3,
     "body": 2,
     "freespace": 2,

@@ -42,6 +42,7 @@ FLOORS = {
 KERNEL_FLOORS = {
     "solve": 5,
     "fitting": 4,
+    "growing": 4,
     "step": 3,
     "between": 3,
     "body": 2,

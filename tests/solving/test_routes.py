@@ -120,7 +120,8 @@ def test_routes_differ_in_the_side_on_which_they_pass() -> None:
     assert len(sides) >= 3
 
 
-def test_no_route_of_one_grid_is_handed_over_twice() -> None:
+def test_no_route_of_one_grid_is_handed_over_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Router, "_grown", lambda *_: iter(()))  # that is several starts a route
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
     asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
     given: dict[tuple[float, bool], list[bytes]] = {}
@@ -151,6 +152,27 @@ def test_a_route_that_is_too_short_for_the_robot_is_made_longer() -> None:
     clearances = [scene.distance(robot.backbone(q, 20)).min() for q in (plain, bent)]
     assert clearances[0] < 0.1 < clearances[1]
     solution = Solver(robot, scene, time=60.0, max_starts=30).solve(Target((0.3, 0.0, 3.0)))
+    assert (solution.status, solution.start) == (Status.SOLVED, "route")
+
+
+def test_a_body_gets_through_a_door_behind_its_base() -> None:
+    """Half a circle over the wall, then straight down: the route turns back at once, as the body cannot."""
+    robot = Robot.uniform(6, length=1.0, max_bend=1.4, radius=0.1)
+    hidden = np.array([[np.pi / 3.0, 0.0, 1.0]] * 3 + [[0.0, 0.0, 1.0]] * 3)
+    door, end = robot.backbone(hidden, 1)[3, 0], robot.tip(hidden)[:3, 3]
+    walls = [Box((door + side * 2.2, 0.0, -0.5), (4.0, 8.0, 0.1)) for side in (-1.0, 1.0)]
+    walls += [Box((door, side * 2.2, -0.5), (0.4, 4.0, 0.1)) for side in (-1.0, 1.0)]
+    scene = Scene(walls)
+    assert scene.distance(robot.backbone(hidden, 40)).min() > 0.15
+    solution = Solver(robot, scene, time=60.0, max_starts=200).solve(Target(end))
+    assert solution.status is Status.SOLVED
+    assert solution.verify().ok
+
+
+def test_elbows_are_gone_through_one_after_the_other(narrow: Scene) -> None:
+    elbow = ROBOT.backbone(HIDDEN, 1)[3]
+    targets = [Target(elbow, segment=3), Target(ROBOT.tip(HIDDEN)[:3, 3])]
+    solution = Solver(ROBOT, narrow, time=60.0, max_starts=60).solve(targets)
     assert (solution.status, solution.start) == (Status.SOLVED, "route")
 
 

@@ -22,7 +22,9 @@ from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.buffers import BufferPool
+from sinuous.solving.growth import FEW, LEG_POINTS, MANY, gone_on, grown, leg_queries, respaced, settled
 from sinuous.solving.sources import Batch, Question
+from sinuous.solving.turned import Groups, turned, turned_back
 
 COARSE, FINE = 64, 20_000
 """Finest cells in the length of the longest robot: most of them at first, and most at all."""
@@ -35,6 +37,9 @@ CELLS = (1 << 12, 1 << 14, 1 << 17, 1 << 19)
 
 CELLS_A_START = 100
 """Cells that a search may look at for each scattered start that follows it: a descent costs about as much."""
+
+ALONG = 2
+"""Routes of one search along which chains are grown."""
 
 POINTS = 1024
 """Most points of a route."""
@@ -126,11 +131,16 @@ class Router:
         self._nowhere: Problem | None = nowhere  # to load the entries with
 
     def batches(self, question: Question) -> Iterator[Batch]:
-        """Yield configurations along routes to the most distal target, from coarse to fine, while time is left."""
+        """Yield configurations along routes to the most distal target, from coarse to fine, while time is left.
+
+        Chains are grown along each route before the next search; where several solutions are wanted, after the last,
+        because those along one route are much alike.
+        """
         problem = question.problem
         query = self.query(problem)
         told: dict[tuple[float, bool], int] = {}
         too_few: dict[float, int] = {}
+        later: list[tuple[Plan, tuple[Floats, ...]]] = []
         for plan in () if query is None else self.plans:
             seconds = question.seconds_left()
             if query is None or seconds <= 0.0:
@@ -148,9 +158,18 @@ class Router:
             yield _batch(initial, routes, closed=closed)
             if closed is not None:
                 return
-            if plan.cell == self.plans[-1].cell:  # coarser ones cut through walls
+            if question.several:
+                later.append((plan, routes))
+            else:
+                yield from self._grown(question, plan, routes, FEW)
+            finest = plan.cell == self.plans[-1].cell
+            if finest:  # coarser ones cut through walls
                 yield from self._longer(problem, query, routes, question.seconds_left)
             yield _batch(initial[:0], (), then=max(plan.then, found.cells // CELLS_A_START))
+            if not question.several and (finest or plan.routes > 1):
+                yield from self._grown(question, plan, routes, MANY)
+        for plan, routes in later:
+            yield from self._grown(question, plan, routes, FEW)
 
     def query(self, problem: Problem) -> Floats | None:
         """Return what a route has to keep (28,), see `sinuous.kernels.tables`; `None`: no target has a position."""
@@ -183,7 +202,7 @@ class Router:
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
         workspace = np.empty(fit_workspace_size(*sizes, POINTS))
         fits = np.empty((max(0, len(found.routes) - known), len(robot), 3))
-        groups = self._group, problem.scene._kernel_group, self._settings, problem._rows
+        groups = self._groups(problem)
         for i, (route, q) in enumerate(zip(found.routes[known:], fits, strict=True)):
             left = seconds_left()
             if left <= 0.0:
@@ -200,7 +219,12 @@ class Router:
             if query is not None:
                 self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
                 self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
-            self.fit(problem, Found([np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])], 0, 0), 0, lambda: 1.0)
+            line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+            self.fit(problem, Found([line], 0, 0), 0, lambda: 1.0)
+            groups, still = self._groups(problem), np.zeros((len(self._robot), 3))
+            grown(groups, line[None], FEW, 1.0)
+            next(settled(groups, still[None], lambda: 1.0))
+            turned_back(groups, groups, still)
         return monotonic() - began
 
     def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:
@@ -223,6 +247,44 @@ class Router:
                     yield _batch(initial, (longer,)[: len(initial)])
                 elif (misses := misses + 1) == MISSES:
                     break
+
+    def _grown(self, question: Question, plan: Plan, routes: tuple[Floats, ...], count: int) -> Iterator[Batch]:
+        """Yield chains that are grown along routes, so many along each from either end."""
+        groups = self._groups(question.problem)
+        for route in routes[:ALONG]:
+            legs = self._legs(question, groups, route, plan)
+            if legs is None:
+                return
+            for chain in self._chains(question, groups, legs, count):
+                yield _batch(chain[None], (route,))
+            other = turned(groups, route)
+            if other is None:
+                continue
+            for chain in self._chains(question, other, legs[:, ::-1].copy(), count):
+                yield _batch(turned_back(groups, other, chain)[None], (route,))
+
+    def _chains(self, question: Question, groups: Groups, legs: Floats, count: int) -> Iterator[Floats]:
+        """Yield chains (n, 3) that are grown along legs (l, K, 3), as they are, then drawn to the targets."""
+        seconds = question.seconds_left()
+        chains = grown(groups, legs, count, seconds) if seconds > 0.0 else legs[:0]
+        yield from chains
+        yield from settled(groups, chains, question.seconds_left)
+
+    def _legs(self, question: Question, groups: Groups, route: Floats, plan: Plan) -> Floats | None:
+        """Return the legs (l, K, 3) of a route from target to target; `None` where there is no route to one of them."""
+        legs: list[Floats] = []
+        for query in leg_queries(groups):
+            if legs:
+                gone_on(query, legs[-1])
+            one = plan._replace(routes=1, prove=False)
+            found = self.find(question.problem, query, one, max(0.0, question.seconds_left()))
+            if not found.routes:
+                return None
+            legs.append(respaced(found.routes[0], LEG_POINTS))
+        return np.stack(legs or [respaced(route, LEG_POINTS)])
+
+    def _groups(self, problem: Problem) -> Groups:
+        return self._group, problem.scene._kernel_group, self._settings, problem._rows
 
 
 def _batch(initial: Floats, routes: tuple[Floats, ...], then: int = 0, closed: float | None = None) -> Batch:

@@ -263,7 +263,7 @@ class Solver:
 
         shape(np.zeros((len(self.robot), 3)))  # loads the kernel, before the time begins
         search = Distinct(CANDIDATES * wanted, separation, shape, self.options.max_starts, seconds)
-        question = Question(problem, given, lambda: search.seconds_left)
+        question = Question(problem, given, lambda: search.seconds_left, several=True)
         search.pursue(self._portfolio.batches(question), self._follow(problem, given))
         reference = None if initial is None else given[0]
         order = np.argsort(self._dislike([outcome.q for outcome in search.found], reference), kind="stable")

@@ -67,11 +67,14 @@ class Question(NamedTuple):
     initial : ndarray (g, n, 3)
         The initial configuration of the user: g is 0 or 1.
     seconds_left : callable
+    several : bool
+        Whether several distinct solutions are wanted, and not just the first.
     """
 
     problem: Problem
     initial: Floats
     seconds_left: Callable[[], float]
+    several: bool = False
 
 
 class Source(Protocol):

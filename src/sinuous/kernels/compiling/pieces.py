@@ -50,12 +50,15 @@ PIECES = (
     Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 26),
     Piece(
         "routes among obstacles",
-        19,
+        26,
         (
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.freespace.lengthen.lengthen_route",
             "kernels.fitting.fit.fit_route",
+            "kernels.growing.grow.grow_chains",
+            "kernels.growing.turning.turn_round",
+            "kernels.fitting.settle.settle_chain",
         ),
     ),
     Piece("batches of solves", 4, ("kernels.solve.search.search_many" + FREE,)),

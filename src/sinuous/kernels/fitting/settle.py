@@ -1,0 +1,91 @@
+"""A chain drawn to its targets in short steps, so that it stays between the obstacles that it lies between.
+
+A descent goes straight for the targets: its first step is as long as the chain is off, and what then overlaps may be
+pushed off to the wrong side of a wall.
+"""
+
+from sinuous.kernels.body.rows import END
+from sinuous.kernels.clock import SEGMENT_LOOKS, allow, begin, spend
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.maths.vectors import Array, copy
+from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.step.newton import linearise, move, project_to_limits, rest, step
+from sinuous.kernels.step.states import ANGLE, POSITION, SEEN, State, Work, carve_for, pick
+from sinuous.kernels.tables import RADIUS
+
+ROUNDS = 60
+"""Most steps."""
+
+REACH, TURN = 0.25, 0.08
+"""How far a step moves what is asked for and what overlaps: in radii of the body at its end, and in rad."""
+
+LEAST = 1e-3
+"""How far it does at least, in lengths of the robot."""
+
+MU = 2e-5
+"""Damping of the steps."""
+
+
+@kernel
+def _hold_back(problem: Problem, state: State) -> None:
+    """Ask less of a step than would meet the targets and end all overlaps."""
+    n, rows = problem.limits.shape[0], state.rows
+    reach = max(REACH * problem.limits[n - 1, RADIUS], LEAST * problem.unit)
+    off, turn = state.norms[POSITION], state.norms[ANGLE]
+    share = min(1.0, reach / off if off > 0.0 else 1.0, TURN / turn if turn > 0.0 else 1.0)
+    for i in range(rows.start[n]):
+        if rows.kind[i] == END:
+            rows.value[i] *= share
+        else:
+            rows.value[i] = min(rows.value[i], reach / problem.unit)
+
+
+@kernel
+def settle(problem: Problem, states: State, at: int, work: Work) -> int:
+    """Draw the chain of state `at` to the targets, as far as the time allows; returns the state with the result.
+
+    States 0 and 1 take turns.
+    """
+    n = problem.limits.shape[0]
+    project_to_limits(problem, pick(states, at), work)
+    for _ in range(ROUNDS):
+        state = pick(states, at)
+        linearise(problem, state, work, problem.step_depth, STEP, 0.0, False)
+        off, turn = state.norms[POSITION], state.norms[ANGLE]
+        there = off <= problem.position_tolerance and turn <= problem.angle_tolerance
+        if (there and state.norms[SEEN] >= 0.0) or spend(work.clock, SEGMENT_LOOKS * n):
+            break
+        _hold_back(problem, state)
+        rest(work)
+        step(problem, state, work, MU)
+        move(problem, state, work, pick(states, 1 - at))
+        at = 1 - at
+    return at
+
+
+@entry
+def settle_chain(
+    robot: Array, scene: Array, settings: Array, targets: Array, seconds: float, workspace: Array, q: Array
+) -> None:
+    """Draw a chain to its targets and off the obstacles, in short steps.
+
+    Parameters
+    ----------
+    robot, scene, settings : ndarray
+        Groups, laid out as `sinuous.kernels.tables` says.
+    targets : ndarray (t, 15)
+    seconds : float
+        Budget.
+    workspace : ndarray (w,)
+        Scratch, see `fit.fit_workspace_size`, for routes of no points.
+    q : ndarray (n, 3)
+        The chain, which is moved.
+    """
+    problem = read_problem(robot, scene, settings, targets)
+    states, work = carve_for(workspace, problem, max(1, problem.scene.table.shape[0]))
+    begin(work.clock)
+    allow(work.clock, seconds)
+    copy(q, pick(states, 0).q)
+    at = settle(problem, states, 0, work)
+    copy(pick(states, at).q, q)

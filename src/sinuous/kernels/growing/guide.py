@@ -1,0 +1,103 @@
+"""A route as a guide: how far along it a place of the body sees, and what length of backbone it needs from there."""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.chain.single_arc import arc_length
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import Scene, closest
+from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.maths.vectors import Vec, add_scaled, dot, get_vec, norm, scale, sub
+
+SIGHT, FINEST = 0.3, 0.3
+"""A line of sight keeps so far from the obstacles, and is looked at no more closely; in radii of the body."""
+
+FIRST, FARTHEST = 4.0, 16.0
+"""How far a first look reaches, and any; the next one reaches twice as far where nothing was in reach. In radii."""
+
+LOOKS = 24
+"""Most looks along one line of sight."""
+
+WIDEST = 2.2
+"""Angle between tangent and line of sight from which on a single arc is no measure of what is needed, rad."""
+
+TURNED = 0.5
+"""Length that it takes to turn into the guide, in radii of the tightest turn for each radian."""
+
+Guide = namedtuple("Guide", ["points", "spacing", "back", "radius", "turn"])
+"""Points (K, 3) of a route, evenly spaced, and the distance between neighbours; the unit vector to where it comes from
+at its end (zero: from anywhere); the radius of the body and of its tightest turn."""
+
+
+@kernel
+def visible(scene: Scene, guide: Guide, p: Vec, i: int) -> bool:
+    """Whether the line from `p` to point `i` of the guide is free."""
+    line = sub(get_vec(guide.points, i, 0), p)
+    length, clear = norm(line), SIGHT * guide.radius
+    gone, reach = 0.0, FIRST * guide.radius
+    for _ in range(LOOKS):
+        if gone >= length:
+            return True
+        d, _ = closest(scene, add_scaled(p, gone / length, line), clear + reach, STEP)
+        if d < clear:
+            return False
+        gone += max(d - clear, FINEST * guide.radius)
+        reach = min(2.0 * reach, FARTHEST * guide.radius) if d - clear >= reach else reach
+    return gone >= length
+
+
+@kernel
+def sighted(scene: Scene, guide: Guide, p: Vec, since: int) -> int:
+    """Point of the guide farthest along it that is seen from `p`, sought from point `since` on; -1: none is seen."""
+    i, last = since, guide.points.shape[0] - 1
+    if visible(scene, guide, p, last):
+        return last
+    unit = max(1, int(guide.radius / guide.spacing))
+    back = unit
+    while not visible(scene, guide, p, i):
+        if i == 0:
+            return -1
+        i = max(0, i - back)
+        back *= 2
+    ahead = unit
+    while ahead >= unit:
+        if i + ahead <= last and visible(scene, guide, p, i + ahead):
+            i += ahead
+            ahead *= 2
+        else:
+            ahead //= 2
+    return i
+
+
+@kernel
+def _back(guide: Guide, i: int) -> Vec:
+    """Where the guide comes from at its point `i`; zero where it may come from anywhere."""
+    if i == guide.points.shape[0] - 1:
+        return guide.back
+    return sub(get_vec(guide.points, i, 0), get_vec(guide.points, i + 1, 0))
+
+
+@kernel
+def _turning(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
+    """Length of backbone that leads from `p`, along a unit tangent, to point `i` of the guide and there into it."""
+    line = sub(get_vec(guide.points, i, 0), p)
+    chord = norm(line)
+    if chord < 1e-9 * guide.turn:
+        return 0.0
+    towards = scale(1.0 / chord, line)
+    half = math.acos(min(1.0, max(-1.0, dot(towards, tangent))))
+    length = chord + 2.0 * guide.turn * half
+    if half < WIDEST:
+        length = min(length, arc_length(chord, half))
+    # The arc arrives along the mirror image of the tangent that it leaves along.
+    arrives = sub(scale(2.0 * dot(tangent, towards), towards), tangent)
+    back = _back(guide, i)
+    if norm(back) > 0.0:
+        length += TURNED * guide.turn * math.acos(min(1.0, max(-1.0, -dot(arrives, back) / norm(back))))
+    return length
+
+
+@kernel
+def needed(guide: Guide, p: Vec, tangent: Vec, i: int) -> float:
+    """Length of backbone that is needed from `p`, with a unit tangent, by point `i` of the guide to its end."""
+    return _turning(guide, p, tangent, i) + (guide.points.shape[0] - 1 - i) * guide.spacing

@@ -1,0 +1,92 @@
+"""Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.fitting.fit import fit_workspace_size
+from sinuous.kernels.fitting.query import route_query
+from sinuous.kernels.fitting.settle import settle_chain
+from sinuous.kernels.growing.grow import grow_chains, growing_size
+from sinuous.kernels.tables import (
+    HAS_POSITION,
+    QUERY_AXIS,
+    QUERY_BACK,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_LONGEST,
+    QUERY_ORIGIN,
+    QUERY_SHORTEST,
+    QUERY_STRAIGHT_MAX,
+    QUERY_STRAIGHT_MIN,
+    QUERY_WIDTH,
+    TARGET_SEGMENT,
+)
+from sinuous.solving.turned import Groups
+
+FEW, MANY = 2, 8
+"""Chains that are grown along a route at first, and where those do not lead to a solution."""
+
+LEG_POINTS = 160
+"""Points of each leg of a route."""
+
+ARRIVAL = 5
+"""Points of a leg that its last tangent is taken over."""
+
+
+def respaced(route: Floats, count: int) -> Floats:
+    """Return so many points that are evenly spaced along a route (K, 3)."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
+    places = np.linspace(0.0, along[-1], count)
+    return np.stack([np.interp(places, along, axis) for axis in route.T], axis=-1)
+
+
+def leg_queries(groups: Groups) -> list[Floats]:
+    """What routes have to keep from target to target (l, 28): none where one target has a position, or none has.
+
+    Each leg begins where the one before it ends. See `sinuous.kernels.tables`.
+    """
+    robot, scene, settings, targets = groups
+    segments = np.where(targets[:, TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, TARGET_SEGMENT])
+    places = np.flatnonzero(targets[:, HAS_POSITION])
+    order = places[np.unique(segments[places], return_index=True)[1]]
+    queries = []
+    for target in order if len(order) > 1 else ():
+        query = np.zeros(QUERY_WIDTH)
+        route_query(robot, scene, settings, targets[target : target + 1].copy(), query)
+        queries.append(query)
+    for last, query in zip(queries[-2::-1], queries[:0:-1], strict=True):
+        query[QUERY_ORIGIN : QUERY_ORIGIN + 3] = last[QUERY_GOAL : QUERY_GOAL + 3]
+        query[QUERY_AXIS : QUERY_AXIS + 3] = -last[QUERY_BACK : QUERY_BACK + 3]
+        query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
+        query[[QUERY_SHORTEST, QUERY_LONGEST]] -= last[[QUERY_SHORTEST, QUERY_LONGEST]]
+    return queries
+
+
+def gone_on(query: Floats, leg: Floats) -> None:
+    """Let the route of a query go on as the leg (K, 3) before it arrives, where no target says how."""
+    axis = slice(QUERY_AXIS, QUERY_AXIS + 3)
+    if not query[axis].any():
+        ahead = leg[-1] - leg[-1 - ARRIVAL]
+        query[axis] = ahead / np.linalg.norm(ahead)
+
+
+def grown(groups: Groups, legs: Floats, count: int, seconds: float) -> Floats:
+    """Return at most so many chains (m, n, 3) along the legs of a route (l, K, 3), the best first."""
+    n, obstacles = int(groups[0][0]), int(groups[1][0])
+    chains, workspace = np.empty((count, n, 3)), np.empty(growing_size(n, obstacles, count))
+    return chains[: grow_chains(*groups, legs, seconds, workspace, chains)]
+
+
+def settled(groups: Groups, chains: Floats, seconds_left: Callable[[], float]) -> Iterator[Floats]:
+    """Yield every chain (n, 3), drawn to the targets in short steps, while there is time."""
+    robot, scene, _, targets = groups
+    workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets), 0))
+    for chain in chains:
+        seconds = seconds_left()
+        if seconds <= 0.0:
+            return
+        q = chain.copy()
+        settle_chain(*groups, seconds, workspace, q)
+        yield q

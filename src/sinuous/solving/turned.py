@@ -1,0 +1,100 @@
+"""The same problem the other way round: from the target, through the route, to the base.
+
+A chain that is grown out of a narrow place begins along it; one that is grown into it has to arrive along it.
+"""
+
+import math
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.growing.turning import turn_round
+from sinuous.kernels.tables import (
+    DIRECTION,
+    FREE,
+    GOAL,
+    HAS_POSITION,
+    MOUNT,
+    ORIENTATION,
+    POSE_POSITION,
+    POSE_WIDTH,
+    ROBOT_HEADER,
+    ROTATION,
+    SEGMENT_WIDTH,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+    TARGET_WIDTH,
+)
+from sinuous.poses import pose
+
+Groups = tuple[Floats, Floats, Floats, Floats]
+"""What entries are given of a problem: robot, scene, settings, targets."""
+
+FLIP = np.diag([1.0, -1.0, -1.0])
+"""Half a turn about x."""
+
+ROLLS = 16
+"""Angles about the tangent that are looked at."""
+
+BEFORE = 3
+"""Points of a route that its tangent is taken over."""
+
+
+def turned(groups: Groups, route: Floats) -> Groups | None:
+    """Return the groups of the problem the other way round; `None` where that cannot be said.
+
+    The target is that of the tip, the only one. Limits of actuators, and a mount, are not turned. Where the target
+    leaves the direction open, or how far it is turned about it, the route (K, 3) decides.
+    """
+    robot, scene, settings, targets = groups
+    count, actuators, n = len(targets), robot[1], int(robot[0])
+    tip = count == 1 and targets[0, HAS_POSITION] != 0.0 and targets[0, TARGET_SEGMENT] in (-1.0, n - 1.0)
+    if not tip or actuators > 0.0 or settings[MOUNT] > 0.0:
+        return None
+    poses = ROBOT_HEADER + SEGMENT_WIDTH * n
+    base, tool = robot[poses : poses + POSE_WIDTH], robot[poses + POSE_WIDTH :]
+    rotation, position = _end(targets[0], _rotation(tool), tool[POSE_POSITION:], route)
+    segments = robot[ROBOT_HEADER:poses].reshape(n, SEGMENT_WIDTH)[::-1].ravel()
+    begin, nothing = (rotation @ FLIP).ravel(), np.eye(3).ravel()
+    other = np.concatenate([robot[:ROBOT_HEADER], segments, begin, position, nothing, np.zeros(3)])
+    row = np.zeros((1, TARGET_WIDTH))
+    row[0, TARGET_SEGMENT], row[0, HAS_POSITION], row[0, ORIENTATION] = -1.0, 1.0, DIRECTION
+    row[0, TARGET_POSITION : TARGET_POSITION + 3] = base[POSE_POSITION:]
+    row[0, GOAL : GOAL + 3] = -_rotation(base)[:, 2]
+    return other, scene, settings, row
+
+
+def turned_back(groups: Groups, other: Groups, chain: Floats) -> Floats:
+    """Return the configuration (n, 3) of a chain (n, 3) of the problem the other way round."""
+    q = np.empty_like(chain)
+    turn_round(groups[0], other[0], chain, q)
+    return q
+
+
+def _rotation(flat: Floats) -> Floats:
+    return flat[:POSE_POSITION].reshape(3, 3)
+
+
+def _end(target: Floats, tool: Floats, shift: Floats, route: Floats) -> tuple[Floats, Floats]:
+    """Rotation and position of the end of the backbone at a target; what that leaves open, the route decides."""
+    goal = target[TARGET_POSITION : TARGET_POSITION + 3]
+    # the place on the route where the backbone ends and the tool begins
+    at = max(BEFORE, int(np.flatnonzero(np.linalg.norm(route - goal, axis=1) >= np.linalg.norm(shift))[-1]))
+    tangent = route[at] - route[at - BEFORE]
+    tangent = tangent / np.linalg.norm(tangent)
+    if target[ORIENTATION] == ROTATION:
+        rotation = target[GOAL : GOAL + 9].reshape(3, 3) @ tool.T
+        return rotation, goal - rotation @ shift
+    free = target[ORIENTATION] == FREE
+    turn = pose(direction=tangent if free else target[GOAL : GOAL + 3])[:3, :3]
+    best, found = -math.inf, turn
+    for roll in 2.0 * math.pi * np.arange(ROLLS) / ROLLS:
+        spin = np.array(
+            [[math.cos(roll), -math.sin(roll), 0.0], [math.sin(roll), math.cos(roll), 0.0], [0.0, 0.0, 1.0]]
+        )
+        rotation = turn @ spin if free else turn @ spin @ tool.T
+        off = np.linalg.norm(goal - rotation @ shift - route[at])
+        fits = float(-off if free else rotation[:, 2] @ tangent)
+        if fits > best:
+            best, found = fits, rotation
+    return found, goal - found @ shift

@@ -1,0 +1,72 @@
+"""Chains drawn to their targets in short steps."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sinuous import packing
+from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
+from sinuous.kernels.fitting.fit import fit_workspace_size
+from sinuous.kernels.fitting.settle import REACH, ROUNDS, settle_chain
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.obstacles import Box
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats
+
+RADIUS = 0.1
+ROBOT = Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
+CHAIN = np.tile([0.3, 0.1, 1.0], (6, 1))
+TIP = ROBOT.tip(CHAIN)
+
+
+def settled(scene: Scene, target: Target, seconds: float = 60.0, robot: Robot = ROBOT) -> Floats:
+    problem = Problem(robot, target, scene)
+    groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
+    workspace = np.full(fit_workspace_size(6, 0, len(problem.scene), 1, 0), np.nan)
+    out = CHAIN.copy()
+    settle_chain(*groups, problem.rows.copy(), seconds, workspace, out)
+    return out
+
+
+def test_a_chain_that_is_at_its_target_stays() -> None:
+    assert np.array_equal(settled(Scene([]), Target(TIP[:3, 3], direction=TIP[:3, 2])), CHAIN)
+
+
+@pytest.mark.parametrize("direction", [None, tuple(TIP[:3, 2])])
+def test_the_target_is_met_that_is_near(direction: tuple[float, float, float] | None) -> None:
+    goal = TIP[:3, 3] + [0.4, -0.3, -0.2]
+    found = settled(Scene([]), Target(goal, direction=direction))
+    assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - goal) < 1e-2
+    assert ROBOT.excess(found) <= 1e-12
+
+
+def test_no_step_is_long() -> None:
+    """However far the target is: the end comes no nearer than all steps are long, and a little for curves."""
+    goal = TIP[:3, 3] + [-9.0, 0.0, 0.0]
+    moved = np.linalg.norm(ROBOT.tip(settled(Scene([]), Target(goal)))[:3, 3] - TIP[:3, 3])
+    assert 0.1 < moved < 1.2 * ROUNDS * REACH * RADIUS
+
+
+def test_what_overlaps_is_pushed_off() -> None:
+    line = ROBOT.backbone(CHAIN, 40)
+    beside = line[150] + [0.0, 0.3, 0.0]
+    wall = Scene([Box(beside, (0.5, 0.52, 0.5))])
+    assert wall.distance(line).min() < 0.6 * RADIUS
+    found = settled(wall, Target(TIP[:3, 3]))
+    assert wall.distance(ROBOT.backbone(found, 40)).min() > 0.97 * RADIUS
+    assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1e-2
+
+
+def test_a_body_without_thickness_is_drawn_too() -> None:
+    thin = Robot.uniform(6, length=1.0, max_bend=1.6)
+    goal = TIP[:3, 3] + [0.2, -0.1, 0.0]
+    assert np.linalg.norm(thin.tip(settled(Scene([]), Target(goal), robot=thin))[:3, 3] - goal) < 1e-2
+
+
+def test_without_time_it_takes_few_steps() -> None:
+    found = settled(Scene([]), Target((0.0, 0.0, 0.0)), seconds=0.0)
+    steps = math.ceil(STRIDE / (SEGMENT_LOOKS * len(ROBOT)))
+    assert np.linalg.norm(ROBOT.tip(found)[:3, 3] - TIP[:3, 3]) < 1.1 * steps * REACH * RADIUS

@@ -1,0 +1,165 @@
+"""Chains grown along routes: limits, clearance and ends, what symmetry says of them, and a budget."""
+
+import math
+
+import numpy as np
+import pytest
+
+from sinuous import packing
+from sinuous.kernels.growing.grow import grow_chains, growing_size
+from sinuous.poses import pose
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.obstacles import Box
+from sinuous.scene.scene import Scene
+from sinuous.solving.growth import respaced
+from tests.helpers import Floats
+
+RADIUS = 0.1
+KEPT = 0.5
+"""Deepest overlap of a chain that is kept, in radii."""
+
+ROBOT = Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
+BEHIND = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.6, 0.0, 0.5], [1.0, 0.0, 0.0], [1.2, 0.0, -2.0]])
+"""A route that turns back on the spot, as no body can."""
+
+BOXES = [
+    *(Box((1.2 + side * 1.2, 0.0, -0.75), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)),
+    *(Box((1.2, side * 1.2, -0.75), (0.4, 2.0, 0.1)) for side in (-1.0, 1.0)),
+]
+WALLS = Scene(BOXES)
+"""A wall beside the base, with a slit of 0.4."""
+
+
+def grown(
+    robot: Robot, scene: Scene, targets: list[Target], legs: list[Floats], count: int = 4, seconds: float = 60.0
+) -> Floats:
+    problem = Problem(robot, targets, scene)
+    groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
+    chains = np.full((count, len(robot), 3), np.nan)
+    workspace = np.full(
+        growing_size(len(robot), len(problem.scene), count), np.nan
+    )  # nothing of what was there before may matter
+    points = np.stack([respaced(leg, 80) for leg in legs])
+    return chains[: grow_chains(*groups, problem.rows.copy(), points, seconds, workspace, chains)]
+
+
+def overlap(robot: Robot, scene: Scene, q: Floats) -> float:
+    """Deepest overlap of the body with obstacles, in radii, by brute force."""
+    return float(1.0 - scene.distance(robot.backbone(q, 100)).min() / RADIUS)
+
+
+def own_gap(robot: Robot, q: Floats) -> float:
+    """Least distance of two places that are half a circle apart along the body, by brute force."""
+    line = robot.backbone(q, 40)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    far = np.abs(along[:, None] - along) > math.pi * RADIUS
+    return float(np.where(far, np.linalg.norm(line[:, None] - line, axis=-1), math.inf).min())
+
+
+@pytest.mark.parametrize("direction", [None, (0.0, 0.0, -1.0)])
+def test_chains_turn_back_through_a_slit_within_limits(direction: tuple[float, float, float] | None) -> None:
+    target = Target((1.2, 0.0, -2.0), direction=direction)
+    chains = grown(ROBOT, WALLS, [target], [BEHIND])
+    assert len(chains) == 4
+    for q in chains:
+        assert ROBOT.excess(q) <= 1e-12
+        assert overlap(ROBOT, WALLS, q) <= KEPT + 0.05
+        assert own_gap(ROBOT, q) > 1.8 * RADIUS
+    best = ROBOT.tip(chains[0])
+    assert np.linalg.norm(best[:3, 3] - (1.2, 0.0, -2.0)) < 0.5
+    if direction is not None:
+        assert best[:3, 2] @ np.array(direction) > 0.6
+
+
+def test_no_chain_crosses_a_wall() -> None:
+    """However thin it is: on this side of it the route is seen, but beyond it the rest cannot be."""
+    wall = Scene([Box((0.0, 0.0, 1.5), (9.0, 9.0, 0.02))])
+    through = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.0), 30)
+    for q in grown(ROBOT, wall, [Target((0.0, 0.0, 4.0))], [through]):
+        assert ROBOT.backbone(q, 50)[:, 2].max() < 1.5
+
+
+def test_of_the_chains_none_ends_as_another_one_does() -> None:
+    chains = grown(ROBOT, Scene([]), [Target((1.2, 0.0, -2.0))], [BEHIND], count=8)
+    tips = np.stack([ROBOT.tip(q) for q in chains])
+    apart = np.abs(tips[:, None, :3, 3] - tips[:, :3, 3]).max(axis=-1)
+    turned = np.abs(tips[:, None, :3, 2] - tips[:, :3, 2]).max(axis=-1)
+    differ = (apart > 1e-9) | (turned > 1e-9)
+    assert len(chains) == 8
+    assert (differ | np.eye(8, dtype=bool)).all()
+
+
+def test_a_change_of_the_base_changes_nothing() -> None:
+    moved = pose((0.4, -2.0, 1.0), rotation=(0.3, 0.5, -0.2, 0.8))
+    robot = Robot(ROBOT.segments, base=moved)
+    route = BEHIND @ moved[:3, :3].T + moved[:3, 3]
+    boxes = [Box(moved[:3, :3] @ box.center + moved[:3, 3], box.size, moved[:3, :3]) for box in BOXES]
+    here = grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND], count=2)
+    there = grown(robot, Scene(boxes), [Target(route[-1])], [route], count=2)
+    gaps = [
+        np.linalg.norm(r.tip(q[0])[:3, 3] - goal)
+        for r, q, goal in ((ROBOT, here, BEHIND[-1]), (robot, there, route[-1]))
+    ]
+    # Cubes of like ends lie elsewhere, so the chains need not be the same.
+    assert max(gaps) < 0.5
+    assert overlap(robot, Scene(boxes), there[0]) <= KEPT + 0.05
+
+
+@pytest.mark.parametrize("unit", [0.01, 50.0])
+def test_the_unit_of_length_does_not_matter(unit: float) -> None:
+    robot = Robot.uniform(6, length=unit, max_bend=1.6, radius=unit * RADIUS)
+    boxes = Scene([Box(unit * box.center, unit * box.size) for box in BOXES])
+    here = grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND], count=2)
+    there = grown(robot, boxes, [Target(unit * BEHIND[-1])], [unit * BEHIND], count=2)
+    assert len(here) == len(there)
+    gaps = [
+        np.linalg.norm(ROBOT.tip(here[0])[:3, 3] - BEHIND[-1]),
+        np.linalg.norm(robot.tip(there[0])[:3, 3] / unit - BEHIND[-1]),
+    ]
+    assert max(gaps) < 0.5
+
+
+def test_the_mirror_image_of_a_place_has_mirrored_chains() -> None:
+    """Arcs are tried on rays that a mirror maps to rays, for even segments: the ends are as near."""
+    mirror = np.diag([-1.0, 1.0, 1.0])
+    boxes = Scene([Box(mirror @ box.center, box.size) for box in BOXES])
+    one = grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND])
+    other = grown(ROBOT, boxes, [Target(mirror @ BEHIND[-1])], [BEHIND @ mirror])
+    assert len(one) == len(other)
+    assert np.linalg.norm(ROBOT.tip(other[0])[:3, 3] - mirror @ BEHIND[-1]) < 0.5
+
+
+def test_a_chain_goes_from_target_to_target() -> None:
+    elbow, tip = np.array([0.8, 0.0, 2.0]), np.array([3.2, 0.4, 2.8])
+    legs = [np.linspace(np.zeros(3), elbow, 20), np.linspace(elbow, tip, 20)]
+    targets = [Target(tip), Target(elbow, segment=3)]
+    best = grown(ROBOT, Scene([]), targets, legs)[0]
+    ends = ROBOT.backbone(best, 1)
+    assert np.linalg.norm(ends[3] - elbow) < 0.5
+    assert np.linalg.norm(ends[6] - tip) < 0.5
+
+
+def test_stages_tools_and_mounts_count() -> None:
+    tool = pose((0.1, 0.0, 0.4), direction=(0.1, 0.0, 0.4))
+    segments = [Segment((0.0, 2.0), 0.0, radius=RADIUS), *ROBOT.segments]
+    robot = Robot(segments, tool=tool, mount=0.5)
+    holder = Scene([Box((side * 0.15, 0.0, 0.15), (0.2, 1.0, 0.3)) for side in (-1.0, 1.0)])  # closer than the radius
+    goal = np.array([2.0, 0.5, 5.0])
+    chains = grown(robot, holder, [Target(goal)], [np.linspace(np.zeros(3), goal, 30)])
+    assert len(chains) > 0
+    assert robot.excess(chains[0]) <= 1e-12
+    assert np.linalg.norm(robot.tip(chains[0])[:3, 3] - goal) < 0.5
+
+
+def test_a_body_without_thickness_keeps_off_walls_too() -> None:
+    thin = Robot.uniform(6, length=1.0, max_bend=1.6)
+    chains = grown(thin, WALLS, [Target(BEHIND[-1])], [BEHIND])
+    assert len(chains) > 0
+    assert min(WALLS.distance(thin.backbone(q, 50)).min() for q in chains) > -0.01
+
+
+def test_without_time_there_is_none() -> None:
+    assert len(grown(ROBOT, WALLS, [Target(BEHIND[-1])], [BEHIND], seconds=0.0)) == 0

@@ -1,0 +1,57 @@
+"""Problems turned round: what is solved there is solved here."""
+
+import numpy as np
+import pytest
+
+from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
+from sinuous.poses import pose
+from sinuous.problem.problem import Problem
+from sinuous.robot.actuators import Tendons
+from sinuous.solving.growth import grown, respaced, settled
+from sinuous.solving.turned import Groups, turned, turned_back
+
+TOOL = pose((0.1, 0.0, 0.3), direction=(0.3, 0.0, 1.0))
+Q = np.array([[0.4, 0.2, 1.0], [-0.5, 0.9, 1.1], [0.3, -0.8, 0.9], [0.2, 0.4, 1.0]])
+
+
+def groups(robot: Robot, targets: list[Target]) -> Groups:
+    problem = Problem(robot, targets, Scene())
+    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
+    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
+
+
+@pytest.mark.parametrize("kind", ["position", "direction", "pose"])
+@pytest.mark.parametrize("tool", [None, TOOL])
+def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray | None) -> None:
+    segments = [Segment((0.8, 1.2), max_bend) for max_bend in (2.0, 1.5, 2.2, 1.8)]
+    robot = Robot(segments, base=pose((1.0, 2.0, 3.0), direction=(0.2, 0.3, 1.0)), tool=tool)
+    tip = robot.tip(Q)
+    target = {
+        "position": Target(tip[:3, 3]),
+        "direction": Target(tip[:3, 3], direction=tip[:3, 2]),
+        "pose": Target(tip[:3, 3], rotation=tip[:3, :3]),
+    }[kind]
+    here = groups(robot, [target])
+    route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
+    there = turned(here, route)
+    assert there is not None
+    chains = grown(there, respaced(route[::-1], 100)[None], 4, 60.0)
+    ends = settled(there, chains, lambda: 60.0)
+    shapes = [turned_back(here, there, chain) for chain in ends]
+    assert max(robot.excess(q) for q in shapes) <= 1e-12
+    found = min((robot.tip(q) for q in shapes), key=lambda end: float(np.linalg.norm(end[:3, 3] - tip[:3, 3])))
+    assert np.linalg.norm(found[:3, 3] - tip[:3, 3]) < 0.05
+    if kind != "position":
+        assert found[:3, 2] @ tip[:3, 2] > 0.995
+
+
+def test_what_is_not_turned_is_left() -> None:
+    segments = [Segment(1.0, 2.0)] * 3
+    line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
+    tip = Target((0.5, 0.0, 2.5))
+    assert turned(groups(Robot(segments), [tip]), line) is not None
+    assert turned(groups(Robot(segments, mount=0.2), [tip]), line) is None
+    assert turned(groups(Robot(segments), [tip, Target((0.0, 0.0, 1.0), segment=1)]), line) is None
+    assert turned(groups(Robot(segments), [Target((0.0, 0.0, 1.0), segment=2)]), line) is None
+    driven = [Segment(1.0, 2.0, tendons=Tendons(3, 0.05, displacement=(-0.05, 0.05)))] * 3
+    assert turned(groups(Robot(driven), [tip]), line) is None

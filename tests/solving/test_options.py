@@ -75,7 +75,7 @@ def test_an_old_name_is_answered_with_the_new_one(old: str) -> None:
         lambda: SolveOptions.of({old: 5}),
         lambda: sn.Solver(ROBOT, **{old: 5}),
         lambda: sn.solve(ROBOT, TARGET, **{old: 5}),
-        lambda: sn.solve_all(ROBOT, TARGET, **{old: 5}),
+        lambda: sn.solve_all(ROBOT, TARGET, **{old: 5}),  # type: ignore[arg-type]
     )
     for call in calls:
         refused(old, call, RENAMED[old])

@@ -18,6 +18,7 @@ from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.track import Track, waypoints
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
+from sinuous.solving.several import KINDS
 from sinuous.solving.solver import OneSolve, Solver
 
 SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
@@ -27,9 +28,13 @@ MOST_ALTERNATIVES = 10_000
 Question = Callable[[Solver, ProblemFile, Bar], Answer]
 
 
-def solve_files(files: list[str], options: Options, count: int | None = None) -> int:
-    """Solve the target of every file, or find up to `count` distinct solutions; return the exit code."""
+def solve_files(files: list[str], options: Options, count: int | None = None, by: str | None = None) -> int:
+    """Solve the target of every file, or find up to `count` solutions by route or shape; return the exit code."""
     options.check(files)
+    if by is not None:
+        checks.choice("--by", by, KINDS)
+        if count is None:
+            raise InputError("--by", "is for --all", by, "--all COUNT beside it")
     if count is not None:
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
         if options.why:
@@ -40,7 +45,7 @@ def solve_files(files: list[str], options: Options, count: int | None = None) ->
             raise InputError(
                 "path", "is for the command track", len(problem.waypoints), "target or targets", problem.file
             )
-    return _answer_all(read, options, _solve if count is None else partial(_solve_all, count))
+    return _answer_all(read, options, _solve if count is None else partial(_solve_all, count, by))
 
 
 def track_files(files: list[str], options: Options) -> int:
@@ -105,9 +110,9 @@ def _solve(solver: Solver, problem: ProblemFile, bar: Bar) -> Solution:
     return solution
 
 
-def _solve_all(count: int, solver: Solver, problem: ProblemFile, bar: Bar) -> Alternatives:
+def _solve_all(count: int, by: str | None, solver: Solver, problem: ProblemFile, bar: Bar) -> Alternatives:
     began = clock.perf_counter()
-    found = solver.solve_all(problem.waypoints[0], problem.start, count=count)
+    found = solver.solve_all(problem.waypoints[0], problem.start, count=count, by=by)
     best = found[0] if found else solver.solve(problem.waypoints[0], problem.start)
     bar.advance()
     return Alternatives(tuple(found), best, clock.perf_counter() - began)

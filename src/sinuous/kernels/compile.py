@@ -193,6 +193,11 @@ PIECES = (
             "kernels.fields.solids.sample",
         ),
     ),
+    Piece(
+        "classes of routes",
+        6,
+        tuple(f"kernels.freespace.homotopy.{name}" for name in ("draw_tight", "deforms", "halfway", "see")),
+    ),
     Piece("the method opti_path", 25, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
     Piece("the method dls", 6, ("methods.dls.search.search",)),
     Piece("the methods fabrikc and fabrikx", 8, ("methods.fabrik.search.search",)),

@@ -22,7 +22,7 @@ from sinuous.solution.solution import Solution
 SEGMENTS = ("#1f6f8b", "#e0a458")
 """Colours of the segments, in turn."""
 OBSTACLE, OUTLINE, DOTS, TOOL = "#8a8f98", "#9aa3ad", "#8a8f98", "#555b63"
-TARGET, FAILED, GHOST = "#c8384a", "#c8384a", "#1f6f8b"
+TARGET, FAILED, GHOST, ROUTE = "#c8384a", "#c8384a", "#1f6f8b", "#3c9d5d"
 X, Y, Z = "#c8384a", "#3c9d5d", "#3a6ec2"
 SEE_THROUGH = 0.4
 ELEVATION = 18.0
@@ -54,6 +54,7 @@ def plot_solution(answer: Solution | Track, file: str | Path) -> None:
     ----------
     answer : Solution or Track
         Of a track the last shape is drawn whole, some others as lines, and beside them the time of every waypoint.
+        Where a route led to the last shape it is a dashed line.
     file : path
         Its ending says which kind of picture.
 
@@ -91,6 +92,8 @@ def draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
     _draw_surfaces(axes, last, 0.5 * (low + high), span, azimuth)
     axes.plot(*np.stack([robot.forward(last.q)[-1, :3, 3], robot.tip(last.q)[:3, 3]]).T, color=TOOL, zorder=4)
     _draw_ghosts(axes, solutions)
+    if last.route is not None:
+        axes.plot(*last.route.T, color=ROUTE, linewidth=0.9, linestyle="--", zorder=5)
     if len(solutions) > 1:
         axes.plot(*places.T, color=TARGET, linewidth=1.6, zorder=5)
     else:

@@ -14,6 +14,7 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.nearest import least_gap
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
+from sinuous.solving.classes.curves import Curves
 from sinuous.solving.solver import OneSolve, Solver
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
@@ -46,7 +47,11 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
     others = [
         Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
     ]
-    geometry = [Step("kinematics", _kinematics), Step("distances", _distances)]
+    geometry = [
+        Step("kinematics", _kinematics),
+        Step("distances", _distances),
+        Step("classes of routes", Curves(ROBOT, FAR.snapshot()).load),
+    ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
 

@@ -1,0 +1,175 @@
+"""The start source for solutions of several classes: routes that lead through different passages.
+
+A route is searched for; then, for each passage that it leads through, again with that passage closed by a screen, and
+so on with what is found then (as Lawler 1972 divides what is left for the next best solution). What is found in a class
+that is known is closed in the same way, but no start is made of it.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.tables import QUERY_GOAL, QUERY_LONGEST, QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.problem.problem import Problem
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.classes.curves import Curves
+from sinuous.solving.classes.screens import Bounds, Passage, passages, screen
+from sinuous.solving.routes import ALTERNATIVES, Plan, Router
+from sinuous.solving.sources import Batch, Question
+
+SEARCHES = 96
+"""Most searches for routes."""
+
+CELLS_A_START = 1000
+"""Cells that a search may look at for each scattered start that follows it: few, because routes find more classes."""
+
+THICK = 0.5
+"""Thickness of a screen, in units of the cells' edge."""
+
+NEAR = 2.0
+"""Two passages are at one place when they are no farther apart, in radii of the body."""
+
+OFF_ENDS = 2.0
+"""How far screens stay off the ends of a route, in radii of the body and edges of cells together."""
+
+SAME = 0.9
+"""Cosine of the angle between the tangents at two passages at one place, at least."""
+
+WIDE = 0.8
+"""Distance that a route has to keep from the obstacles, in radii of the body."""
+
+
+class Explorer:
+    """The start source, for one question. Not to be shared between threads.
+
+    Parameters
+    ----------
+    router : Router
+    curves : Curves
+        Of the same robot and scene.
+    solved : callable
+        Says of a curve (N, 3) whether one of its class is solved.
+    """
+
+    name = SOURCES[ROUTE]
+
+    def __init__(self, router: Router, curves: Curves, solved: Callable[[Floats], bool]) -> None:
+        self._router, self._curves, self._solved = router, curves, solved
+        self._screens: list[tuple[Passage, Mesh]] = []
+        self._known: list[Floats] = []
+
+    def batches(self, question: Question) -> Iterator[Batch]:
+        """Yield configurations along routes of different classes, while time is left."""
+        query = self._router.query(question.problem)
+        if query is None:
+            return
+        plans = self._router.single_plans
+        bounds = self._bounds(query, plans[0])
+        todo, seen = _Tasks(len(plans)), {frozenset[int]()}
+        todo.add(_Task(frozenset(), 0))
+        for _ in range(SEARCHES):
+            task = todo.next()
+            if task is None or question.seconds_left() <= 0.0:
+                return
+            routes, cells = self._find(question, query, task, plans)
+            yield Batch(self.name, question.initial[:0], then=cells // CELLS_A_START)
+            if not routes:
+                todo.add(task._replace(plan=task.plan + 1), last=True)
+                continue
+            failed = False
+            for known, route in [(self._recognise(route), route) for route in routes]:
+                if not self._solved(known):
+                    yield from self._router.along(question, query, route)
+                    failed = failed or not self._solved(known)
+            if failed:
+                todo.add(_Task(task.closed, task.plan + task.again, again=True))
+            for passage in passages(routes[0], self._curves.scene.distance(routes[0]), bounds):
+                closed = task.closed | {self._number(passage, query[QUERY_RADIUS], bounds)}
+                if closed not in seen:
+                    seen.add(closed)
+                    todo.add(_Task(closed, 0))
+
+    def _find(
+        self, question: Question, query: Floats, task: "_Task", plans: tuple[Plan, ...]
+    ) -> tuple[list[Floats], int]:
+        """Return routes (k, 3) that lead through no closed passage and are wide enough, and how many cells they cost.
+
+        One is searched for; again, where no start along it led to a solution, several that differ.
+        """
+        problem, plan = question.problem, plans[task.plan]
+        scene = self._curves.scene.beside([self._screens[i][1] for i in sorted(task.closed)])
+        shut = Problem.prepared(problem.robot, problem.targets, scene, problem.tolerance)
+        plan = plan._replace(routes=ALTERNATIVES if task.again else 1)
+        found = self._router.find(shut, query, plan, question.seconds_left())
+        least = WIDE * query[QUERY_RADIUS] if task.plan + 1 < len(plans) else -np.inf
+        return [route for route in found.routes if self._keeps(problem.scene, route) >= least], found.cells
+
+    def _keeps(self, scene: Snapshot, route: Floats) -> float:
+        """Least distance of a route from the obstacles that concern it."""
+        gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
+        concerned = route[gone >= min(self._curves.mount, gone[-1])]
+        return float(scene.distance(concerned).min())
+
+    def _recognise(self, route: Floats) -> Floats:
+        """Return the curve (N, 3) that stands for the class of a route; of a new class its own."""
+        curve = self._curves.along(route)
+        which = self._curves.alike_one(curve, self._known)
+        if which is None:
+            self._known.append(curve)
+            return curve
+        return self._known[which]
+
+    def _number(self, passage: Passage, radius: float, bounds: Bounds) -> int:
+        """Number of the screen that closes a passage; one at the place of another passage has that one's."""
+        for i, (other, _) in enumerate(self._screens):
+            gaps = np.linalg.norm(other.places[:, None] - passage.places, axis=-1)
+            nearest = np.unravel_index(gaps.argmin(), gaps.shape)
+            if gaps[nearest] < NEAR * radius and abs(other.axes[nearest[0]] @ passage.axes[nearest[1]]) > SAME:
+                return i
+        self._screens.append((passage, screen(self._curves, passage, bounds)))
+        return len(self._screens) - 1
+
+    def _bounds(self, query: Floats, plan: Plan) -> Bounds:
+        ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
+        radius, edge = float(query[QUERY_RADIUS]), plan.cell
+        return Bounds(
+            ends,
+            OFF_ENDS * (radius + edge),
+            float(query[QUERY_LONGEST]),
+            max(0.2 * radius, 1e-3 * edge),
+            THICK * edge,
+        )
+
+
+class _Task(NamedTuple):
+    """A search that is still to be done: numbers of the screens, of the plan, and whether there was one already."""
+
+    closed: frozenset[int]
+    plan: int
+    again: bool = False
+
+
+class _Tasks:
+    """Searches still to be done: those where there probably is no route come last, and of these the quick ones first.
+
+    Parameters
+    ----------
+    plans : int
+        How many plans there are; a task beyond the last is dropped.
+    """
+
+    def __init__(self, plans: int) -> None:
+        self._queues: list[deque[_Task]] = [deque() for _ in range(plans + 1)]
+
+    def add(self, task: _Task, last: bool = False) -> None:
+        """Add a search."""
+        if task.plan + 1 < len(self._queues):
+            self._queues[task.plan + 1 if last else 0].append(task)
+
+    def next(self) -> _Task | None:
+        """Take out what is to be done next; `None` where there is nothing."""
+        return next((queue.popleft() for queue in self._queues if queue), None)

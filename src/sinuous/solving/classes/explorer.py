@@ -1,13 +1,11 @@
 """The start source for solutions of several classes: routes that lead through different passages.
 
 A route is searched for; then, for each passage that it leads through, again with that passage closed by a screen, and
-so on with what is found then (as Lawler 1972 divides what is left for the next best solution). What is found in a class
-that is known is closed in the same way, but no start is made of it.
+so on with what is found then (as Lawler 1972 divides what is left for the next best solution). Of routes of classes
+that are solved no start is made, but their passages are closed, too.
 """
 
-from collections import deque
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Generator, Iterator
 
 import numpy as np
 
@@ -18,6 +16,7 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, screen
+from sinuous.solving.classes.tasks import Task, Tasks
 from sinuous.solving.routes import ALTERNATIVES, Plan, Router
 from sinuous.solving.sources import Batch, Question
 
@@ -30,7 +29,7 @@ CELLS_A_START = 1000
 THICK = 0.5
 """Thickness of a screen, in units of the cells' edge."""
 
-NEAR = 2.0
+NEAR = 1.0
 """Two passages are at one place when they are no farther apart, in radii of the body."""
 
 OFF_ENDS = 2.0
@@ -68,9 +67,9 @@ class Explorer:
         if query is None:
             return
         plans = self._router.single_plans
-        bounds = self._bounds(query, plans[0])
-        todo, seen = _Tasks(len(plans)), {frozenset[int]()}
-        todo.add(_Task(frozenset(), 0))
+        bounds = _bounds(query, plans[0])
+        todo, seen = Tasks(len(plans)), {frozenset[int]()}
+        todo.add(Task(frozenset(), 0))
         for _ in range(SEARCHES):
             task = todo.next()
             if task is None or question.seconds_left() <= 0.0:
@@ -80,22 +79,25 @@ class Explorer:
             if not routes:
                 todo.add(task._replace(plan=task.plan + 1), last=True)
                 continue
-            failed = False
-            for known, route in [(self._recognise(route), route) for route in routes]:
-                if not self._solved(known):
-                    yield from self._router.along(question, query, route)
-                    failed = failed or not self._solved(known)
+            failed = yield from self._starts(question, query, routes)
             if failed:
-                todo.add(_Task(task.closed, task.plan + task.again, again=True))
+                todo.add(Task(task.closed, task.plan + task.again, again=True))
             for passage in passages(routes[0], self._curves.scene.distance(routes[0]), bounds):
                 closed = task.closed | {self._number(passage, query[QUERY_RADIUS], bounds)}
                 if closed not in seen:
                     seen.add(closed)
-                    todo.add(_Task(closed, 0))
+                    todo.add(Task(closed, 0))
 
-    def _find(
-        self, question: Question, query: Floats, task: "_Task", plans: tuple[Plan, ...]
-    ) -> tuple[list[Floats], int]:
+    def _starts(self, question: Question, query: Floats, routes: list[Floats]) -> Generator[Batch, None, bool]:
+        """Yield configurations along routes (k, 3) of classes that are not solved; return whether one still is not."""
+        failed = False
+        for known, route in [(self._recognise(route), route) for route in routes]:
+            if not self._solved(known):
+                yield from self._router.along(question, query, route)
+                failed = failed or not self._solved(known)
+        return failed
+
+    def _find(self, question: Question, query: Floats, task: Task, plans: tuple[Plan, ...]) -> tuple[list[Floats], int]:
         """Return routes (k, 3) that lead through no closed passage and are wide enough, and how many cells they cost.
 
         One is searched for; again, where no start along it led to a solution, several that differ.
@@ -133,43 +135,11 @@ class Explorer:
         self._screens.append((passage, screen(self._curves, passage, bounds)))
         return len(self._screens) - 1
 
-    def _bounds(self, query: Floats, plan: Plan) -> Bounds:
-        ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
-        radius, edge = float(query[QUERY_RADIUS]), plan.cell
-        return Bounds(
-            ends,
-            OFF_ENDS * (radius + edge),
-            float(query[QUERY_LONGEST]),
-            max(0.2 * radius, 1e-3 * edge),
-            THICK * edge,
-        )
 
-
-class _Task(NamedTuple):
-    """A search that is still to be done: numbers of the screens, of the plan, and whether there was one already."""
-
-    closed: frozenset[int]
-    plan: int
-    again: bool = False
-
-
-class _Tasks:
-    """Searches still to be done: those where there probably is no route come last, and of these the quick ones first.
-
-    Parameters
-    ----------
-    plans : int
-        How many plans there are; a task beyond the last is dropped.
-    """
-
-    def __init__(self, plans: int) -> None:
-        self._queues: list[deque[_Task]] = [deque() for _ in range(plans + 1)]
-
-    def add(self, task: _Task, last: bool = False) -> None:
-        """Add a search."""
-        if task.plan + 1 < len(self._queues):
-            self._queues[task.plan + 1 if last else 0].append(task)
-
-    def next(self) -> _Task | None:
-        """Take out what is to be done next; `None` where there is nothing."""
-        return next((queue.popleft() for queue in self._queues if queue), None)
+def _bounds(query: Floats, plan: Plan) -> Bounds:
+    """What screens have to keep in the searches of a query (28,) with cells as large as a plan's."""
+    ends = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
+    radius, edge = float(query[QUERY_RADIUS]), plan.cell
+    return Bounds(
+        ends, OFF_ENDS * (radius + edge), float(query[QUERY_LONGEST]), max(0.2 * radius, 1e-3 * edge), THICK * edge
+    )

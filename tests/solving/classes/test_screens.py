@@ -5,10 +5,11 @@ import itertools
 import numpy as np
 import pytest
 
+from benchmarks.wild import doors
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.screens import Bounds, Passage, passages, screen
+from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from tests.helpers import Floats
 from tests.solving.classes.places import ACROSS, DOORS, ROBOT, bars, wall
 
@@ -69,3 +70,29 @@ def test_a_screen_keeps_off_the_ends() -> None:
     alone = Scene([screen(own, passage, beside)])
     assert (alone.distance(beside.ends) > 16.0).all()
     assert alone.distance((25.0, 30.0, 140.0)) < 0.0
+
+
+def test_a_refined_route_is_the_same_line_with_points_near_each_other() -> None:
+    route = line((0.0, 0.0, 0.0), (0.0, 0.0, 30.0), (40.0, 0.0, 30.0), count=4)
+    fine = refined(route, 1.5)
+    assert np.linalg.norm(np.diff(fine, axis=0), axis=1).max() <= 1.5 + 1e-9
+    on_first, on_second = fine[:, 0] == 0.0, fine[:, 2] == 30.0
+    assert (on_first | on_second | (np.linalg.norm(fine - route[4], axis=1) < 1.5)).all()
+    np.testing.assert_array_equal(fine[[0, -1]], route[[0, -1]])
+    assert len(refined(route, 1e-9)) == 1000
+    np.testing.assert_allclose(refined(route, 0.0)[0], route[0])
+
+
+@pytest.mark.parametrize("number", [28, 30, 56])
+def test_a_screen_in_a_thin_wall_leaves_the_other_doors_open(number: int) -> None:
+    known = doors.make(0, number)
+    own = Curves(doors.ROBOT, known.scene.snapshot())
+    bounds = Bounds(np.array([np.zeros(3), known.target.position]), 30.0, 360.0, 0.8, 5.6)
+    middles = [(*door.mean(axis=0), known.middle) for door in known.doors]
+    for i, middle in enumerate(middles):
+        aside = np.array([4.0, -12.0, 20.0])
+        route = refined(line(tuple(middle - aside), middle, tuple(middle + aside), count=4), 2.0)
+        passage, *_ = passages(route, own.scene.distance(route), bounds)
+        closed = own.scene.beside([screen(own, passage, bounds)]).distance(np.array(middles))
+        assert closed[i] < 1.0
+        assert (np.delete(closed, i) > 3.0).all()

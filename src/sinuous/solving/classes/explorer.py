@@ -15,7 +15,7 @@ from sinuous.problem.problem import Problem
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.screens import Bounds, Passage, passages, screen
+from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.classes.tasks import Task, Tasks
 from sinuous.solving.routes import ALTERNATIVES, Plan, Router
 from sinuous.solving.sources import Batch, Question
@@ -28,6 +28,9 @@ CELLS_A_START = 1000
 
 THICK = 0.5
 """Thickness of a screen, in units of the cells' edge."""
+
+FINE = 0.5
+"""Distance of the points of a route at which it is looked for passages, in radii of the body."""
 
 NEAR = 1.0
 """Two passages are at one place when they are no farther apart, in radii of the body."""
@@ -82,7 +85,8 @@ class Explorer:
             failed = yield from self._starts(question, query, routes)
             if failed:
                 todo.add(Task(task.closed, task.plan + task.again, again=True))
-            for passage in passages(routes[0], self._curves.scene.distance(routes[0]), bounds):
+            line = refined(routes[0], FINE * query[QUERY_RADIUS])
+            for passage in passages(line, self._curves.scene.distance(line), bounds):
                 closed = task.closed | {self._number(passage, query[QUERY_RADIUS], bounds)}
                 if closed not in seen:
                     seen.add(closed)

@@ -16,15 +16,15 @@ from sinuous.solving.classes.curves import Curves, across
 RAYS = 256
 """Lines of sight that a screen is made of."""
 
-FEW_RAYS, PLACES = 16, 7
+FEW_RAYS, PLACES = 16, 9
 """Lines of sight by which planes are compared, and points of a passage from which they are."""
 
 FAR, NEAR = 10.0, 0.25
 """How far is looked for that, and how near to the obstacles, in units of the room that there is."""
 
 TILTS, FINER, AROUND = (0.3, 0.6, 0.9), (0.2, 0.1, 0.05), 8
-"""Angles (rad) by which planes are tilted against the route; then, one after the other, against the best one so far;
-and to how many sides."""
+"""Angles (rad) by which planes are tilted against the route; then, one after the other, against the best one so far,
+which is moved by as much in units of the room; and to how many sides."""
 
 WIDER = 1.15
 """How much more room there must be between two passages of a route than in each of them."""
@@ -32,6 +32,9 @@ WIDER = 1.15
 ABOUT = 2.0
 """How far a passage reaches along the route, at least, to either side of its narrowest place, in units of the room that
 the route has there: in a door that it leads through askew it has most room in the middle."""
+
+MOST_POINTS = 1000
+"""Most points of a refined route."""
 
 PASSAGES = 3
 """Most passages of a route, the narrowest ones."""
@@ -76,6 +79,15 @@ class Bounds(NamedTuple):
     thickness: float
 
 
+def refined(route: Floats, spacing: float) -> Floats:
+    """Return a route with points (k, 3) at most so far apart: a thin wall may stand between those that it has."""
+    steps = np.linalg.norm(np.diff(route, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    count = int(min(MOST_POINTS, np.ceil(along[-1] / spacing) + 1)) if spacing > 0.0 else len(route)
+    wanted = np.linspace(0.0, along[-1], max(count, len(route)))
+    return np.stack([np.interp(wanted, along, column) for column in route.T], axis=1)
+
+
 def passages(route: Floats, distances: Floats, bounds: Bounds) -> list[Passage]:
     """Return where a route (k, 3) passes what is nearest to it, the narrowest passage first.
 
@@ -117,8 +129,9 @@ def screen(curves: Curves, passage: Passage, bounds: Bounds) -> Mesh:
     places = np.repeat(passage.places, len(normals) // len(passage.places), axis=0)
     place, normal = _narrowest(curves, places, normals, near)
     for tilt in FINER:
-        normals = _tilted(normal[None], (tilt,))
-        place, normal = _narrowest(curves, np.repeat(place[None], len(normals), axis=0), normals, near)
+        normals = np.tile(_tilted(normal[None], (tilt,)), (3, 1))
+        shifts = np.repeat((0.0, -tilt * passage.room, tilt * passage.room), len(normals) // 3)
+        place, normal = _narrowest(curves, place + shifts[:, None] * normal, normals, near)
     ((rays,), (lengths,)) = _stars(curves, place[None], normal[None], RAYS, bounds)
     rim = place + np.maximum(lengths, 0.5 * bounds.thickness)[:, None] * rays
     rim = rim[_corners(rim, 0.5 * bounds.thickness)]

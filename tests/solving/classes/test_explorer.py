@@ -64,11 +64,12 @@ def test_there_is_a_route_through_every_passage(
     assert sum(batch.then for batch in batches) > 0
 
 
-def test_where_no_start_is_solved_others_follow_and_where_one_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_where_no_start_is_solved_others_follow(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(explorer, "SEARCHES", 6)
-    assert crossed(explored(pillar(), lambda curve: True), 150.0) == []
+    left, right = sorted(crossed(explored(pillar(), lambda curve: True), 150.0))  # one start of each class
+    assert left < 0.0 < right
     every = crossed(explored(pillar(), lambda curve: False), 150.0)
-    assert len(every) > len(crossed(explored(pillar(), once()), 150.0)) >= 2
+    assert len(every) > 2
 
 
 def test_without_time_or_position_nothing_is_searched_for() -> None:

@@ -1,8 +1,8 @@
 """The start source for solutions of several classes: routes that lead through different passages.
 
 A route is searched for; then, for each passage that it leads through, again with that passage closed by a screen, and
-so on with what is found then (as Lawler 1972 divides what is left for the next best solution). Of routes of classes
-that are solved no start is made, but their passages are closed, too.
+so on with what is found then (as Lawler 1972 divides what is left for the next best solution). A start is made of the
+first route of a class, and of others while the class is not solved; passages of all are closed.
 """
 
 from collections.abc import Callable, Generator, Iterator
@@ -93,12 +93,21 @@ class Explorer:
                     todo.add(Task(closed, 0))
 
     def _starts(self, question: Question, query: Floats, routes: list[Floats]) -> Generator[Batch, None, bool]:
-        """Yield configurations along routes (k, 3) of classes that are not solved; return whether one still is not."""
+        """Yield configurations along routes (k, 3) of new classes, and of those that are not solved.
+
+        Returns whether one still is not.
+        """
         failed = False
-        for known, route in [(self._recognise(route), route) for route in routes]:
-            if not self._solved(known):
-                yield from self._router.along(question, query, route)
-                failed = failed or not self._solved(known)
+        for route in routes:
+            classes = len(self._known)
+            known = self._recognise(route)
+            if len(self._known) > classes or not self._solved(known):
+                for batch in self._router.along(question, query, route):
+                    yield batch
+                    if self._solved(known):
+                        break
+                else:
+                    failed = True
         return failed
 
     def _find(self, question: Question, query: Floats, task: Task, plans: tuple[Plan, ...]) -> tuple[list[Floats], int]:

@@ -9,7 +9,7 @@ from benchmarks.harness import reference
 from benchmarks.harness.experiment import Findings, Piece
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.wild import branches, curled, worlds
+from benchmarks.wild import branches, curled, doors, worlds
 from benchmarks.wild.tally import Tally
 from benchmarks.wild.trials import examine
 from benchmarks.wild.worlds import World
@@ -22,6 +22,8 @@ MISSED = "not solved and found right by the judges"
 
 BLOCK, BLOCKS = 130, 100
 """Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems."""
+
+WALLS = "walls with doors"
 
 ARMS, CURLED_WORLDS = (3, 5, 8), 200
 """Segments of the thick arms; how many times 50 problems each is given."""
@@ -49,12 +51,13 @@ class Wild:
         return {}
 
     def pieces(self) -> Iterator[Piece]:
-        """First what is short: thick arms and branches; then blocks of wild worlds."""
+        """First what is short: thick arms, branches and doors; then blocks of wild worlds."""
         seed, count = self.plan.seed, self.plan.count
         for n in ARMS:
             yield _arm(n), partial(_tallied, partial(curled.make, n, seed), range(count(CURLED_WORLDS, 1)))
         for name, poses, max_bend in _poses(seed, count(branches.POSES, 2)):
             yield name, partial(_compared, poses, max_bend)
+        yield WALLS, partial(_through_doors, seed, count(doors.WALLS, 3))
         size = count(BLOCK, 10)
         for block in range(count(BLOCKS, 1) * self.plan.rounds):
             numbers = range(block * size, (block + 1) * size)
@@ -81,6 +84,8 @@ class Wild:
                 ]
         for name in (name for name, *_ in _poses(0, 0) if name in pieces):
             lines += branches.lines_of(name, [branches.Compared(*each) for each in pieces[name]["compared"]])
+        if WALLS in pieces:
+            lines += doors.lines_of([doors.Passed(*each) for each in pieces[WALLS]["passed"]], self.plan.seed)
         problems = {name: tally.names() for name, tally in tallies.items()}
         busy = max((measured["busy"] for measured in pieces.values()), default=0.0)
         return Findings(lines, data={"problems": problems}, busy=busy)
@@ -111,3 +116,11 @@ def _compared(poses: list[Target], max_bend: float) -> dict[str, Any]:
     before = reference.look()
     compared = [list(branches.compare(target, max_bend)) for target in poses]
     return {"busy": max(before.busy, reference.look().busy), "compared": compared}
+
+
+def _through_doors(seed: int, count: int) -> dict[str, Any]:
+    """Hold `solve_all` by route against walls with known doors."""
+    doors.compare(doors.make(seed, 0))  # loads what is compiled
+    before = reference.look()
+    passed = [list(doors.compare(doors.make(seed, number))) for number in range(count)]
+    return {"busy": max(before.busy, reference.look().busy), "passed": passed}

@@ -5,7 +5,7 @@ import numbers
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from sinuous.errors import InputError
 
 Floats = NDArray[np.float64]
+
+Word = TypeVar("Word", bound=str)
 
 LARGEST = 1e100
 """Largest coordinate of a point: squares and cubes of it are numbers still."""
@@ -235,8 +237,9 @@ def text(key: str, value: Any) -> str:
     return value
 
 
-def choice(key: str, value: Any, words: Sequence[str]) -> str:
+def choice(key: str, value: Any, words: Sequence[Word]) -> Word:
     """Check that a value is one of some words."""
-    if not isinstance(value, str) or value not in words:
+    found = next((word for word in words if isinstance(value, str) and word == value), None)
+    if found is None:
         raise InputError(key, "", value, " or ".join(words))
-    return value
+    return found

@@ -30,6 +30,7 @@ KEYS = [
     "iterations",
     "starts",
     "start",
+    "route_class",
     "seconds",
     "prepare_seconds",
     "method",
@@ -159,25 +160,53 @@ def test_an_interrupt_keeps_the_results_so_far(
 
 def test_distinct_solutions_are_a_table(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     file = problem("scene.yaml")
-    assert main(["solve", file, "--all", "3"]) == 0
+    assert main(["solve", file, "--all", "3", "--by", "shape"]) == 0
     head, names, *rows = capsys.readouterr().out.splitlines()
     assert head == f"{file}: solved (3 distinct solutions, best first)"
-    assert names.split() == ["bend", "length", "clearance", "position", "angle", "start"]
-    assert [row.split()[0] for row in rows] == ["1", "2", "3"]
-    assert all(float(row.split()[3]) >= 0.0 and row.split()[5] == "-" for row in rows)
+    assert names.split() == ["class", "bend", "length", "clearance", "position", "angle", "start"]
+    table, words = rows[:3], rows[3:]
+    assert [row.split()[0] for row in table] == ["1", "2", "3"]
+    assert all(float(row.split()[4]) >= 0.0 and row.split()[6] == "-" for row in table)
+    assert [line.split(":")[0] for line in words] == [f"  class {i}" for i in range(1, len(words) + 1)]
+    assert {row.split()[1] for row in table} == {line.split(":")[0].split()[1] for line in words}
+
+
+def test_one_solution_a_class_is_a_table_and_words(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
+    assert main(["solve", problem("scene.yaml"), "--all", "2"]) == 0
+    _, _, one, two, *words = capsys.readouterr().out.splitlines()
+    assert [row.split()[:2] for row in (one, two)] == [["1", "1"], ["2", "2"]]
+    assert all(f"class {i}: past ball on its " in line for i, line in enumerate(words, 1))
+    assert main(["solve", problem("easy.yaml"), "--all", "2"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].split()[0] == "bend"
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--all", "2", "--by", "door"], "--by: expected route or shape, got 'door'\n"),
+        (["--by", "route"], "--by: expected --all COUNT beside it, got 'route' (is for --all)\n"),
+    ],
+)
+def test_what_they_are_told_apart_by(
+    capsys: pytest.CaptureFixture[str], problem: Write, options: list[str], message: str
+) -> None:
+    assert main(["solve", problem("scene.yaml"), *options]) == 2
+    assert capsys.readouterr().err == message
 
 
 def test_distinct_solutions_are_results(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     """Each has the keys of a result, and all are what the library finds; where there is none, it is said why."""
     file = problem("scene.yaml")
-    assert main(["solve", file, problem("far.yaml"), "--all", "4", "--json"]) == 1
+    assert main(["solve", file, problem("far.yaml"), "--all", "4", "--by", "shape", "--json"]) == 1
     found, none = (strict(line) for line in capsys.readouterr().out.splitlines())
     common = ["file", "status", "base", "worst", "reason", "seconds", "prepare_seconds", "method", "seed", "solutions"]
     assert list(found) == list(none) == common
     own = [key for key in KEYS if key not in ("file", "prepare_seconds")]
     assert all(list(each) == own and each["status"] == "solved" for each in found["solutions"])
     asked = read_problem(file)
-    again = Solver(asked.robot, asked.scene, tolerance=asked.tolerance).solve_all(asked.waypoints[0], count=4)
+    again = Solver(asked.robot, asked.scene, tolerance=asked.tolerance).solve_all(
+        asked.waypoints[0], count=4, by="shape"
+    )
     assert [each["q"] for each in found["solutions"]] == [solution.q.tolist() for solution in again]
     assert len(again) == 4
     assert (none["status"], none["solutions"]) == ("out_of_reach", [])

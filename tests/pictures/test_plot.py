@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.pictures.plot import plot_solution
+from sinuous.pictures.plot import OTHER, draw_shape, plot_solution
 from tests.scene.shapes import cube
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -79,3 +79,18 @@ def test_without_matplotlib_it_says_what_to_install(tmp_path: Path, monkeypatch:
 def test_an_unknown_kind_is_refused(tmp_path: Path) -> None:
     with pytest.raises(sn.InputError, match=r"expected a name that ends in \."):
         plot_solution(sn.solve(ROBOT, TARGETS[0]), tmp_path / "shape.exe")
+
+
+def test_the_route_that_led_there_and_other_solutions_are_lines(tmp_path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    ball = sn.Scene([sn.Sphere((0.0, 0.0, 1.5), 0.5)])
+    found = sn.Solver(ROBOT, ball, time=60.0).solve_all(sn.Target((0.0, 0.0, 2.8)), count=2)
+    routed = next(solution for solution in found if solution.route is not None)
+    axes = Figure().add_subplot(projection="3d", computed_zorder=False)
+    others = [solution for solution in found if solution is not routed]
+    draw_shape(axes, (routed,), others)
+    assert sum(line.get_color() == OTHER for line in axes.get_lines()) == len(others) > 0
+    lines = [np.transpose(line.get_data_3d()) for line in axes.get_lines() if line.get_linestyle() == "--"]
+    assert len(lines) == 1
+    np.testing.assert_array_equal(lines[0], routed.route)

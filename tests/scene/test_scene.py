@@ -11,6 +11,7 @@ import pytest
 
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, refused, refused_each
@@ -159,3 +160,16 @@ def test_of_sampled_distances_there_is_a_range() -> None:
     beside = np.array([[19.0, 3.0, 0.0]])
     assert scene.at_most(beside) == pytest.approx(math.hypot(1.0, 3.0) - 1.0)
     assert scene.distance(beside) < 0.0, "so far from its samples a grid proves nothing"
+
+
+def test_a_snapshot_beside_meshes_has_them_too_and_samples_nothing() -> None:
+    scene = Scene([Sphere((0, 0, 0), 1.0, name="ball")]).snapshot()
+    sheet = Mesh([(3, -1, -1), (3, 1, -1), (3, 0, 1)], [(0, 1, 2)], thickness=0.2, name="sheet")
+    both = scene.beside([sheet])
+    points = np.random.default_rng(0).uniform(-4.0, 4.0, (200, 3))
+    expected = np.minimum(scene.distance(points), Scene([sheet]).distance(points))
+    np.testing.assert_allclose(both.distance(points), expected, atol=1e-9)
+    assert [both.name(i) for i in range(2)] == ["ball", "sheet"]
+    assert both.memory < 10_000
+    assert len(scene) == 1
+    assert len(scene.beside([])) == 1

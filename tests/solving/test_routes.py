@@ -256,7 +256,7 @@ def test_no_time_no_route(narrow: Scene, target: Target) -> None:
 def test_all_solutions_come_from_different_routes() -> None:
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
     solver = Solver(ROBOT, scene, time=60.0, max_starts=30)
-    found = solver.solve_all(Target((0, 0, 4.4), direction=(0, 0, 1)), count=8)
+    found = solver.solve_all(Target((0, 0, 4.4), direction=(0, 0, 1)), count=8, by="shape")
     assert len(found) >= 3
     assert "route" in {solution.start for solution in found}
     sides = {tuple(np.sign(np.round(ROBOT.backbone(s.q, 20)[50, :2], 1))) for s in found}

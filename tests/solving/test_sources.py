@@ -1,6 +1,7 @@
 """Start sources: nothing is lost where batches are cut, and numbers go on."""
 
 import itertools
+from collections.abc import Iterator
 
 import numpy as np
 from hypothesis import given
@@ -10,7 +11,7 @@ from sinuous.kernels.tables import GIVEN, RANDOM, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.solving.sources import Batch, Opening, Question, Scattered
+from sinuous.solving.sources import Batch, OneAfterAnother, Opening, Question, Scattered
 from tests.helpers import Floats
 
 PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))
@@ -64,3 +65,20 @@ def test_scattered_starts_come_in_order_and_once(first: int, count: int, asked: 
     batches = [*(source.take(question(1), each) for each in asked), *source.batches(question(1))]
     assert [i for batch in batches for i in range(*batch.own)] == list(range(first, first + count))
     assert all(batch.source == SOURCES[RANDOM] and len(batch.initial) == 0 for batch in batches)
+
+
+def test_sources_one_after_another_are_one() -> None:
+    class Fixed:
+        def __init__(self, name: str, *sizes: int) -> None:
+            self.name, self.sizes = name, sizes
+
+        def batches(self, question: Question) -> Iterator[Batch]:
+            return (Batch(self.name, initial(size)) for size in self.sizes)
+
+    both = OneAfterAnother(Fixed("first", 1, 2), Fixed("second"), Fixed("third", 3))
+    assert both.name == "first"
+    assert [(batch.source, batch.size) for batch in both.batches(question())] == [
+        ("first", 1),
+        ("first", 2),
+        ("third", 3),
+    ]

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 
 
@@ -43,11 +44,19 @@ class Alternatives:
         if not self.solutions:
             return str(self.best)
         count = f"{len(self.solutions)} distinct solution{'s' if len(self.solutions) > 1 else ''}, best first"
-        rows = [["", "bend", "length", "clearance", "position", "angle", "start"]]
-        rows += [[str(i), *_cells(solution)] for i, solution in enumerate(self.solutions, 1)]
+        classes = {each.route_class.number: each.route_class for each in self.solutions if each.route_class is not None}
+        rows = [["", *(["class"] if classes else []), "bend", "length", "clearance", "position", "angle", "start"]]
+        rows += [[str(i), *_class(each, classes), *_cells(each)] for i, each in enumerate(self.solutions, 1)]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = ["  " + "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
-        return "\n".join([f"Alternatives: {self.best.status} ({count})", *lines])
+        words = [f"  {route_class}" for _, route_class in sorted(classes.items())]
+        return "\n".join([f"Alternatives: {self.best.status} ({count})", *lines, *words])
+
+
+def _class(solution: Solution, classes: dict[int, RouteClass]) -> list[str]:
+    """Number of the class of a solution, where there are classes."""
+    own = solution.route_class
+    return [] if not classes else ["-" if own is None else str(own.number)]
 
 
 def _cells(solution: Solution) -> list[str]:

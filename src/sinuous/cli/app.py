@@ -60,6 +60,12 @@ Csv = Annotated[
 All = Annotated[
     int | None, typer.Option("--all", metavar="COUNT", help="Find up to so many distinct solutions, best first.")
 ]
+By = Annotated[
+    str | None,
+    typer.Option(
+        help="Of --all: route (one solution a class; the default among obstacles) or shape (all distinct ones)."
+    ),
+]
 Kind = Annotated[
     str,
     typer.Argument(help="tendon, pneumatic, insertion or inspection.", autocompletion=_kinds, show_default=False),
@@ -87,12 +93,13 @@ def solve(
     out: Out = None,
     csv: Csv = None,
     all_: All = None,
+    by: By = None,
 ) -> None:
     """Meet a target, or several at once."""
     from sinuous.cli.work import solve_files  # noqa: PLC0415
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, why, csv)
-    raise typer.Exit(solve_files(files, options, all_))
+    raise typer.Exit(solve_files(files, options, all_, by))
 
 
 @app.command()

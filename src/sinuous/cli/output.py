@@ -55,7 +55,10 @@ class Output:
         if picture is not None:
             from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
 
-            plot_solution(answer.best if isinstance(answer, Alternatives) else answer, picture)
+            if isinstance(answer, Alternatives):
+                plot_solution(answer.best, picture, answer.solutions[1:])
+            else:
+                plot_solution(answer, picture)
 
 
 def _write_table(file: Path, answer: Answer) -> None:

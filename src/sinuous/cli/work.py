@@ -19,6 +19,7 @@ from sinuous.motion.track import Track, waypoints
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
 from sinuous.solving.between import load_motions
+from sinuous.solving.several import KINDS, Kind
 from sinuous.solving.solver import OneSolve, Solver
 
 SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
@@ -28,9 +29,12 @@ MOST_ALTERNATIVES = 10_000
 Question = Callable[[Solver, ProblemFile, Bar], Answer]
 
 
-def solve_files(files: list[str], options: Options, count: int | None = None) -> int:
-    """Solve the target of every file, or find up to `count` distinct solutions; return the exit code."""
+def solve_files(files: list[str], options: Options, count: int | None = None, by: str | None = None) -> int:
+    """Solve the target of every file, or find up to `count` solutions by route or shape; return the exit code."""
     options.check(files)
+    kind = None if by is None else checks.choice("--by", by, KINDS)
+    if by is not None and count is None:
+        raise InputError("--by", "is for --all", by, "--all COUNT beside it")
     if count is not None:
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
         if options.why:
@@ -41,7 +45,7 @@ def solve_files(files: list[str], options: Options, count: int | None = None) ->
             raise InputError(
                 "path", "is for the command track", len(problem.waypoints), "target or targets", problem.file
             )
-    return _answer_all(read, options, _solve if count is None else partial(_solve_all, count))
+    return _answer_all(read, options, _solve if count is None else partial(_solve_all, count, kind))
 
 
 def track_files(files: list[str], options: Options) -> int:
@@ -106,9 +110,9 @@ def _solve(solver: Solver, problem: ProblemFile, bar: Bar) -> Solution:
     return solution
 
 
-def _solve_all(count: int, solver: Solver, problem: ProblemFile, bar: Bar) -> Alternatives:
+def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile, bar: Bar) -> Alternatives:
     began = clock.perf_counter()
-    found = solver.solve_all(problem.waypoints[0], problem.start, count=count)
+    found = solver.solve_all(problem.waypoints[0], problem.start, count=count, by=by)
     best = found[0] if found else solver.solve(problem.waypoints[0], problem.start)
     bar.advance()
     return Alternatives(tuple(found), best, clock.perf_counter() - began)

@@ -4,6 +4,7 @@ Figures are made and saved by themselves; neither pyplot nor the backend that a 
 """
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from sinuous.solution.solution import Solution
 SEGMENTS = ("#1f6f8b", "#e0a458")
 """Colours of the segments, in turn."""
 OBSTACLE, OUTLINE, DOTS, TOOL = "#8a8f98", "#9aa3ad", "#8a8f98", "#555b63"
-TARGET, FAILED, GHOST = "#c8384a", "#c8384a", "#1f6f8b"
+TARGET, FAILED, GHOST, ROUTE, OTHER = "#c8384a", "#c8384a", "#1f6f8b", "#3c9d5d", "#7a5c99"
 X, Y, Z = "#c8384a", "#3c9d5d", "#3a6ec2"
 SEE_THROUGH = 0.4
 ELEVATION = 18.0
@@ -47,15 +48,18 @@ def check_picture(key: str, file: Path) -> None:
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(kinds))
 
 
-def plot_solution(answer: Solution | Track, file: str | Path) -> None:
+def plot_solution(answer: Solution | Track, file: str | Path, others: Sequence[Solution] = ()) -> None:
     """Draw an answer into a file.
 
     Parameters
     ----------
     answer : Solution or Track
         Of a track the last shape is drawn whole, some others as lines, and beside them the time of every waypoint.
+        Where a route led to the last shape it is a dashed line.
     file : path
         Its ending says which kind of picture.
+    others : sequence of Solution
+        Of the same problem; they are drawn as lines.
 
     Raises
     ------
@@ -73,24 +77,31 @@ def plot_solution(answer: Solution | Track, file: str | Path) -> None:
     figure = Figure(figsize=(12.0, 6.4) if two else (7.2, 6.8), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.add_gridspec(1, 2, width_ratios=(1.7, 1.0)) if two else figure.add_gridspec(1, 1)
-    draw_shape(figure.add_subplot(grid[0, 0], projection="3d", computed_zorder=False), solutions)
+    draw_shape(figure.add_subplot(grid[0, 0], projection="3d", computed_zorder=False), solutions, others)
     if two:
         _draw_times(figure.add_subplot(grid[0, 1]), solutions)
     figure.savefig(file, bbox_inches="tight", pad_inches=0.15)
 
 
-def draw_shape(axes: Any, solutions: tuple[Solution, ...]) -> None:
-    """Draw the last of `solutions`, its scene and all targets; `axes` are 3D ones with `computed_zorder=False`."""
+def draw_shape(axes: Any, solutions: tuple[Solution, ...], others: Sequence[Solution] = ()) -> None:
+    """Draw the last of `solutions`, its scene and all targets, and `others`, which answer the same, as lines.
+
+    `axes` are 3D ones with `computed_zorder=False`.
+    """
     last = solutions[-1]
     robot, scene = last.problem.robot, last.problem.scene
     targets = [target for solution in solutions for target in solution.problem.targets]
     places = np.stack([target.position for target in targets if target.position is not None] or [robot.base[:3, 3]])
-    low, high = _bounds(np.concatenate([*(robot.backbone(s.q) for s in solutions), places]), scene)
+    low, high = _bounds(np.concatenate([*(robot.backbone(s.q) for s in (*solutions, *others)), places]), scene)
     span = float((high - low).max())
     azimuth = set_view(axes, low, high, robot.backbone(last.q)[-1] - robot.base[:3, 3])
     _draw_surfaces(axes, last, 0.5 * (low + high), span, azimuth)
     axes.plot(*np.stack([robot.forward(last.q)[-1, :3, 3], robot.tip(last.q)[:3, 3]]).T, color=TOOL, zorder=4)
     _draw_ghosts(axes, solutions)
+    for other in others:
+        axes.plot(*robot.backbone(other.q).T, color=OTHER, linewidth=1.4, zorder=3)
+    if last.route is not None:
+        axes.plot(*last.route.T, color=ROUTE, linewidth=0.9, linestyle="--", zorder=5)
     if len(solutions) > 1:
         axes.plot(*places.T, color=TARGET, linewidth=1.6, zorder=5)
     else:

@@ -14,8 +14,9 @@ from sinuous.checks import Floats
 from sinuous.frozen import Frozen
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field, evaluate
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.prepared.parts import Part, join, live, prepare
+from sinuous.scene.prepared.parts import Part, join, prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -81,8 +82,13 @@ class Snapshot(Frozen):
         """Return a snapshot with this cloud in the place of an obstacle. It is not sampled: only its tree is built."""
         self.prepare()
         parts = list(self._parts or ())
-        parts[index] = live(cloud)
+        parts[index] = unsampled(cloud)
         return Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
+
+    def beside(self, meshes: Sequence[Mesh]) -> "Snapshot":
+        """Return a snapshot with these meshes, too. They are not sampled: only their trees are built."""
+        self.prepare()
+        return Snapshot((*self._obstacles, *meshes), [*(self._parts or ()), *map(unsampled, meshes)])
 
     def without(self, names: Collection[str]) -> "Snapshot":
         """Return a snapshot without the obstacles of these names; nothing is sampled again."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.kernels import tables as t
+from sinuous.solution.route_class import RouteClass
 from sinuous.solution.status import Status
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ class Read(NamedTuple):
     seconds: float
     method: str
     seed: int
+    route_class: RouteClass | None
 
 
 def read_result(values: Any, problem: "Problem") -> Read:
@@ -60,7 +62,8 @@ def read_result(values: Any, problem: "Problem") -> Read:
         _cell(result) if status == Status.NO_ROUTE else math.nan,
     )
     seed = checks.integer("seed", result.value("seed"), 0, 2**31 - 1)
-    return Read(outcome, outcome.seconds, checks.text("method", result.value("method")), seed)
+    method = checks.text("method", result.value("method"))
+    return Read(outcome, outcome.seconds, method, seed, _route_class(values))
 
 
 class _Result:
@@ -91,6 +94,15 @@ class _Result:
 
 def _or(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
+
+
+def _route_class(values: dict[str, Any]) -> RouteClass | None:
+    """The class of routes; results of earlier versions have none."""
+    own = values.get("route_class")
+    if own is None:
+        return None
+    with checks.inside("route_class"):
+        return RouteClass.from_dict(own)
 
 
 def _cell(result: _Result) -> float:

@@ -20,6 +20,7 @@ from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.solution.remedies.trials import Case
+from sinuous.solution.route_class import RouteClass
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
 from sinuous.words import listed
@@ -58,6 +59,9 @@ class Solution:
     route : ndarray (k, 3) or None
         Where the start came from a route: its points, from the base to the target; read-only. To be drawn beside the
         body, which may leave it.
+    route_class : RouteClass or None
+        Of a solution of `solve_all`: which class of routes it belongs to, and which obstacles the body passes on which
+        side. `None` where that was not asked for, or not found out in time.
     seconds : float
         Time of the solve alone.
     method : str
@@ -67,19 +71,39 @@ class Solution:
     """
 
     # Properties over private slots: setting attributes as `sinuous.frozen.Frozen` does would cost a solve 0.3 us.
-    __slots__ = ("_again", "_binding", "_given", "_outcome", "_problem", "_reason", "_seconds", "_status", "_worst")
+    __slots__ = (
+        "_again",
+        "_binding",
+        "_given",
+        "_outcome",
+        "_problem",
+        "_reason",
+        "_route_class",
+        "_seconds",
+        "_status",
+        "_worst",
+    )
 
     _binding: tuple[Binding, ...]
     _reason: Reason | None
     _worst: Worst | None
 
-    def __init__(self, problem: "Problem", outcome: Outcome, seconds: float, again: "Again", given: Floats) -> None:
+    def __init__(
+        self,
+        problem: "Problem",
+        outcome: Outcome,
+        seconds: float,
+        again: "Again",
+        given: Floats,
+        route_class: RouteClass | None = None,
+    ) -> None:
         self._problem = problem
         self._status = status_of(outcome)
         self._outcome = outcome
         self._seconds = seconds
         self._again = again
         self._given = given
+        self._route_class = route_class
         # By position: by its name, or by `flags`, it takes three times as long.
         outcome.q.setflags(False)  # type: ignore[call-arg]
 
@@ -90,7 +114,7 @@ class Solution:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Solution, (self.problem, self._outcome, self.seconds, self._again, self._given)
+        return Solution, (self.problem, self._outcome, self.seconds, self._again, self._given, self._route_class)
 
     @property
     def problem(self) -> "Problem":
@@ -141,6 +165,11 @@ class Solution:
     def route(self) -> Floats | None:
         """Points (k, 3) of the route that the start was laid along; `None` unless a route led to the solution."""
         return self._outcome.route
+
+    @property
+    def route_class(self) -> RouteClass | None:
+        """Which class of routes it belongs to, and what the body passes on which side; of `solve_all` alone."""
+        return self._route_class
 
     @property
     def solved(self) -> bool:
@@ -287,7 +316,7 @@ class Solution:
         """
         read = read_result(values, problem)
         nothing: Floats = np.empty((0, len(problem.robot), 3))
-        return cls(problem, read.outcome, read.seconds, Elsewhere(read.method, read.seed), nothing)
+        return cls(problem, read.outcome, read.seconds, Elsewhere(read.method, read.seed), nothing, read.route_class)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
@@ -322,6 +351,7 @@ class Solution:
             "iterations": self.iterations,
             "starts": self.starts,
             "start": self.start,
+            "route_class": None if self.route_class is None else self.route_class.to_dict(),
             "seconds": self.seconds,
             "method": self.method,
             "seed": self.seed,
@@ -346,6 +376,8 @@ class Solution:
         ):
             if value is not None:
                 parts.append(f"  {label:<10} {value:.3g}")
+        if self.route_class is not None:
+            parts.append(f"  route      {self.route_class}")
         parts.append(
             f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us"
         )

@@ -171,6 +171,22 @@ class Router:
         for plan, routes in later:
             yield from self._grown(question, plan, routes, FEW)
 
+    @property
+    def single_plans(self) -> tuple[Plan, ...]:
+        """Searches for one route, which prove nothing, from the quickest to the most thorough."""
+        _, few, many, _ = CELLS
+        coarse, fine = self.plans[0], self.plans[-1]
+        first = _coarser(coarse, min(self._robot.radii))
+        among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
+        plans = [plan._replace(cells=cells, routes=1, exact=False, prove=False) for plan, cells in among]
+        return tuple(dict.fromkeys(plans))
+
+    def along(self, question: Question, query: Floats, route: Floats) -> Iterator[Batch]:
+        """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to most sides."""
+        initial = self.fit(question.problem, Found([route], 0, 0), 0, question.seconds_left)
+        yield _batch(initial, (route,)[: len(initial)])
+        yield from self._longer(question.problem, query, (route,), question.seconds_left)
+
     def query(self, problem: Problem) -> Floats | None:
         """Return what a route has to keep (28,), see `sinuous.kernels.tables`; `None`: no target has a position."""
         query = np.zeros(QUERY_WIDTH)
@@ -294,6 +310,16 @@ def _batch(initial: Floats, routes: tuple[Floats, ...], then: int = 0, closed: f
     return Batch(SOURCES[ROUTE], initial, then=then, closed=closed, routes=routes)
 
 
+def _coarser(plan: Plan, radius: float) -> Plan:
+    """A plan with cells of twice the edge."""
+    return plan._replace(cell=2.0 * plan.cell, clearance=_wide(radius, 2.0 * plan.cell))
+
+
+def _wide(radius: float, cell: float) -> float:
+    """Clearance with which coarse cells can be passed."""
+    return max(radius - 0.5 * cell, 0.25 * radius)
+
+
 def _plans(radius: float, length: float) -> tuple[Plan, ...]:
     """Searches for a body of this radius and a robot of this length, from the quickest to the most thorough.
 
@@ -303,7 +329,7 @@ def _plans(radius: float, length: float) -> tuple[Plan, ...]:
     fine = max(0.5 * radius, length / FINE)
     coarse = max(fine, length / COARSE)
     through = radius - HALF_DIAGONAL * fine
-    wide = max(radius - 0.5 * coarse, 0.25 * radius)
+    wide = _wide(radius, coarse)
     proves = fine <= 0.5 * radius
     least, few, many, most = CELLS
     first = [Plan(coarse, wide, least, 1, 0, False, False)] if coarse > fine else []

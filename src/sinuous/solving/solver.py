@@ -2,6 +2,7 @@
 
 import time as clock
 from collections.abc import Iterable
+from functools import partial
 from typing import Any, ClassVar, Never, Self, Unpack
 
 import numpy as np
@@ -31,11 +32,9 @@ from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import RENAMED, SolveArguments, SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routes import Router
-from sinuous.solving.search import UNDECIDED, Distinct, FirstSolved, Follow
+from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
+from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
 from sinuous.solving.sources import Batch, Question
-
-CANDIDATES = 4
-"""Distinct solutions that `solve_all` gathers for each one that it returns."""
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
@@ -217,16 +216,22 @@ class Solver:
         *,
         count: Whole = 8,
         apart: Number = 0.02,
+        by: Kind | None = None,
         time: Number | None = None,
         **renamed: Never,
     ) -> list[Solution]:
-        """Find several distinct solutions, best first.
+        """Find several solutions, best first: one of every class of routes, or all distinct shapes.
 
-        Every start of `solve`, in the same order, is followed to its own solution. Two solutions are the same when no
-        point of the backbone is farther from its counterpart than `apart`. The search ends with the starts, the time, a
-        proof that there is no solution, or `CANDIDATES * count` distinct ones. Their order: less bending first (sum of
-        squared bends); with an initial configuration, less distance to it (bends in rad, lengths relative to the mean
-        length of a segment).
+        Every start of `solve`, in the same order, is followed to its own solution; by route, after the first few, also
+        starts along routes through other passages. Solutions belong to one class when the bodies were found to deform
+        into each other and stay clear, so what differs passes some obstacle on another side, or goes through another
+        door; `Solution.route_class` says which. The best one of each class is returned. By shape, two solutions are the
+        same when no point of the backbone is farther from its counterpart than `apart`.
+
+        The search ends with the starts, the time, a proof that there is no solution, or `CANDIDATES * count` distinct
+        solutions (by route: of `count` classes); by route also after `PATIENCE` starts that brought no new class. The
+        order: less bending first (sum of squared bends); with an initial configuration, less distance to it (bends in
+        rad, lengths relative to the mean length of a segment).
 
         Parameters
         ----------
@@ -236,6 +241,8 @@ class Solver:
             Most solutions to return.
         apart : float
             Relative to the robot's mean length.
+        by : str, optional
+            `route` or `shape`; by default `route` among obstacles, `shape` without any.
         time : float, optional
             Budget in seconds, instead of that of the solver.
 
@@ -250,25 +257,25 @@ class Solver:
             When an argument is not what it should be.
         """
         refuse_renamed(renamed)
-        wanted = checks.integer("count", count, 1, 10_000)
-        separation = checks.number("apart", apart, low=0.0) * self.robot.mean_length
-        seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
+        wanted = Wanted(
+            checks.integer("count", count, 1, 10_000),
+            checks.number("apart", apart, low=0.0) * self.robot.mean_length,
+            (BY_ROUTE if len(self.scene) else BY_SHAPE) if by is None else checks.choice("by", by, KINDS),
+            self.options.max_starts,
+            self.options.time if time is None else checks.number("time", time, low=0.0),
+        )
         problem, blocked = self._problem(target)
         given = self._no_initial if initial is None else self._given("initial", initial)
         if blocked:
             return []
-
-        def shape(q: Floats) -> Floats:
-            return self.robot.backbone(q, 8)
-
-        shape(np.zeros((len(self.robot), 3)))  # loads the kernel, before the time begins
-        search = Distinct(CANDIDATES * wanted, separation, shape, self.options.max_starts, seconds)
-        question = Question(problem, given, lambda: search.seconds_left, several=True)
-        search.pursue(self._portfolio.batches(question), self._follow(problem, given))
-        reference = None if initial is None else given[0]
-        order = np.argsort(self._dislike([outcome.q for outcome in search.found], reference), kind="stable")
-        best = [search.found[i] for i in order[:wanted]]
-        return [Solution(problem, outcome, outcome.seconds, self._again, given) for outcome in best]
+        several = Several(problem, wanted, partial(self._dislike, reference=None if initial is None else given[0]))
+        question = Question(problem, given, lambda: several.search.seconds_left, several=True)
+        batches = several.batches(self._portfolio, self._router, question)
+        several.search.pursue(batches, self._follow(problem, given))
+        return [
+            Solution(problem, outcome, outcome.seconds, self._again, given, route_class)
+            for outcome, route_class in several.best()
+        ]
 
     def __repr__(self) -> str:
         sizes = [f"{len(self.robot)} segments", f"{len(self.scene)} obstacles"]
@@ -360,7 +367,8 @@ def solve_all(
     initial: Initial | None = None,
     count: Whole = 8,
     apart: Number = 0.02,
+    by: Kind | None = None,
     **options: Unpack[SolveArguments],
 ) -> list[Solution]:
-    """Find several distinct solutions, ranked; parameters as for `Solver` and `Solver.solve_all`."""
-    return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart)
+    """Find several solutions, ranked: by route or by shape; parameters as for `Solver` and `Solver.solve_all`."""
+    return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart, by=by)

@@ -87,6 +87,24 @@ class Source(Protocol):
         ...
 
 
+class OneAfterAnother:
+    """Several sources as one, of the name of the first.
+
+    Parameters
+    ----------
+    *sources : Source
+    """
+
+    def __init__(self, *sources: Source) -> None:
+        self._sources = sources
+        self.name = sources[0].name
+
+    def batches(self, question: Question) -> Iterator[Batch]:
+        """Yield all batches of the first source, then those of the next."""
+        for source in self._sources:
+            yield from source.batches(question)
+
+
 class Opening:
     """The starts that cost least: the initial configuration, the single arc, and a few scattered shapes.
 

@@ -15,6 +15,7 @@ from sinuous.scene.nearest import least_gap
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solving.between import load_motions
+from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routes import Router
 from sinuous.solving.solver import OneSolve, Solver
@@ -55,7 +56,12 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
     others = [
         Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
     ]
-    geometry = [Step("kinematics", _kinematics), Step("distances", _distances), Step("motions", _motions)]
+    geometry = [
+        Step("kinematics", _kinematics),
+        Step("distances", _distances),
+        Step("classes of routes", Curves(ROBOT, FAR.snapshot()).load),
+        Step("motions", _motions),
+    ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
 

@@ -82,6 +82,11 @@ PIECES = (
             "kernels.fields.solids.sample",
         ),
     ),
+    Piece(
+        "classes of routes",
+        6,
+        tuple(f"kernels.freespace.homotopy.{name}" for name in ("draw_tight", "deforms", "halfway", "see")),
+    ),
     Piece("motions", 8, ("kernels.between.query.prove_motions",)),
     Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
     Piece("the method dls", 4, ("methods.dls.search.search",)),

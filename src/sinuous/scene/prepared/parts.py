@@ -97,12 +97,13 @@ def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> 
         return entry.part
 
 
-def live(cloud: PointCloud) -> Part:
-    """Make what the kernels read of a cloud that will soon be replaced: without samples, which take longer."""
-    entry = _entry(cloud)
+def unsampled(obstacle: PointCloud | Mesh) -> Part:
+    """Make what the kernels read of an obstacle that will soon be replaced: without samples, which take longer."""
+    entry = _entry(obstacle)
     with entry.lock:
         if entry.part is None:
-            entry.part = _of_pieces(trees.balls(cloud))
+            made = trees.triangles(obstacle) if isinstance(obstacle, Mesh) else trees.balls(obstacle)
+            entry.part = _of_pieces(made)
         return entry.part
 
 

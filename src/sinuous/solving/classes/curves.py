@@ -1,0 +1,144 @@
+"""Backbones and routes as curves among obstacles: drawn tight, and compared.
+
+Two are alike where one is known to deform into the other and stay clear, see `sinuous.kernels.freespace.homotopy`.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from time import monotonic
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
+from sinuous.kernels.freespace import homotopy
+from sinuous.robot.robot import Robot
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.snapshot import Snapshot
+
+FEWEST, MOST = 64, 512
+"""Points of a curve."""
+
+A_RADIUS = 1.5
+"""Points of a curve for each radius of the body in the length of the robot."""
+
+CLEAR, SPACED = 0.85, 1.2
+"""What a curve keeps from the obstacles while it is drawn tight: in radii of the body, and no less than so many
+distances between its points."""
+
+ALIKE, HALFWAY = 0.5, 0.7
+"""What a leash keeps, and a curve between two others, in units of that."""
+
+DEPTH = 2
+"""How often a deformation may be divided: it leads over 2 ** DEPTH - 1 curves in between, at most."""
+
+
+class Seen(NamedTuple):
+    """What lines of sight meet.
+
+    Attributes
+    ----------
+    lengths : ndarray (m,)
+        How far each is clear.
+    which : ndarray (m,)
+        Index of the obstacle that ends it; -1 where nothing does.
+    """
+
+    lengths: Floats
+    which: NDArray[np.int64]
+
+
+class Curves:
+    """The curves of one robot in one scene. Not to be shared between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Snapshot
+    seconds_left : callable
+        Of the budget that comparing is in.
+
+    Attributes
+    ----------
+    scene : Snapshot
+    mount : float
+        Length from the base that obstacles do not concern.
+    keep : float
+        Distance from the obstacles that a curve keeps while it is drawn tight, in the length unit.
+    """
+
+    def __init__(self, robot: Robot, scene: Snapshot, seconds_left: Callable[[], float] = lambda: math.inf) -> None:
+        self._robot, self._seconds_left = robot, seconds_left
+        self.scene, self.mount = scene, robot.mount
+        radius, longest = min(robot.radii), sum(segment.length[1] for segment in robot.segments)
+        wanted = A_RADIUS * longest / radius if radius > 0.0 else MOST
+        self._points = int(min(MOST, max(FEWEST, math.ceil(wanted))))
+        self.keep = max(CLEAR * radius, SPACED * longest / self._points)
+        self._workspace = np.empty(homotopy.homotopy_workspace_size(self._points))
+
+    def of(self, q: Floats) -> Floats:
+        """Return the backbone (N, 3) of a configuration (n, 3) beyond the mount, drawn tight."""
+        robot = self._robot
+        samples = max(2, math.ceil(self._points / len(robot)))
+        along = np.repeat(q[:, 2] / samples, samples)
+        return self._tight(robot.backbone(q, samples), np.concatenate([[0.0], np.cumsum(along)]))
+
+    def along(self, route: Floats) -> Floats:
+        """Return a route (k, 3) beyond the mount, drawn tight: (N, 3)."""
+        steps = np.linalg.norm(np.diff(route, axis=0), axis=1)
+        return self._tight(route, np.concatenate([[0.0], np.cumsum(steps)]))
+
+    def _tight(self, points: Floats, along: Floats) -> Floats:
+        """Draw a line tight whose points (k, 3) lie at these lengths (k,)."""
+        wanted = np.linspace(min(self.mount, along[-1]), along[-1], self._points)
+        curve = np.stack([np.interp(wanted, along, column) for column in points.T], axis=1)
+        homotopy.draw_tight(self._group, curve, self.keep, self._seconds(), self._workspace)
+        return curve
+
+    def alike(self, a: Floats, b: Floats, depth: int = DEPTH) -> bool:
+        """Whether a deformation of one curve (N, 3) into the other is found that stays clear."""
+        if homotopy.deforms(self._group, a, b, ALIKE * self.keep, self._seconds(), self._workspace):
+            return True
+        middle = np.empty_like(a)
+        if depth == 0 or not homotopy.halfway(self._group, a, b, HALFWAY * self.keep, self._workspace, middle):
+            return False
+        return self.alike(a, middle, depth - 1) and self.alike(middle, b, depth - 1)
+
+    def alike_one(self, curve: Floats, others: Sequence[Floats]) -> int | None:
+        """Return which of other curves this one (N, 3) is alike, the nearest first; `None`: none of them."""
+        apart = [float(np.abs(curve - other).max()) for other in others]
+        return next((i for i in np.argsort(apart).tolist() if self.alike(curve, others[i])), None)
+
+    def see(self, starts: Floats, ends: Floats, keep: float) -> Seen:
+        """Look from points (m, 3) to points (m, 3), along lines that keep a distance from the obstacles."""
+        lengths, which = np.empty(len(starts)), np.empty(len(starts), np.int64)
+        homotopy.see(self._group, starts.copy(), ends.copy(), keep, self._workspace, lengths, which)
+        return Seen(lengths, which)
+
+    def between(self, a: Floats, b: Floats) -> NDArray[np.int64]:
+        """Return what is first met from points of a curve (N, 3) to their counterparts on another (N,); -1: nothing."""
+        return self.see(a, b, ALIKE * self.keep).which
+
+    def load(self) -> float:
+        """Compile the entries, or load them from the cache; return the seconds it took."""
+        began = monotonic()
+        line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), self._points)
+        homotopy.draw_tight(self._group, line, self.keep, 0.0, self._workspace)
+        homotopy.deforms(self._group, line, line, self.keep, 0.0, self._workspace)
+        homotopy.halfway(self._group, line, line, self.keep, self._workspace, line.copy())
+        self.see(line[:1], line[:1], self.keep)
+        self.scene.beside([Mesh(np.eye(3), [[0, 1, 2]])]).distance(np.zeros(3))
+        return monotonic() - began
+
+    @property
+    def _group(self) -> Floats:
+        return self.scene._kernel_group
+
+    def _seconds(self) -> float:
+        return max(0.0, self._seconds_left())
+
+
+def across(axes: Floats) -> Floats:
+    """Two unit vectors (..., 2, 3) across unit vectors (..., 3), and across each other."""
+    return np.asarray(np.linalg.svd(axes[..., None, :])[2][..., 1:, :])

@@ -1,0 +1,165 @@
+"""Deformations: what is found must keep winding numbers, by other code; what is drawn tight must stay clear."""
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.freespace.homotopy import (
+    EASED,
+    PASSES,
+    SLACK,
+    deforms,
+    draw_tight,
+    halfway,
+    homotopy_workspace_size,
+    see,
+)
+from sinuous.scene.obstacles import Cylinder, Sphere
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats
+
+POINTS, KEEP = 96, 0.06
+START, END = np.array([-2.0, 0.0, 0.0]), np.array([2.0, 0.0, 0.0])
+PLACES = np.array([(-0.8, 0.3), (0.1, -0.4), (0.9, 0.2)])
+PILLARS = Scene([Cylinder((x, y, -9.0), (x, y, 9.0), 0.1) for x, y in PLACES])
+BALL = Scene([Sphere((0.0, 0.0, 0.0), 0.8)])
+
+
+def workspace() -> Floats:
+    return np.full(homotopy_workspace_size(POINTS), np.nan)  # nothing of what was there before may matter
+
+
+def even(corners: Floats) -> Floats:
+    """Points evenly spaced on a line through corners (k, 3)."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
+    wanted = np.linspace(0.0, along[-1], POINTS)
+    return np.stack([np.interp(wanted, along, column) for column in corners.T], axis=1)
+
+
+def wild_curve(rng: np.random.Generator) -> Floats:
+    """A curve from START to END that keeps twice KEEP from all pillars."""
+    while True:
+        corners = np.vstack([START, np.sort(rng.uniform(-1.8, 1.8, 6))[:, None] * [1, 0, 0], END])
+        corners[1:-1, 1:] = rng.uniform(-1.2, 1.2, (6, 2))
+        curve = even(corners)
+        if PILLARS.distance(curve).min() > 2.0 * KEEP:
+            return curve
+
+
+def windings(curve: Floats) -> tuple[float, ...]:
+    """Angles that a curve turns about the pillars: equal for curves that deform into each other, and only for those."""
+    turned = []
+    for place in PLACES:
+        off = curve[:, :2] - place
+        angles = np.unwrap(np.arctan2(off[:, 1], off[:, 0]))
+        turned.append(round(float(angles[-1] - angles[0]), 6))
+    return tuple(turned)
+
+
+def tight(scene: Scene, curve: Floats, seconds: float = 60.0) -> Floats:
+    out = curve.copy()
+    draw_tight(scene.snapshot().group.copy(), out, KEEP, seconds, workspace())
+    return out
+
+
+def deform(scene: Scene, a: Floats, b: Floats, seconds: float = 60.0) -> bool:
+    return deforms(scene.snapshot().group.copy(), a.copy(), b.copy(), 0.5 * KEEP, seconds, workspace())
+
+
+def length(curve: Floats) -> float:
+    return float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum())
+
+
+def test_curves_drawn_tight_keep_ends_distance_and_windings() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(40):
+        curve = wild_curve(rng)
+        drawn = tight(PILLARS, curve)
+        np.testing.assert_allclose(drawn[[0, -1]], curve[[0, -1]], atol=1e-12)
+        assert length(drawn) <= length(curve) + 1e-9
+        assert PILLARS.distance(drawn).min() > 0.9 * SLACK * EASED ** (PASSES - 1) * KEEP
+        assert windings(drawn) == windings(curve)
+
+
+def test_a_deformation_is_found_just_where_all_windings_are_the_same() -> None:
+    """Beside pillars without end, windings that are equal for curves along x say that they deform into each other."""
+    rng = np.random.default_rng(1)
+    curves = [wild_curve(rng) for _ in range(24)]
+    drawn = [tight(PILLARS, curve) for curve in curves]
+    same = different = 0
+    for i, a in enumerate(drawn):
+        for j, b in enumerate(drawn):
+            alike = windings(curves[i]) == windings(curves[j])
+            assert deform(PILLARS, a, b) == alike
+            same, different = same + alike, different + (not alike)
+    assert same > 60
+    assert different > 60
+
+
+def test_curves_that_are_not_drawn_tight_are_never_told_alike_when_they_are_not() -> None:
+    rng = np.random.default_rng(2)
+    curves = [wild_curve(rng) for _ in range(30)]
+    found = [(windings(a), windings(b)) for a in curves for b in curves if a is not b and deform(PILLARS, a, b)]
+    assert found
+    assert all(one == other for one, other in found)
+
+
+def test_a_wire_is_not_passed_through() -> None:
+    wire = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 1e-6)])
+    left, right = (even(np.array([START, (0.0, y, 0.0), END])) for y in (0.5, -0.5))
+    assert not deform(wire, left, right)
+    assert deform(wire, left, even(np.array([START, (0.0, 1.0, 0.3), END])))
+
+
+def test_one_end_may_be_ahead_of_the_other() -> None:
+    """Along a bent pipe, points at equal fractions of length cannot see each other when one curve is longer."""
+    ring = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 0.9)])
+    angles = np.linspace(0.0, 1.5 * np.pi, 60)
+    around = np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=1)
+    off_start = around + np.outer(np.sin(np.linspace(0.0, np.pi, 60)) ** 8, (0.0, 0.0, 0.9))
+    assert deform(ring, even(around), even(off_start))
+
+
+def test_halfway_is_clear_and_leads_round() -> None:
+    angle = 0.9
+    up = even(np.array([START, (0.0, 0.0, 1.1), END]))
+    aside = even(np.array([START, (0.0, 1.1 * np.sin(angle), 1.1 * np.cos(angle)), END]))
+    group, middle = BALL.snapshot().group.copy(), np.full_like(up, np.nan)
+    assert halfway(group, up, aside, KEEP, workspace(), middle)
+    assert BALL.distance(middle).min() > SLACK * KEEP
+    assert deform(BALL, up, middle)
+    assert deform(BALL, middle, aside)
+
+
+def test_halfway_between_both_sides_of_a_pillar_is_nothing() -> None:
+    pillar = Scene([Cylinder((0.0, 0.0, -9.0), (0.0, 0.0, 9.0), 0.3)])
+    left, right = (even(np.array([START, (0.0, y, 0.0), END])) for y in (0.5, -0.5))
+    group = pillar.snapshot().group.copy()
+    assert not halfway(group, left, right, KEEP, workspace(), np.empty_like(left))
+
+
+def test_lines_of_sight_end_where_they_come_near() -> None:
+    rng = np.random.default_rng(3)
+    starts, ends = rng.uniform(-2.0, 2.0, (2, 200, 3))
+    lengths, which = np.full(200, np.nan), np.full(200, -9)
+    see(PILLARS.snapshot().group.copy(), starts, ends, KEEP, workspace(), lengths, which)
+    shares = np.linspace(0.0, 1.0, 4001)
+    for i in range(200):
+        whole = float(np.linalg.norm(ends[i] - starts[i]))
+        distances = PILLARS.distance(starts[i] + shares[:, None] * (ends[i] - starts[i]))
+        near = distances < SLACK * KEEP
+        if which[i] < 0:
+            assert not near.any()
+            assert lengths[i] == pytest.approx(whole)
+        else:
+            at = starts[i] + lengths[i] / whole * (ends[i] - starts[i])
+            assert PILLARS.distance(at) < KEEP
+            assert PILLARS.nearest(at) == which[i]
+            assert not near[shares * whole < lengths[i] - 1e-3].any()
+
+
+def test_without_time_nothing_is_told_alike_nor_drawn_tight() -> None:
+    many = Scene([Sphere((x, 9.0, 0.0), 0.1) for x in range(200)])
+    curve = even(np.array([START, (0.0, 1.0, 0.0), END]))
+    assert deform(many, curve, curve)
+    assert not deform(many, curve, curve, 0.0)
+    assert length(tight(many, curve)) < 1.01 * np.linalg.norm(END - START) < length(tight(many, curve, 0.0))

@@ -14,7 +14,7 @@ from benchmarks.places import Place, make
 from sinuous.checks import Floats
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routes import Router
+from sinuous.solving.routing.routes import Router
 
 SECTION = "route search alone, in a hall of 1000 radii of the body with one door"
 COUNT, QUICK = 20, 2

@@ -90,7 +90,8 @@ def inner_times(problems: ProblemSet, times: int) -> InnerTimes:
 def self_proof_times(problems: ProblemSet, q: Floats, times: int) -> Floats:
     """Seconds (m,) that one proof takes that the body does not run through itself at `q` (m, n, 3)."""
     solver = Solver(problems.robot, problems.scene, tolerance=problems.tolerance)
-    robot, scene, settings, targets, *_ = solver.build(problems.targets[0]).arguments
+    robot, _, settings, targets, *_ = solver.build(problems.targets[0]).arguments
+    scene = solver.scene.snapshot().group.copy()
     scratch = np.empty(check_size(len(problems.robot), len(problems.scene)))
     seconds = []
     for each in [q[0], *q]:  # the first once more: it loads or compiles

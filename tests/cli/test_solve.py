@@ -226,7 +226,7 @@ def test_distinct_solutions_are_not_explained(capsys: pytest.CaptureFixture[str]
 
 def test_distinct_solutions_are_a_table_in_a_file(problem: Write, tmp_path: Path) -> None:
     file = tmp_path / "q.csv"
-    assert main(["solve", problem("scene.yaml"), "--all", "3", "--csv", str(file)]) == 0
+    assert main(["solve", problem("scene.yaml"), "--all", "3", "--by", "shape", "--csv", str(file)]) == 0
     header, *rows = (line.split(",") for line in file.read_text(encoding="utf-8").splitlines())
     assert header[:3] == ["solution", "status", "s1.bend_x"]
     assert [row[:2] for row in rows] == [[str(i), "solved"] for i in range(1, len(rows) + 1)]
@@ -247,7 +247,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
     """The second has obstacles: the search for routes must not be compiled between two results."""
     from sinuous.cli import work
     from sinuous.cli.output import Output
-    from sinuous.solving.routes import Router
+    from sinuous.solving.routing.routes import Router
 
     events: list[str] = []
 

@@ -23,7 +23,7 @@ from sinuous.solution.solutions import Solutions
 from sinuous.solving.many import TOGETHER
 from tests.helpers import refused, refused_each
 from tests.methods.laws import shapes
-from tests.solving.test_routes import HIDDEN, ROBOT, box_room, pipe
+from tests.solving.routing.test_routes import HIDDEN, ROBOT, box_room, pipe
 
 ARM = sn.Robot.uniform(4, (0.8, 1.2), 2.0, radius=0.05)
 SPHERES = [sn.Sphere((0.6, 0.0, 2.0), 0.4), sn.Sphere((0.0, -1.2, 2.5), 0.5)]

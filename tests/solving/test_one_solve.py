@@ -9,7 +9,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.solving import solver as solving
-from sinuous.solving.routes import Router
+from sinuous.solving.routing.routes import Router
 from sinuous.solving.solver import OneSolve, Solver
 
 ROBOT = Robot.uniform(3, (0.8, 1.2), radius=0.05)

@@ -82,5 +82,5 @@ def test_every_entry_is_in_one_piece() -> None:
 
 def test_methods_that_are_not_asked_for_are_left_out() -> None:
     named = [step.what for step in steps(["dls", "dls"])]
-    assert named == ["kinematics", "distances", "classes of routes", "the method dls"]
+    assert named == ["kinematics", "distances", "classes of routes", "motions", "the method dls"]
     assert {step.what for step in steps()} >= {f"the method {name}" for name in METHODS if name != "newton"}

@@ -17,7 +17,7 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.explorer import Explorer
 from sinuous.solving.classes.naming import name_classes, sort_out
 from sinuous.solving.portfolio import Portfolio
-from sinuous.solving.routes import Router
+from sinuous.solving.routing.routes import Router
 from sinuous.solving.search import Distinct
 from sinuous.solving.sources import Batch, OneAfterAnother, Question
 

@@ -31,7 +31,7 @@ from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import RENAMED, SolveArguments, SolveOptions, refuse_renamed
 from sinuous.solving.portfolio import Portfolio
-from sinuous.solving.routes import Router
+from sinuous.solving.routing.routes import Router
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
 from sinuous.solving.sources import Batch, Question

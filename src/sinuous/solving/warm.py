@@ -17,7 +17,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.between import load_motions
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.routes import Router
+from sinuous.solving.routing.routes import Router
 from sinuous.solving.solver import OneSolve, Solver
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)

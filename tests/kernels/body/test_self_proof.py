@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.distance import cdist
 
 from sinuous.kernels.body import self_proof
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
@@ -15,7 +16,9 @@ from sinuous.packing import segment_row
 from tests.helpers import Floats, frames_of, random_pose, random_rotation
 from tests.kernels.workspace import make_clock
 
-SAMPLES = 150
+SAMPLES, MOST_PLACES = 150, 1200
+"""Places of a segment; and of the whole body, at most."""
+
 FINEST = 1e-7
 SLACK = 0.1
 
@@ -35,7 +38,8 @@ def prove(
 
 def sampled(q: Floats, radii: Floats | Sequence[float]) -> tuple[float, float]:
     """Least gap by the definition, over many places; and by how much it may be above the truth."""
-    fractions = np.linspace(0.0, 1.0, SAMPLES + 1)
+    samples = min(SAMPLES, MOST_PLACES // len(q))
+    fractions = np.linspace(0.0, 1.0, samples + 1)
     points, along, thick = [], [], []
     frames, before = frames_of(q), 0.0
     for k, (ux, uy, length) in enumerate(q):
@@ -47,15 +51,15 @@ def sampled(q: Floats, radii: Floats | Sequence[float]) -> tuple[float, float]:
         local = np.stack([aside * ux / safe, aside * uy / safe, ahead], axis=-1)
         points.append(frames[k, 9:] + local @ turn.T)
         along.append(before + length * fractions)
-        thick.append(np.full(SAMPLES + 1, radii[k]))
+        thick.append(np.full(samples + 1, radii[k]))
         before += length
     p, s, r = np.concatenate(points), np.concatenate(along), np.concatenate(thick)
     apart = np.abs(s[:, None] - s[None, :])
     larger, both = np.maximum(r[:, None], r[None, :]), r[:, None] + r[None, :]
-    gaps = np.linalg.norm(p[:, None] - p[None, :], axis=-1) - both
+    gaps = cdist(p, p) - both
     concerned = (apart >= math.pi * larger) & (both > 0.0)
     least = float(gaps[concerned].min(initial=math.inf))
-    return least, float(q[:, 2].max()) / SAMPLES
+    return least, float(q[:, 2].max()) / samples
 
 
 def curled(rng: np.random.Generator, radii: Floats | Sequence[float], most: float) -> Floats:

@@ -21,10 +21,10 @@ from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solving.buffers import BufferPool
-from sinuous.solving.growth import FEW, LEG_POINTS, MANY, gone_on, grown, leg_queries, respaced, settled
+from sinuous.solving.routing.buffers import BufferPool
+from sinuous.solving.routing.growth import FEW, LEG_POINTS, MANY, gone_on, grown, leg_queries, respaced, settled
+from sinuous.solving.routing.turned import Groups, turned, turned_back
 from sinuous.solving.sources import Batch, Question
-from sinuous.solving.turned import Groups, turned, turned_back
 
 COARSE, FINE = 64, 20_000
 """Finest cells in the length of the longest robot: most of them at first, and most at all."""

@@ -7,8 +7,8 @@ from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
-from sinuous.solving.growth import grown, respaced, settled
-from sinuous.solving.turned import Groups, turned, turned_back
+from sinuous.solving.routing.growth import grown, respaced, settled
+from sinuous.solving.routing.turned import Groups, turned, turned_back
 
 TOOL = pose((0.1, 0.0, 0.3), direction=(0.3, 0.0, 1.0))
 Q = np.array([[0.4, 0.2, 1.0], [-0.5, 0.9, 1.1], [0.3, -0.8, 0.9], [0.2, 0.4, 1.0]])

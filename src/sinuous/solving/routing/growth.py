@@ -23,7 +23,7 @@ from sinuous.kernels.tables import (
     QUERY_WIDTH,
     TARGET_SEGMENT,
 )
-from sinuous.solving.turned import Groups
+from sinuous.solving.routing.turned import Groups
 
 FEW, MANY = 2, 8
 """Chains that are grown along a route at first, and where those do not lead to a solution."""

@@ -11,7 +11,7 @@ import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routes import CELLS, CELLS_A_START, MEMORY, Found, Plan, Router
+from sinuous.solving.routing.routes import CELLS, CELLS_A_START, MEMORY, Found, Plan, Router
 from sinuous.solving.sources import Question
 from tests.helpers import Floats
 

@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.solving.buffers import BufferPool
+from sinuous.solving.routing.buffers import BufferPool
 
 
 def test_a_buffer_that_was_given_back_is_lent_again() -> None:

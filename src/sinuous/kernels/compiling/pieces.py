@@ -46,11 +46,11 @@ SHARED = 100
 
 
 PIECES = (
-    Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 17),
-    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 26),
+    Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 24),
+    Piece("single solves among obstacles", 10, ("kernels.solve.search.search",), 31),
     Piece(
         "routes among obstacles",
-        26,
+        40,
         (
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",

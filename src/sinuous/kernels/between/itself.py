@@ -31,14 +31,12 @@ from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import ALONG, HALF_TURN, NO_LENGTH, TURNED, Shape, concern, least_of_run, survey
 from sinuous.kernels.body.self_pieces import Pair, amount_between, closest, pair_of
+from sinuous.kernels.body.self_proof import PAIR_LOOKS
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add, norm, sub
 from sinuous.kernels.tables import RADIUS
-
-PAIR_LOOKS = 16
-"""What a look at a pair of pieces costs, see `kernels.clock`."""
 
 
 @kernel

@@ -51,7 +51,7 @@ OBJECTS: list[Any] = [
     sn.Job(ROBOT, path=[TARGET] * 3, file=LONG),
     *(SOLUTION, sn.solve(ROBOT, sn.Target((0, 0, 1e3))), SOLUTION.explain(), SOLUTION.verify()),
     sn.check(ROBOT, [SOLUTION.q, SOLUTION.q]),
-    sn.Track((SOLUTION, SOLUTION), 3),
+    sn.Motion(ROBOT, [SOLUTION.q, SOLUTION.q], SCENE),
     *(sn.Solver(ROBOT, SCENE), sn.Solver(ROBOT).solve_many([TARGET, sn.Target((0, 0, 1e3))]), sn.Status.SOLVED),
     Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
     Reason("route", 1 / 3, 2 / 3, LONG, True),

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from sinuous.methods.slinki.options import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
-    from sinuous.motion.track import Track as Track
+    from sinuous.motion.motion import Motion as Motion
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
     from sinuous.poses import pose as pose
@@ -96,7 +96,8 @@ _HOMES = {
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
     "motion.job": ("Job", "load"),
-    "motion.track": ("Track", "track"),
+    "motion.motion": ("Motion",),
+    "motion.track": ("track",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

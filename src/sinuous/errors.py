@@ -4,7 +4,7 @@ import reprlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from sinuous.motion.track import Track
+    from sinuous.motion.motion import Motion
     from sinuous.solution.solution import Solution
 
 _SHORT = reprlib.Repr()
@@ -68,8 +68,8 @@ class InputError(ValueError):
 
 
 class NotSolvedError(RuntimeError):
-    """Raised by `raise_for_status()` of a solution that is not solved; `solution` holds it."""
+    """Raised by `raise_for_status()` of a solution or motion that is not solved; `solution` holds it."""
 
-    def __init__(self, message: str, solution: "Solution | Track") -> None:
+    def __init__(self, message: str, solution: "Solution | Motion") -> None:
         super().__init__(message)
         self.solution = solution

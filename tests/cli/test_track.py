@@ -4,15 +4,16 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import sinuous as sn
 from sinuous.cli.app import main
-from sinuous.motion import track as tracking
+from sinuous.motion.tracker import Tracker
 from sinuous.solution.solution import Solution
 from tests.cli.conftest import ROBOT
 from tests.cli.test_solve import KEYS, strict
@@ -25,14 +26,14 @@ def test_json_has_totals_and_waypoints(capsys: pytest.CaptureFixture[str], probl
     assert main(["track", "--json", *files]) == 1
     whole, half, single = (strict(line) for line in capsys.readouterr().out.splitlines())
     assert [whole["status"], half["status"], single["status"]] == ["solved", "out_of_reach", "solved"]
-    assert [track["between"] for track in (whole, half, single)] == ["proved", "unproved", "proved"]
-    assert [track["unproved_steps"] for track in (whole, half, single)] == [[], [1, 2], []]
+    assert [track["between"] for track in (whole, half, single)] == ["proved", "proved", "proved"]
+    assert [track["unproved_steps"] for track in (whole, half, single)] == [[], [], []]
     assert [len(track["waypoints"]) for track in (whole, half, single)] == [3, 3, 1]
     own = [key for key in KEYS if key not in ("file", "prepare_seconds")]
     assert all(list(waypoint) == own for waypoint in whole["waypoints"])
     totals = [key for key in KEYS if key not in ("q", "actuators", "start", "route_class")]
     assert [key for key in whole if key in KEYS] == totals
-    assert whole["seconds"] == pytest.approx(sum(waypoint["seconds"] for waypoint in whole["waypoints"]))
+    assert whole["seconds"] > sum(waypoint["seconds"] for waypoint in whole["waypoints"])
     assert half["worst"] == half["waypoints"][1]["worst"]
 
 
@@ -47,13 +48,13 @@ def test_results_are_made_where_somebody_wants_them(
 ) -> None:
     """Of a long path they are more work than solving it."""
     made: list[object] = []
-    plainly = tracking.Track.to_dict
+    plainly = sn.Motion.to_dict
 
-    def to_dict(self: tracking.Track) -> dict[str, Any]:
+    def to_dict(self: sn.Motion) -> dict[str, Any]:
         made.append(self)
         return plainly(self)
 
-    monkeypatch.setattr(tracking.Track, "to_dict", to_dict)
+    monkeypatch.setattr(sn.Motion, "to_dict", to_dict)
     for options, count in (([], 0), (["--json"], 1), (["--out", str(tmp_path / "track.jsonl")], 1)):
         made.clear()
         assert main(["track", problem("path.yaml"), *options]) == 0
@@ -63,13 +64,16 @@ def test_results_are_made_where_somebody_wants_them(
 def test_an_interrupt_keeps_the_waypoints_so_far(
     capsys: pytest.CaptureFixture[str], problem: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(*arguments: Any) -> Iterator[Solution]:
-        found = tracking.waypoints(*arguments)
-        yield next(found)
-        yield next(found)
-        raise KeyboardInterrupt
+    go_on = Tracker.go_to
+    tried: list[object] = []
 
-    monkeypatch.setattr("sinuous.cli.work.waypoints", interrupted)
+    def interrupted(self: Tracker, targets: Any) -> Solution:
+        if len(tried) == 2:
+            raise KeyboardInterrupt
+        tried.append(targets)
+        return go_on(self, targets)
+
+    monkeypatch.setattr(Tracker, "go_to", interrupted)
     assert main(["track", problem("path.yaml"), problem("easy.yaml"), "--json"]) == 130
     captured = capsys.readouterr()
     track = strict(captured.out)
@@ -127,16 +131,16 @@ def test_configurations_and_actuators_are_a_table(problem: Write, tmp_path: Path
     file.write_text(text)
     assert main(["track", str(file), "--csv", str(tmp_path / "motors.csv")]) == 0
     header, *rows = table(tmp_path / "motors.csv")
-    assert header[:3] == ["waypoint", "status", "s1.bend_x"]
+    assert header[:2] == ["time", "s1.bend_x"]
     assert header[-3:] == ["s3.t1", "s3.t2", "s3.t3"]
-    assert [row[:2] for row in rows] == [["1", "solved"], ["2", "solved"], ["3", "solved"]]
-    assert {len(row) for row in rows} == {2 + 9 + 9}
+    assert [row[0] for row in rows] == ["0.0", "1.0", "2.0"]
+    assert {len(row) for row in rows} == {1 + 9 + 9}
 
 
 def test_tables_of_several_files_are_numbered(problem: Write, tmp_path: Path) -> None:
     files = [problem("easy.yaml"), problem("half.yaml")]
     assert main(["track", *files, "--csv", str(tmp_path / "q.csv")]) == 1
-    assert [len(table(tmp_path / f"q-{i}.csv")) for i in (1, 2)] == [2, 4]
+    assert [len(table(tmp_path / f"q-{i}.csv")) for i in (1, 2)] == [2, 3]
     assert not (tmp_path / "q.csv").exists()
 
 

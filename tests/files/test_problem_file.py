@@ -197,9 +197,7 @@ def test_a_start_may_be_numbers_a_result_or_a_file_with_one(tmp_path: Path) -> N
     q = [[0.1, 0.2, 1.5], [0.0, 0.0, 1.25]]
     result = {"status": "solved", "q": q}
     _write(tmp_path, json.dumps(result) + "\n", "earlier.jsonl")
-    _write(
-        tmp_path, json.dumps({"status": "solved", "waypoints": [{"q": [[0, 0, 1], [0, 0, 1]]}, result]}), "track.jsonl"
-    )
+    _write(tmp_path, json.dumps({"status": "solved", "knots": [[[0, 0, 1], [0, 0, 1]], q]}), "track.jsonl")
     for start in (json.dumps(q), json.dumps(result), "earlier.jsonl", "track.jsonl"):
         problem = read_problem(_write(tmp_path, ROBOT + TARGET + f"start: {start}"))
         np.testing.assert_array_equal(problem.start, q)

@@ -23,7 +23,7 @@ def test_every_waypoint_is_solved_and_verifies() -> None:
     assert track.solved
     assert track.status is sn.Status.SOLVED
     assert track.q.shape == (40, 4, 3)
-    assert len(track) == 40
+    assert len(track.solutions) == 40
     assert all(verification.ok for verification in track.verify())
     assert track.between == "proved"
     assert track.unproved_steps == ()
@@ -37,19 +37,51 @@ def test_a_step_through_an_obstacle_is_not_proved() -> None:
     plate = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))
     away = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
     track = sn.track(ROBOT, away, [plate])
-    assert track.solved
+    assert all(solution.solved for solution in track.solutions)
     assert (track.between, track.unproved_steps) == ("unproved", (2,))
+    assert track.status is sn.Status.UNPROVED
+    assert "the way from waypoint 2 to 3 is not proved clear" in str(track)
     assert "1 of 3 steps are not proved clear" in str(track)
     assert track.to_dict()["unproved_steps"] == [2]
     middle = [(1.0 - t) * track.q[1] + t * track.q[2] for t in np.linspace(0.0, 1.0, 50)]
     assert min(float(sn.Scene([plate]).distance(ROBOT.backbone(q)).min()) for q in middle) < 0.05
 
 
-def test_steps_next_to_what_is_not_solved_are_not_proved() -> None:
+def test_what_is_not_solved_is_no_knot() -> None:
     track = sn.track(ROBOT, [CIRCLE[0], CIRCLE[1], FAR, CIRCLE[2], CIRCLE[3]])
-    assert track.unproved_steps == (2, 3)
-    assert sn.track(ROBOT, CIRCLE[:1]).between == "proved"
-    assert sn.track(ROBOT, [FAR]).between == "unproved"
+    assert track.waypoint_knots == (0, 1, None, 2, 3)
+    np.testing.assert_array_equal(track.times, [0.0, 1.0, 3.0, 4.0])
+    assert (track.between, track.solved) == ("proved", False)
+    assert sn.track(ROBOT, [FAR]).q.shape == (0, 4, 3)
+
+
+def test_the_start_is_the_first_knot() -> None:
+    first = sn.track(ROBOT, CIRCLE[:2], [BALL])
+    begin = np.tile([0.0, 0.0, 1.0], (4, 1))
+    track = sn.track(ROBOT, CIRCLE[:2], [BALL], start=begin)
+    np.testing.assert_array_equal(track.q[0], begin)
+    assert track.waypoint_knots == (1, 2)
+    np.testing.assert_array_equal(track.times, [0.0, 1.0, 2.0])
+    again = sn.track(ROBOT, CIRCLE[:2], [BALL], start=first.q[0])
+    assert again.waypoint_knots == (0, 1)
+    np.testing.assert_array_equal(again.q, first.q)
+
+
+@pytest.mark.parametrize(
+    ("start", "words"),
+    [
+        ([[0.0, 0.0, 1.3], *[[0.0, 0.0, 1.0]] * 3], "length of segment 1 by 0.1"),
+        ([[0.0, 0.0, 1.0], [2.0, 1.0, 1.0], *[[0.0, 0.0, 1.0]] * 2], "bend of segment 2 by 0.236"),
+        ([[0.9, 0.0, 1.0], [-0.9, 0.0, 1.0], *[[0.0, 0.0, 1.0]] * 2], "clearance of segment"),
+    ],
+)
+def test_a_start_where_the_robot_cannot_be_is_told(start: list[list[float]], words: str) -> None:
+    wall = sn.Sphere((0.7, 0.0, 1.8), 0.3, name="ball")
+    track = sn.track(ROBOT, CIRCLE[:3], [wall], start=start)
+    assert track.status is sn.Status.START_BLOCKED
+    assert (len(track.solutions), track.remaining, len(track.q)) == (0, 3, 1)
+    assert words in str(track)
+    assert track.to_dict()["worst"]["constraint"] in words
 
 
 def test_each_waypoint_begins_at_the_last() -> None:
@@ -62,6 +94,7 @@ def test_each_waypoint_begins_at_the_last() -> None:
     assert bend < 0.5
     again = sn.track(ROBOT, CIRCLE[:1], start=track.solutions[0])
     assert again.solutions[0].start == "given"
+    assert len(again.q) == 1
     assert again.largest_step == (0.0, 0.0)
 
 
@@ -98,13 +131,6 @@ def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:
     with pytest.raises(sn.NotSolvedError) as caught:
         track.raise_for_status()
     assert caught.value.solution is track
-
-
-def test_waypoints_that_were_not_tried_are_no_success() -> None:
-    solutions = sn.track(ROBOT, CIRCLE[:2]).solutions
-    track = sn.Track(solutions, remaining=1)
-    assert track.status is sn.Status.TIME_LIMIT
-    assert "2 of 3 waypoints" in str(track)
 
 
 def test_the_dictionary_is_plain_and_strict() -> None:

@@ -9,12 +9,12 @@ from sinuous.cli.alternatives import Alternatives
 from sinuous.cli.options import Options, numbered
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
+from sinuous.motion.motion import Motion
 from sinuous.motion.table import write_csv
-from sinuous.motion.track import Track
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
 
-Answer = Solution | Track | Alternatives
+Answer = Solution | Motion | Alternatives
 
 
 class Output:
@@ -63,9 +63,11 @@ class Output:
 
 def _write_table(file: Path, answer: Answer) -> None:
     if isinstance(answer, Alternatives):
-        write_csv(file, answer.solutions or (answer.best,), "solution")
+        write_csv(file, answer.solutions or (answer.best,))
+    elif isinstance(answer, Motion):
+        answer.to_csv(file)
     else:
-        write_csv(file, answer.solutions if isinstance(answer, Track) else (answer,))
+        write_csv(file, (answer,))
 
 
 def _remedies(why: Explanation | None) -> dict[str, Any]:

@@ -15,10 +15,11 @@ from sinuous.cli.output import Answer, Output
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
-from sinuous.motion.track import Track, waypoints
+from sinuous.motion.motion import Motion
+from sinuous.motion.tracker import Tracker
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
-from sinuous.solving.between import load_motions
+from sinuous.solution.status import Status
 from sinuous.solving.several import KINDS, Kind
 from sinuous.solving.solver import OneSolve, Solver
 
@@ -69,7 +70,7 @@ def _answer_all(read: list[Read], options: Options, question: Question) -> int:
                 with bar.hidden():
                     _write(output, one, found, prepare_seconds + ahead)
                 ahead = 0.0
-                if isinstance(found, Track) and found.remaining:
+                if isinstance(found, Motion) and found.remaining and found.status is not Status.START_BLOCKED:
                     raise KeyboardInterrupt
                 done += 1
                 solved += found.solved
@@ -118,16 +119,15 @@ def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile
     return Alternatives(tuple(found), best, clock.perf_counter() - began)
 
 
-def _track(solver: Solver, problem: ProblemFile, bar: Bar) -> Track:
+def _track(solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:
     """Follow the path; when interrupted, return what is there."""
-    if len(problem.waypoints) > 1:
-        load_motions(solver.robot, solver.scene.snapshot())  # so that it is not compiled after the last waypoint
-    solutions: list[Solution] = []
+    tracker, done = Tracker(solver, problem.start), 0
     try:
-        for solution in waypoints(solver, problem.waypoints, problem.start):
-            solutions.append(solution)
+        for targets in problem.waypoints if tracker.blocked is None else ():
+            tracker.go_to(targets)
+            done += 1
             bar.advance()
     except KeyboardInterrupt:
-        if not solutions:
+        if not done:
             raise
-    return Track(tuple(solutions), len(problem.waypoints) - len(solutions))
+    return tracker.motion(len(problem.waypoints) - done)

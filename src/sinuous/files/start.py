@@ -45,10 +45,12 @@ def read_start(value: Any, robot: Robot, folder: Path) -> Floats:
 def _configuration(value: Any, robot: Robot) -> Floats:
     if not isinstance(value, dict):
         return checks.array("", value, (len(robot), 3))
-    waypoints = value.get("waypoints")
-    if isinstance(waypoints, list) and waypoints and isinstance(waypoints[-1], dict):
-        with checks.inside(f"waypoints[{len(waypoints) - 1}]"):
-            return _configuration(waypoints[-1], robot)
+    if "knots" in value:  # a motion: where it ends
+        knots = checks.rows("knots", value["knots"], len(robot), 3)
+        if not len(knots):
+            raise InputError("knots", "", value["knots"], "at least one configuration")
+        last: Floats = knots[-1]
+        return last
     if "q" not in value:
         raise InputError("q", "missing", value, "a result of an earlier solve")
     return checks.array("q", value["q"], (len(robot), 3))

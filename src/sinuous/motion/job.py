@@ -11,7 +11,8 @@ from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.files.text import read_text
 from sinuous.garbage import uncollected
-from sinuous.motion.track import Track, track
+from sinuous.motion.motion import Motion
+from sinuous.motion.track import track
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -41,11 +42,11 @@ class Job(ProblemFile):
             raise InputError("path", "is for track", len(self.waypoints), "target or targets", self.file or None)
         return OneSolve(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
 
-    def track(self, **options: Unpack[SolveArguments]) -> Track:
+    def track(self, **options: Unpack[SolveArguments]) -> Motion:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`."""
         return track(self.robot, self.waypoints, self.scene, start=self.start, **self._options(options))
 
-    def result(self, file: str | Path) -> Solution | Track:
+    def result(self, file: str | Path) -> Solution | Motion:
         """Read what was found for this problem: a result of the command line, or one `to_dict` as a line of JSON.
 
         Parameters
@@ -62,7 +63,7 @@ class Job(ProblemFile):
             line, values = self._own(read_results(Path(file)))
             with checks.inside(f"line {line}"):
                 if "waypoints" in values:
-                    return Track.from_dict(values, (self.problem(i) for i in range(len(self.waypoints))))
+                    return Motion.from_dict(values, (self.problem(i) for i in range(len(self.waypoints))))
                 return Solution.from_dict(values, self.problem())
         except InputError as error:
             raise error.in_file(file) from None

@@ -12,7 +12,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.motion.track import Track
+from sinuous.motion.motion import Motion
 from sinuous.pictures.dots import Dotted, dots
 from sinuous.pictures.surfaces import body, edges, normals, obstacle_surface
 from sinuous.problem.target import Target
@@ -48,13 +48,13 @@ def check_picture(key: str, file: Path) -> None:
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(kinds))
 
 
-def plot_solution(answer: Solution | Track, file: str | Path, others: Sequence[Solution] = ()) -> None:
+def plot_solution(answer: Solution | Motion, file: str | Path, others: Sequence[Solution] = ()) -> None:
     """Draw an answer into a file.
 
     Parameters
     ----------
-    answer : Solution or Track
-        Of a track the last shape is drawn whole, some others as lines, and beside them the time of every waypoint.
+    answer : Solution or Motion
+        Of a motion the last shape is drawn whole, some others as lines, and beside them the time of every waypoint.
         Where a route led to the last shape it is a dashed line.
     file : path
         Its ending says which kind of picture.
@@ -72,7 +72,7 @@ def plot_solution(answer: Solution | Track, file: str | Path, others: Sequence[S
     from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
     from matplotlib.figure import Figure  # noqa: PLC0415
 
-    solutions = answer.solutions if isinstance(answer, Track) else (answer,)
+    solutions = answer.solutions if isinstance(answer, Motion) else (answer,)
     two = len(solutions) > 1
     figure = Figure(figsize=(12.0, 6.4) if two else (7.2, 6.8), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)

@@ -23,6 +23,9 @@ _CODES = {
 }
 """Codes of statuses; all others are FAILED, for different reasons."""
 
+_STATUSES = tuple(status for status in Status if status is not Status.START_BLOCKED)
+"""What a solve may end with; motions alone can be blocked at their start."""
+
 
 class Read(NamedTuple):
     """What a result says of a solve."""
@@ -43,7 +46,7 @@ def read_result(values: Any, problem: "Problem") -> Read:
         When a key is missing or its value cannot be meant.
     """
     result = _Result(values)
-    status, start = result.choice("status", tuple(Status)), result.choice("start", t.SOURCES)
+    status, start = result.choice("status", _STATUSES), result.choice("start", t.SOURCES)
     clearance = result.optional("clearance")
     q = checks.array("q", result.value("q"), (len(problem.robot), 3)).copy()
     outcome = t.Outcome(

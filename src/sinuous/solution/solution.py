@@ -330,15 +330,7 @@ class Solution:
             "clearance": _finite(self.clearance),
             "self_clearance": _finite(self.self_clearance),
             "actuators": self.actuators,
-            "worst": None
-            if worst is None
-            else {
-                "constraint": worst.constraint,
-                "segment": worst.segment,
-                "obstacle": worst.obstacle,
-                "amount": worst.amount,
-                "other_segment": worst.other_segment,
-            },
+            "worst": None if worst is None else worst.to_dict(),
             "reason": None
             if reason is None
             else {

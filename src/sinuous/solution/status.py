@@ -30,6 +30,7 @@ class Status(StrEnum):
     OUT_OF_REACH = "out_of_reach"
     TARGET_BLOCKED = "target_blocked"
     BASE_BLOCKED = "base_blocked"
+    START_BLOCKED = "start_blocked"
     NO_ROUTE = "no_route"
     UNPROVED = "unproved"
     BLOCKED = "blocked"
@@ -48,6 +49,7 @@ _SENTENCES = {
     Status.OUT_OF_REACH: "proved: no configuration within the limits gets there",
     Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
     Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
+    Status.START_BLOCKED: "the start overlaps an obstacle or itself, or violates a limit",
     Status.NO_ROUTE: "proved at the stated resolution: no route through free space is wide enough for the body",
     Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
     Status.BLOCKED: "not solved: the best found overlaps an obstacle or itself",

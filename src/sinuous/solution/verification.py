@@ -7,7 +7,7 @@ are the same but for how densely the body is held against itself.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sinuous.arguments import Constraint
 from sinuous.brief import Brief, call
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.measures.body import SAMPLES, segment_ends
 from sinuous.measures.clearance import least_clearance
 from sinuous.measures.self_clearance import Meeting, least_self_clearance
@@ -65,6 +66,25 @@ class Worst(Brief):
     obstacle: str | None
     amount: float
     other_segment: int | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain values, in the order of the file format."""
+        keys = ("constraint", "segment", "obstacle", "amount", "other_segment")
+        return {key: getattr(self, key) for key in keys}
+
+    @classmethod
+    def from_dict(cls, values: Any) -> "Worst":
+        """Make it of plain values, as `to_dict` writes them.
+
+        Raises
+        ------
+        InputError
+            When they are none.
+        """
+        try:
+            return cls(**values)
+        except TypeError:
+            raise InputError("worst", "", values, "a constraint that is not met") from None
 
     def __str__(self) -> str:
         if self.other_segment is not None:
@@ -179,15 +199,7 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
     robot, tolerance = problem.robot, problem.tolerance
     ends = np.concatenate([robot.base[None], robot.forward(q)])
     unit = robot.mean_length
-    clearance, where, which = _least_clearance(robot, problem.scene, q)
-    itself, segments = _seen(problem, q)
-    if overlap and min(clearance, itself) > 0.0:
-        itself, segments = _meeting(robot, q, ends)
-    near, far = segments or (None, None)
-    found = [
-        (-clearance / unit, Worst("clearance", where, which, -clearance)),
-        (-itself / unit, Worst("self_clearance", far, None, -itself, near)),
-    ]
+    found = [(worst.amount / unit, worst) for worst in _overlaps(problem, q, ends if overlap else None)]
     if overlap:
         return max(found, key=lambda pair: pair[0])[1]
     for name, segment, amount in robot.violations(q):
@@ -199,6 +211,32 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
         found.append((miss / unit, Worst("position", segment, None, miss)))
         found.append((twist, Worst("angle", segment, None, twist)))
     return max(found, key=lambda pair: pair[0])[1]
+
+
+def find_overlap(robot: "Robot", scene: "Snapshot", q: Floats) -> Worst:
+    """The deepest overlap of `q` (n, 3) with an obstacle or with itself; its amount is not positive without any."""
+    ends = np.concatenate([robot.base[None], robot.forward(q)])
+    clearance, itself = _least_clearance(robot, scene, q), _meeting(robot, q, ends)
+    return max(_as_worst(clearance, itself), key=lambda worst: worst.amount)
+
+
+def _overlaps(problem: "Problem", q: Floats, ends: Floats | None) -> tuple[Worst, Worst]:
+    """How deep the body overlaps obstacles, and itself.
+
+    With the frames of all `ends` (n + 1, 4, 4) it is known that it does one of both, and it is looked for with care.
+    """
+    clearance = _least_clearance(problem.robot, problem.scene, q)
+    itself = _seen(problem, q)
+    if ends is not None and min(clearance[0], itself[0]) > 0.0:
+        itself = _meeting(problem.robot, q, ends)
+    return _as_worst(clearance, itself)
+
+
+def _as_worst(clearance: tuple[float, int | None, str | None], itself: Meeting) -> tuple[Worst, Worst]:
+    distance, where, which = clearance
+    gap, segments = itself
+    near, far = segments or (None, None)
+    return Worst("clearance", where, which, -distance), Worst("self_clearance", far, None, -gap, near)
 
 
 def _seen(problem: "Problem", q: Floats) -> Meeting:

@@ -1,6 +1,7 @@
 """What is proved of the motion between neighbouring configurations: linear in q, the whole body, all the way."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -44,6 +45,19 @@ class Steps:
         proved: NDArray[np.bool_] = self.answers[:, VERDICT] == CLEAR
         return proved
 
+    @classmethod
+    def told(
+        cls, count: int, unproved: Sequence[int], clearance: float | None, self_clearance: float | None
+    ) -> "Steps":
+        """Make what somebody says: so many steps, numbers (1 = first) of those not proved, and bounds of all others."""
+        answers = np.zeros((count, ANSWER_WIDTH))
+        answers[:, VERDICT], answers[:, UNTIL] = CLEAR, 1.0
+        answers[:, SEEN] = math.inf if clearance is None else clearance
+        answers[:, SEEN + SEEN_WIDTH] = math.inf if self_clearance is None else self_clearance
+        wrong = np.array(unproved, np.intp) - 1
+        answers[wrong, VERDICT], answers[wrong, UNTIL] = UNDECIDED, 0.0
+        return cls(answers)
+
     @property
     def until(self) -> Floats:
         """Share of each motion, from its beginning, that is proved (m,)."""
@@ -67,18 +81,30 @@ class Steps:
         return least if self.proved.all() and math.isfinite(least) else None
 
 
+class Prover:
+    """Proves one motion after the other for a robot in a scene, without making anything anew."""
+
+    def __init__(self, robot: Robot, scene: Snapshot) -> None:
+        self.scene = scene
+        self._group, self._scene_group = packing.robot_group(robot), scene._kernel_group
+        self._mount, self._finest = float(robot.mount), FINEST * robot.mean_length
+        self._workspace = np.empty(sweep_size(len(robot), len(scene)))
+
+    def prove(self, knots: Floats, slack: float = SLACK, seconds: float = SECONDS) -> Floats:
+        """Return answers (T - 1, 14) about the motions between neighbouring `knots`; see `prove_steps`."""
+        answers = np.zeros((len(knots) - 1, ANSWER_WIDTH))
+        terms = self._mount, slack, self._finest, seconds * len(answers)
+        prove_motions(self._group, self._scene_group, knots, terms, self._workspace, answers)
+        return answers
+
+
 def prove_steps(robot: Robot, scene: Snapshot, knots: Floats, slack: float = SLACK, seconds: float = SECONDS) -> Steps:
     """Prove the motions linear in q between neighbouring `knots` (T, n, 3), which are within all limits.
 
     `slack`: how far below the truth clearances may be, as a share of them; with 1 it is enough that they are greater
     than 0. `seconds` are those of a step, on average.
     """
-    answers = np.zeros((len(knots) - 1, ANSWER_WIDTH))
-    terms = float(robot.mount), slack, FINEST * robot.mean_length, seconds * len(answers)
-    workspace = np.empty(sweep_size(len(robot), len(scene)))
-    group = packing.robot_group(robot)
-    prove_motions(group, scene._kernel_group, np.array(knots, np.float64), terms, workspace, answers)
-    return Steps(answers)
+    return Steps(Prover(robot, scene).prove(np.array(knots, np.float64), slack, seconds))
 
 
 def unproved(count: int) -> Floats:

@@ -334,11 +334,12 @@ class Solver:
         unit = self.robot.mean_length / len(self.robot)
         return np.asarray((((q - reference) / [1.0, 1.0, unit]) ** 2).sum(axis=(1, 2)))
 
+    def configuration(self, key: str, initial: Initial) -> Floats:
+        """Check what is called `key`: a solution, or a configuration (n, 3) of this robot; return the configuration."""
+        return checks.array(key, initial.q if isinstance(initial, Solution) else initial, (len(self.robot), 3))
+
     def _given(self, key: str, initial: Initial) -> Floats:
-        if isinstance(initial, Solution):
-            initial = initial.q
-        given = checks.array(key, initial, (len(self.robot), 3))
-        return given.reshape(1, len(self.robot), 3).copy()
+        return self.configuration(key, initial).reshape(1, len(self.robot), 3).copy()
 
 
 class OneSolve(Solver):

@@ -1,0 +1,396 @@
+"""A motion: configurations at times, linear in q between them, and what is proved of all of it."""
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Number, Stack, Vector
+from sinuous.brief import call
+from sinuous.checks import Floats
+from sinuous.errors import InputError, NotSolvedError
+from sinuous.frozen import Frozen
+from sinuous.motion import arrays, plain, table
+from sinuous.motion.times import even_times
+from sinuous.packing import read_only
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import SceneLike, as_snapshot
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import Status
+from sinuous.solution.verification import Worst
+from sinuous.solving.between import Steps, prove_steps
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from sinuous.problem.problem import Problem
+    from sinuous.solution.verification import Verification
+
+Between = Literal["proved", "unproved"]
+"""What is known of the motion between knots: all of it is proved clear, or some step is not."""
+
+SLACK = 1e-9
+"""By how much knots may exceed limits: rounding."""
+
+
+class Motion(Frozen):
+    """Configurations at times, linear in q from each to the next; frozen.
+
+    `track` and `plan` return one. Made of configurations from elsewhere, it proves what there is to prove.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : array_like (T, n, 3)
+        The knots: bend_x, bend_y (rad), length of every segment, within all limits; at least two.
+    scene : Scene, Snapshot or list of obstacles, optional
+    times : array_like (T,), optional
+        When the robot is at each knot, increasing; by default 0, 1, 2, ...
+
+    Attributes
+    ----------
+    robot : Robot
+    scene : Snapshot
+        The obstacles as they were.
+    q : ndarray (T, n, 3)
+        The knots, read-only.
+    times : ndarray (T,)
+        Increasing, read-only; in seconds where rates or times were given, else a waypoint takes 1.
+    steps : Steps
+        What is proved of the motion from each knot to the next.
+    solutions : tuple of Solution
+        One for each waypoint that was tried, in their order.
+    waypoint_knots : tuple of (int or None)
+        The knot of each of these waypoints (0 = first): of what is not solved, none.
+    remaining : int
+        Waypoints that were never tried, because the work was interrupted.
+    seconds : float
+        Time of all the work, without compiling.
+    method : str
+    seed : int
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be, or a knot violates a limit.
+    """
+
+    robot: Robot
+    scene: Snapshot
+    q: Floats
+    times: Floats
+    steps: Steps
+    solutions: tuple[Solution, ...]
+    waypoint_knots: tuple[int | None, ...]
+    remaining: int
+    seconds: float
+    method: str
+    seed: int
+    _ended: Status | None
+    _worst: Worst | None
+
+    def __init__(
+        self,
+        robot: Robot,
+        q: Stack,
+        scene: SceneLike | Snapshot | None = None,
+        times: Vector | None = None,
+    ) -> None:
+        if not isinstance(robot, Robot):
+            raise InputError("robot", "", robot, "a Robot")
+        knots = checks.rows("q", q, len(robot), 3)
+        if len(knots) < 2:
+            raise InputError("q", "", q, "at least two configurations")
+        for i, knot in enumerate(knots):
+            _check_limits(robot, f"q[{i}]", knot)
+        place = as_snapshot(scene)
+        when = even_times(len(knots)) if times is None else check_times("times", times, len(knots))
+        self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots))
+        self._tell()
+
+    @classmethod
+    def made(cls, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, **told: Any) -> Self:
+        """Put together what was found and proved already.
+
+        Parameters
+        ----------
+        robot : Robot
+        scene : Snapshot
+        q : ndarray (T, n, 3)
+            T may be 0, where nothing was solved.
+        times : ndarray (T,)
+        steps : Steps
+            Of T - 1 steps, or of none.
+        **told
+            `solutions`, `waypoint_knots`, `remaining`, `seconds`, `method`, `seed`; `ended`, the status where solutions
+            do not say it; and `worst`, the constraint that is farthest from being met then.
+        """
+        motion = object.__new__(cls)
+        motion._set(robot=robot, scene=scene, q=read_only(q), times=read_only(times), steps=steps)
+        motion._tell(**told)
+        return motion
+
+    def _tell(
+        self,
+        solutions: Sequence[Solution] = (),
+        waypoint_knots: Sequence[int | None] = (),
+        remaining: int = 0,
+        seconds: float = 0.0,
+        method: str = "newton",
+        seed: int = 0,
+        ended: Status | None = None,
+        worst: Worst | None = None,
+    ) -> None:
+        self._set(solutions=tuple(solutions), waypoint_knots=tuple(waypoint_knots), remaining=remaining)
+        self._set(seconds=seconds, method=method, seed=seed, _ended=ended, _worst=worst)
+
+    @property
+    def status(self) -> Status:
+        """`solved` when every waypoint is and the whole motion is proved; `unproved` when only the proof lacks.
+
+        Else the status of the first waypoint that is not solved, or `time_limit` when waypoints were not tried.
+        """
+        if self._ended is not None:
+            return self._ended
+        unsolved = next((solution.status for solution in self.solutions if not solution.solved), None)
+        if unsolved is not None:
+            return unsolved
+        if self.remaining:
+            return Status.TIME_LIMIT
+        return Status.UNPROVED if self.unproved_steps else Status.SOLVED
+
+    @property
+    def solved(self) -> bool:
+        """Whether every waypoint is solved and the whole motion is proved clear."""
+        return self.status is Status.SOLVED
+
+    @property
+    def between(self) -> Between:
+        """What is known of the motion between knots: `proved` clear all the way, or `unproved`."""
+        return "unproved" if self.unproved_steps else "proved"
+
+    @cached_property
+    def unproved_steps(self) -> tuple[int, ...]:
+        """Numbers of the steps that are not proved; step 1 leads from the first knot to the second."""
+        return tuple((np.flatnonzero(~self.steps.proved) + 1).tolist())
+
+    @property
+    def clearance(self) -> float | None:
+        """Proved lower bound of the clearance in the whole motion, or at the waypoints where that is not proved.
+
+        `None` without obstacles, or when a waypoint has no proof.
+        """
+        return self._least([solution.clearance for solution in self.solutions], self.steps.clearance)
+
+    @property
+    def self_clearance(self) -> float | None:
+        """Proved lower bound of the self-clearance, as for `clearance`; `None` where it does not matter."""
+        return self._least([solution.self_clearance for solution in self.solutions], self.steps.self_clearance)
+
+    @property
+    def worst(self) -> Worst | None:
+        """The constraint that is farthest from being met, of the first waypoint that is not solved."""
+        found = next((solution.worst for solution in self.solutions if solution.worst is not None), None)
+        return self._worst if found is None else found
+
+    @property
+    def largest_step(self) -> tuple[float, float]:
+        """Largest change of a bending vector (rad) and of a length between neighbouring knots."""
+        if len(self.q) < 2:
+            return 0.0, 0.0
+        steps = np.diff(self.q, axis=0)
+        return float(np.hypot(steps[..., 0], steps[..., 1]).max()), float(np.abs(steps[..., 2]).max())
+
+    @property
+    def actuators(self) -> Floats:
+        """Values (T, m) of all actuators at the knots, in the order of `robot.actuators`."""
+        return self.robot.to_actuators(self.q)
+
+    def at(self, t: Number | Stack) -> Floats:
+        """Return the configuration at a time (n, 3), or at many times (..., n, 3).
+
+        Raises
+        ------
+        InputError
+            When a time is before the first knot or after the last one.
+        """
+        when = checks.stack("t", t, ())
+        if not len(self.q):
+            raise InputError("t", "the motion has no knots", t, "a motion with knots")
+        outside = (when < self.times[0]) | (when > self.times[-1])
+        if outside.any():
+            wrong = when if when.ndim == 0 else when[outside][0]
+            raise InputError("t", "", float(wrong), f"times from {self.times[0]:g} to {self.times[-1]:g}")
+        return arrays.interpolate(self.times, self.q, when)
+
+    def verify(self) -> "list[Verification]":
+        """Recompute every waypoint by an independent, slow path."""
+        return [solution.verify() for solution in self.solutions]
+
+    def raise_for_status(self) -> Self:
+        """Return this motion when it is solved.
+
+        Raises
+        ------
+        NotSolvedError
+            When it is not.
+        """
+        if not self.solved:
+            raise NotSolvedError(str(self), self)
+        return self
+
+    @classmethod
+    def from_dict(cls, values: "Mapping[str, Any]", problems: "Iterable[Problem]") -> "Motion":
+        """Make a motion of its result as plain values, and of the problems of its waypoints, one after the other.
+
+        It says what the result says; `verify` recomputes that, and `Motion(robot, q, scene, times)` proves it again.
+
+        Raises
+        ------
+        InputError
+            When `values` are no result of a motion, or one of another number of waypoints.
+        """
+        return plain.read(cls, values, tuple(problems))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return totals, knots and waypoints as plain values, in the order of the file format."""
+        return plain.write(self)
+
+    def to_csv(self, file: str | Path, rate: Number | None = None) -> None:
+        """Write times, configurations and the values of all actuators as CSV.
+
+        Columns: `time`, `bend_x`, `bend_y`, `length` of every segment (`s1.bend_x`), every actuator by its name.
+
+        Parameters
+        ----------
+        file : path
+        rate : float, optional
+            Rows a unit of time (Hz), the last knot included; by default one row a knot.
+
+        Raises
+        ------
+        InputError
+            When the rate is not greater than 0, or the file cannot be written.
+        """
+        times, q = self.times, self.q
+        if rate is not None:
+            times = arrays.samples(self.times, checks.number("rate", rate, above=0.0))
+            q = arrays.interpolate(self.times, self.q, times)
+        table.write_motion(file, self.robot, times, q)
+
+    def to_npz(self, file: str | Path) -> None:
+        """Write knots, times, actuators and what is proved of the steps as NumPy arrays; see `from_npz`.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        arrays.save(self, file)
+
+    @classmethod
+    def from_npz(cls, file: str | Path, robot: Robot, scene: SceneLike | Snapshot | None = None) -> "Motion":
+        """Read knots and times that `to_npz` wrote, for this robot and scene. All of it is proved anew.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be read, or its knots are not for this robot.
+        """
+        q, times = arrays.load(file, robot)
+        return cls(robot, q, scene, times)
+
+    def _least(self, of_waypoints: list[float | None], between: float | None) -> float | None:
+        """The least of proved clearances; `None` when that of a waypoint is missing."""
+        if any(value is None for value in of_waypoints):
+            return None
+        known = [value for value in (*of_waypoints, between) if value is not None]
+        return min(known, default=None)
+
+    def _content(self) -> dict[str, Any]:
+        told = ("robot", "scene", "q", "times", "waypoint_knots", "remaining", "seconds", "method", "seed", "status")
+        return {name: getattr(self, name) for name in told} | {"answers": self.steps.answers}
+
+    def _shown(self) -> Iterator[str]:
+        yield str(self.status)
+        if self.solutions:
+            yield f"{self._solved} of {len(self.solutions) + self.remaining} waypoints solved"
+        yield f"{len(self.q)} knots"
+        yield f"{1e3 * self.seconds:.3g} ms"
+
+    def __repr__(self) -> str:
+        return call("Motion", self._shown())
+
+    @property
+    def _solved(self) -> int:
+        return sum(solution.solved for solution in self.solutions)
+
+    def __str__(self) -> str:
+        bend, length = self.largest_step
+        parts = [f"Motion: {self.status} ({self._sentence()})"]
+        if self.clearance is not None:
+            parts.append(
+                f"  clearance  {self.clearance:.3g} {'all the way' if self.between == 'proved' else 'at the waypoints'}"
+            )
+        if self.between == "unproved":
+            parts.append(f"  between    {len(self.unproved_steps)} of {len(self.q) - 1} steps are not proved clear")
+        if len(self.q) > 1:
+            parts.append(f"  time       {self.times[0]:.4g} to {self.times[-1]:.4g}, {len(self.q)} knots")
+        parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
+        parts.append(f"  effort     {1e3 * self.seconds:.3g} ms{self._median()}")
+        return "\n".join(parts)
+
+    def _median(self) -> str:
+        if not self.solutions:
+            return ""
+        median = np.median([solution.seconds for solution in self.solutions])
+        return f", median {1e6 * median:.0f} us a solve"
+
+    def _sentence(self) -> str:
+        if not self.solutions:
+            return self.status.sentence if self._worst is None else f"{self.status.sentence}; {self._worst}"
+        counted = f"{self._solved} of {len(self.solutions) + self.remaining} waypoints"
+        failed = next((i for i, solution in enumerate(self.solutions) if not solution.solved), None)
+        if failed is not None:
+            solution = self.solutions[failed]
+            return f"{counted}; waypoint {failed + 1}: {solution.worst or solution.sentence}"
+        if self._worst is not None:
+            return f"{counted}; {self._worst}"
+        return counted if not self.unproved_steps else f"{counted}; {self._where()} not proved clear"
+
+    def _where(self) -> str:
+        """Between which waypoints the first step that is not proved lies."""
+        first = self.unproved_steps[0]
+        known = [(i, knot) for i, knot in enumerate(self.waypoint_knots, 1) if knot is not None]
+        for (i, a), (j, b) in pairwise(known):
+            if a < first <= b:
+                return f"the way from waypoint {i} to {j} is"
+        return f"step {first} is"
+
+
+def check_times(key: str, value: Any, count: int) -> Floats:
+    """Check so many times, each after the one before.
+
+    Raises
+    ------
+    InputError
+    """
+    times = checks.array(key, value, (count,))
+    early = np.flatnonzero(np.diff(times) <= 0.0)
+    if len(early):
+        i = int(early[0]) + 1
+        raise InputError(f"{key}[{i}]", "times must increase", float(times[i]), f"more than {times[i - 1]:g}")
+    return times
+
+
+def _check_limits(robot: Robot, key: str, q: Floats) -> None:
+    if robot.excess(q) <= SLACK * max(1.0, robot.mean_length):
+        return
+    limit, segment, amount = max(robot.violations(q), key=lambda each: each[2])
+    where = f"{limit} of segment {segment} is {amount:.3g} beyond its limit"
+    raise InputError(key, where, q.tolist(), "a configuration within all limits")

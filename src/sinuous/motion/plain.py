@@ -1,0 +1,138 @@
+"""Motions as plain values: what a result says, and back."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.problem.problem import Problem
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import Status
+from sinuous.solution.verification import Worst
+from sinuous.solving.between import Steps
+
+if TYPE_CHECKING:
+    from sinuous.motion.motion import Motion
+
+MOST_WAYPOINTS = 1_000_000
+MOST_KNOTS = 10_000_000
+
+
+def write(motion: "Motion") -> dict[str, Any]:
+    """Return a motion as plain values; see `Motion.to_dict`."""
+    waypoints = [solution.to_dict() for solution in motion.solutions]
+    bend, length = motion.largest_step
+    worst = motion.worst
+    return {
+        "status": str(motion.status),
+        "base": motion.robot.base.tolist(),
+        "position_error": _largest(waypoints, "position_error"),
+        "angle_error": _largest(waypoints, "angle_error"),
+        "clearance": motion.clearance,
+        "self_clearance": motion.self_clearance,
+        "worst": None if worst is None else worst.to_dict(),
+        "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
+        "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
+        "iterations": sum(w["iterations"] for w in waypoints),
+        "starts": sum(w["starts"] for w in waypoints),
+        "seconds": motion.seconds,
+        "method": motion.method,
+        "seed": motion.seed,
+        "between": motion.between,
+        "unproved_steps": list(motion.unproved_steps),
+        "largest_step": {"bend": bend, "length": length},
+        "remaining": motion.remaining,
+        "times": motion.times.tolist(),
+        "knots": motion.q.tolist(),
+        "waypoint_knots": list(motion.waypoint_knots),
+        "waypoints": waypoints,
+    }
+
+
+def read(kind: "type[Motion]", values: Any, problems: tuple[Problem, ...]) -> "Motion":
+    """Make a motion of plain values and the problems of its waypoints; see `Motion.from_dict`."""
+    if not isinstance(values, dict):
+        raise InputError("", "", values, "a result")
+    solutions = _read_waypoints(values, problems)
+    robot, scene = problems[0].robot, problems[0].scene
+    q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
+    times = _read_times(_value(values, "times"), len(q))
+    clearances = [_optional(values, key) for key in ("clearance", "self_clearance")]
+    steps = Steps.told(max(0, len(q) - 1), _read_numbers(values, len(q) - 1), *clearances)
+    status = checks.choice("status", _value(values, "status"), tuple(Status))
+    motion = kind.made(
+        *(robot, scene, q, times, steps),
+        solutions=solutions,
+        waypoint_knots=_read_knots(values, len(solutions), len(q)),
+        remaining=len(problems) - len(solutions),
+        seconds=checks.number("seconds", _value(values, "seconds"), low=0.0),
+        method=checks.text("method", _value(values, "method")),
+        seed=checks.integer("seed", _value(values, "seed"), 0, 2**31 - 1),
+    )
+    worst = values.get("worst")
+    if motion.status == status and (worst is None or motion.worst is not None):
+        return motion
+    motion._set(_ended=Status(status), _worst=None if worst is None else Worst.from_dict(worst))
+    return motion
+
+
+def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...]) -> list[Solution]:
+    listed = values.get("waypoints")
+    if not isinstance(listed, list) or not problems:
+        raise InputError("waypoints", "", listed, "a list of results")
+    remaining = checks.integer("remaining", values.get("remaining", 0), 0, MOST_WAYPOINTS)
+    if len(listed) + remaining != len(problems):
+        raise InputError("waypoints", "", len(listed) + remaining, f"as many as in the problem: {len(problems)}")
+    solutions = []
+    for i, (one, problem) in enumerate(zip(listed, problems, strict=False)):
+        with checks.inside(f"waypoints[{i}]"):
+            solutions.append(Solution.from_dict(one, problem))
+    return solutions
+
+
+def _read_times(value: Any, count: int) -> Floats:
+    times = checks.array("times", value, (count,))
+    if (np.diff(times) <= 0.0).any():
+        raise InputError("times", "times must increase", value, f"{count} increasing numbers")
+    return times
+
+
+def _read_numbers(values: dict[str, Any], steps: int) -> list[int]:
+    """The steps that are not proved."""
+    listed = _list(values, "unproved_steps")
+    return [checks.integer(f"unproved_steps[{i}]", one, 1, max(1, steps)) for i, one in enumerate(listed)]
+
+
+def _read_knots(values: dict[str, Any], waypoints: int, knots: int) -> list[int | None]:
+    listed = _list(values, "waypoint_knots")
+    if len(listed) != waypoints:
+        raise InputError("waypoint_knots", "", len(listed), f"as many as waypoints: {waypoints}")
+    keys = [f"waypoint_knots[{i}]" for i in range(waypoints)]
+    return [
+        None if one is None else checks.integer(key, one, 0, max(0, knots - 1))
+        for key, one in zip(keys, listed, strict=True)
+    ]
+
+
+def _list(values: dict[str, Any], key: str) -> list[Any]:
+    listed = _value(values, key)
+    if not isinstance(listed, list):
+        raise InputError(key, "", listed, "a list")
+    return listed
+
+
+def _value(values: dict[str, Any], key: str) -> Any:
+    if key not in values:
+        raise InputError(key, "missing", values, "a result of a motion")
+    return values[key]
+
+
+def _optional(values: dict[str, Any], key: str) -> float | None:
+    value = _value(values, key)
+    return None if value is None else checks.number(key, value)
+
+
+def _largest(results: list[dict[str, Any]], key: str) -> float | None:
+    return max((result[key] for result in results if result[key] is not None), default=None)

@@ -1,0 +1,27 @@
+"""Whether a robot can begin to move where it is."""
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import VERDICT
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.robot.robot import Robot
+from sinuous.solution.verification import Worst, find_overlap
+from sinuous.solving.between import Prover
+
+SLACK = 1e-9
+"""By how much a start may exceed limits, in robot lengths or rad: rounding."""
+
+
+def blocked_by(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
+    """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself.
+
+    `None` when it is within all limits and proved clear.
+    """
+    beyond = [found for found in robot.violations(q) if found[2] > SLACK * max(1.0, robot.mean_length)]
+    if beyond:
+        limit, segment, amount = max(beyond, key=lambda found: found[2])
+        return Worst(limit, segment, None, amount)
+    if prover.prove(np.stack([q, q]), slack=1.0)[0, VERDICT] == CLEAR:
+        return None
+    return find_overlap(robot, prover.scene, q)

@@ -1,0 +1,46 @@
+"""When a robot is at the knots of a motion, where nobody said it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot
+
+
+def even_times(count: int) -> Floats:
+    """Return 0, 1, 2, ... (count,)."""
+    return np.arange(float(count))
+
+
+def spread_times(robot: Robot, q: Floats, fixed: NDArray[np.intp], times: Floats) -> Floats:
+    """Return the times (T,) of all knots, when those of some are given.
+
+    Between two of these, time goes on with the distance that `distances` measures, and evenly where that is 0.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : ndarray (T, n, 3)
+    fixed : ndarray (k,)
+        Knots whose times are given, the first and the last among them.
+    times : ndarray (k,)
+        Increasing.
+    """
+    along = np.concatenate([[0.0], np.cumsum(distances(robot, q))])
+    along += np.arange(len(along)) * max(1e-9 * along[-1], np.finfo(float).tiny)
+    result: Floats = np.interp(along, along[fixed], times)
+    result[fixed] = times
+    return result
+
+
+def distances(robot: Robot, q: Floats) -> Floats:
+    """Return how far neighbouring configurations (T, n, 3) are apart (T - 1,), in the length unit.
+
+    A change of a bend counts by the length of what it moves, from the middle of its segment to the tip, at mean
+    lengths; a change of a length by itself.
+    """
+    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in robot.segments])
+    levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
+    steps = np.diff(q, axis=0) * np.stack([levers, levers, np.ones(len(levers))], axis=-1)
+    result: Floats = np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
+    return result

@@ -1,0 +1,139 @@
+"""A motion: knots, times, and what is proved of all of it."""
+
+import csv
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from tests.helpers import refused
+
+ROBOT = sn.Robot(
+    [sn.Segment((0.8, 1.2), 2.0, radius=0.05, tendons=sn.Tendons(3, 0.04)) for _ in range(3)],
+)
+BALL = sn.Sphere((0.9, 0.0, 1.2), 0.3, name="ball")
+STRAIGHT = np.tile([0.0, 0.0, 1.0], (3, 1))
+BENT = np.array([[-0.4, 0.2, 1.1], [-0.3, 0.0, 0.9], [0.2, 0.5, 1.0]])
+KNOTS = np.stack([STRAIGHT, BENT, 0.5 * (STRAIGHT + BENT)])
+
+
+def test_one_made_of_knots_is_proved() -> None:
+    motion = sn.Motion(ROBOT, KNOTS, [BALL], times=[0.0, 0.5, 2.0])
+    assert motion.solved
+    assert (motion.between, motion.unproved_steps) == ("proved", ())
+    assert motion.clearance is not None
+    sampled = min(sn.Scene([BALL]).distance(ROBOT.backbone(q)).min() for q in motion.at(np.linspace(0.0, 2.0, 200)))
+    assert 0.0 < motion.clearance <= sampled - 0.05 + 1e-12
+    assert motion.actuators.shape == (3, 9)
+    assert (motion.solutions, motion.waypoint_knots) == ((), ())
+
+
+def test_a_step_through_an_obstacle_is_unproved() -> None:
+    across = np.stack([BENT, BENT * [-1.0, -1.0, 1.0]])
+    motion = sn.Motion(ROBOT, across, [sn.Sphere((0.0, 0.0, 2.0), 0.2)])
+    assert motion.status is sn.Status.UNPROVED
+    assert (motion.between, motion.unproved_steps, motion.clearance) == ("unproved", (1,), None)
+    with pytest.raises(sn.NotSolvedError):
+        motion.raise_for_status()
+
+
+def test_it_is_linear_between_knots() -> None:
+    motion = sn.Motion(ROBOT, KNOTS, times=[0.0, 0.5, 2.0])
+    np.testing.assert_array_equal(motion.at(0.5), BENT)
+    np.testing.assert_allclose(motion.at(0.25), 0.5 * (STRAIGHT + BENT), atol=1e-15)
+    many = motion.at([[0.0, 0.1], [1.9, 2.0]])
+    assert many.shape == (2, 2, 3, 3)
+    np.testing.assert_array_equal(many[1, 1], motion.q[2])
+    assert motion.largest_step[0] == pytest.approx(np.hypot(*(BENT - STRAIGHT)[..., :2].T).max())
+    for time in (-0.1, 2.1, [0.0, 3.0]):
+        refused("t", lambda time=time: motion.at(time), "times from 0 to 2")  # type: ignore[misc]
+
+
+def test_a_table_holds_knots_or_samples(tmp_path: Path) -> None:
+    motion = sn.Motion(ROBOT, KNOTS, times=[0.0, 0.5, 2.0])
+    motion.to_csv(tmp_path / "knots.csv")
+    motion.to_csv(tmp_path / "samples.csv", rate=4)
+    with (tmp_path / "samples.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["time"]) for row in rows] == np.arange(0.0, 2.25, 0.25).tolist()
+    q = np.array([[float(value) for value in list(row.values())[1:10]] for row in rows]).reshape(-1, 3, 3)
+    np.testing.assert_allclose(q, motion.at(np.arange(0.0, 2.25, 0.25)), atol=1e-15)
+    assert len((tmp_path / "knots.csv").read_text().splitlines()) == 1 + 3
+    for rate in (0, -1, "fast"):
+        refused("rate", lambda rate=rate: motion.to_csv(tmp_path / "no.csv", rate=rate))  # type: ignore[misc]
+
+
+def test_a_rate_that_does_not_divide_the_time_still_ends_at_the_last_knot(tmp_path: Path) -> None:
+    motion = sn.Motion(ROBOT, KNOTS[:2])
+    motion.to_csv(tmp_path / "samples.csv", rate=0.3)
+    motion.to_csv(tmp_path / "more.csv", rate=1.5)
+    times = [line.split(",")[0] for line in (tmp_path / "samples.csv").read_text().splitlines()[1:]]
+    assert times == ["0.0", "1.0"]
+    assert len((tmp_path / "more.csv").read_text().splitlines()) == 1 + 3
+
+
+def test_what_is_saved_as_arrays_is_the_same(tmp_path: Path) -> None:
+    motion = sn.Motion(ROBOT, KNOTS, [BALL], times=[0.0, 0.5, 2.0])
+    motion.to_npz(tmp_path / "motion.npz")
+    again = sn.Motion.from_npz(tmp_path / "motion.npz", ROBOT, [BALL])
+    np.testing.assert_array_equal(again.q, motion.q)
+    np.testing.assert_array_equal(again.times, motion.times)
+    assert again.clearance == motion.clearance
+    with np.load(tmp_path / "motion.npz") as values:
+        assert values["actuator_names"].tolist() == [actuator.name for actuator in ROBOT.actuators]
+        np.testing.assert_array_equal(values["actuators"], motion.actuators)
+    with pytest.raises(sn.InputError, match=r"motion\.npz: q: expected"):
+        sn.Motion.from_npz(tmp_path / "motion.npz", sn.Robot.uniform(2, 1.0))
+    (tmp_path / "other.npz").write_text("nothing")
+    refused("file", lambda: sn.Motion.from_npz(tmp_path / "other.npz", ROBOT), "no motion")
+    refused("file", lambda: sn.Motion.from_npz(tmp_path / "absent.npz", ROBOT), "cannot be read")
+    refused("file", lambda: motion.to_npz(tmp_path), "cannot be written")
+
+
+def test_a_result_comes_back() -> None:
+    path = [sn.Target((0.1 * i, 0.5, 2.3)) for i in range(4)]
+    motion = sn.track(ROBOT, path, [BALL], start=STRAIGHT)
+    values = json.loads(json.dumps(motion.to_dict(), allow_nan=False))
+    again = sn.Motion.from_dict(values, (solution.problem for solution in motion.solutions))
+    assert again.to_dict() == motion.to_dict()
+    assert again.status is motion.status
+    np.testing.assert_array_equal(again.q, motion.q)
+    blocked = sn.track(ROBOT, path, [BALL], start=STRAIGHT * 1.3)
+    told = sn.Motion.from_dict(blocked.to_dict(), (solution.problem for solution in motion.solutions))
+    assert told.status is sn.Status.START_BLOCKED
+    assert told.to_dict() == blocked.to_dict()
+
+
+def test_it_is_frozen_and_can_be_sent() -> None:
+    motion = sn.Motion(ROBOT, KNOTS, [BALL])
+    with pytest.raises(AttributeError):
+        motion.q = KNOTS
+    with pytest.raises(ValueError, match="read-only"):
+        motion.q[0, 0, 0] = 1.0
+    again = pickle.loads(pickle.dumps(motion))
+    np.testing.assert_array_equal(again.q, motion.q)
+    assert str(again) == str(motion)
+    assert again.equals(motion)
+
+
+WRONG: list[tuple[str, dict[str, Any]]] = [
+    ("robot", {"robot": 3}),
+    ("q", {"q": KNOTS[:1]}),
+    ("q", {"q": KNOTS[..., :2]}),
+    ("q[1]", {"q": [STRAIGHT, np.full((3, 3), np.nan)]}),
+    ("q[1]", {"q": [STRAIGHT, STRAIGHT * 1.5]}),
+    ("times", {"times": [0.0, 1.0]}),
+    ("times[2]", {"times": [0.0, 1.0, 1.0]}),
+    ("times", {"times": [0.0, 1.0, np.inf]}),
+    ("scene", {"scene": 3}),
+]
+
+
+@pytest.mark.parametrize(("key", "given"), WRONG)
+def test_what_is_no_motion_is_refused(key: str, given: dict[str, Any]) -> None:
+    whole: dict[str, Any] = {"robot": ROBOT, "q": KNOTS, **given}
+    refused(key, lambda: sn.Motion(**whole))

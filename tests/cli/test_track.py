@@ -139,7 +139,7 @@ def test_configurations_and_actuators_are_a_table(problem: Write, tmp_path: Path
 
 def test_tables_of_several_files_are_numbered(problem: Write, tmp_path: Path) -> None:
     files = [problem("easy.yaml"), problem("half.yaml")]
-    assert main(["track", *files, "--csv", str(tmp_path / "q.csv")]) == 1
+    assert main(["track", *files, "--deviation", "1", "--csv", str(tmp_path / "q.csv")]) == 1
     assert [len(table(tmp_path / f"q-{i}.csv")) for i in (1, 2)] == [2, 3]
     assert not (tmp_path / "q.csv").exists()
 
@@ -148,3 +148,13 @@ def test_a_table_over_a_problem_file_is_refused(problem: Write, capsys: pytest.C
     file = problem("path.yaml")
     assert main(["track", file, "--csv", file]) == 2
     assert capsys.readouterr().err.startswith("--csv: expected another file, got ")
+
+
+def test_how_far_the_tip_may_leave_the_line(problem: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    counts = []
+    for deviation in ("1", "0.001"):
+        assert main(["track", problem("path.yaml"), "--json", "--deviation", deviation]) == 0
+        counts.append(len(strict(capsys.readouterr().out)["knots"]))
+    assert counts[0] == 3 < counts[1]
+    assert main(["track", problem("path.yaml"), "--deviation", "0"]) == 2
+    assert capsys.readouterr().err.startswith("--deviation: expected a number greater than 0, got 0.0")

@@ -19,7 +19,7 @@ FAR = sn.Target((0.0, 0.0, 9.0))
 
 
 def test_every_waypoint_is_solved_and_verifies() -> None:
-    track = sn.track(ROBOT, CIRCLE, [BALL])
+    track = sn.track(ROBOT, CIRCLE, [BALL], deviation=0.1)
     assert track.solved
     assert track.status is sn.Status.SOLVED
     assert track.q.shape == (40, 4, 3)
@@ -36,19 +36,20 @@ def test_a_step_through_an_obstacle_is_not_proved() -> None:
     """A thin plate between two waypoints, each of which is clear of it."""
     plate = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))
     away = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
-    track = sn.track(ROBOT, away, [plate])
+    track = sn.track(ROBOT, away, [plate], deviation=1.0)
     assert all(solution.solved for solution in track.solutions)
-    assert (track.between, track.unproved_steps) == ("unproved", (2,))
+    assert (track.between, len(track.unproved_steps), track.reconfigured) == ("unproved", 1, (3,))
     assert track.status is sn.Status.UNPROVED
     assert "the way from waypoint 2 to 3 is not proved clear" in str(track)
-    assert "1 of 3 steps are not proved clear" in str(track)
-    assert track.to_dict()["unproved_steps"] == [2]
-    middle = [(1.0 - t) * track.q[1] + t * track.q[2] for t in np.linspace(0.0, 1.0, 50)]
+    assert f"1 of {len(track.q) - 1} steps are not proved clear" in str(track)
+    assert track.to_dict()["unproved_steps"] == list(track.unproved_steps)
+    (step,) = track.unproved_steps
+    middle = track.at(np.linspace(track.times[step - 1], track.times[step], 50))
     assert min(float(sn.Scene([plate]).distance(ROBOT.backbone(q)).min()) for q in middle) < 0.05
 
 
 def test_what_is_not_solved_is_no_knot() -> None:
-    track = sn.track(ROBOT, [CIRCLE[0], CIRCLE[1], FAR, CIRCLE[2], CIRCLE[3]])
+    track = sn.track(ROBOT, [CIRCLE[0], CIRCLE[1], FAR, CIRCLE[2], CIRCLE[3]], deviation=0.5)
     assert track.waypoint_knots == (0, 1, None, 2, 3)
     np.testing.assert_array_equal(track.times, [0.0, 1.0, 3.0, 4.0])
     assert (track.between, track.solved) == ("proved", False)
@@ -56,13 +57,13 @@ def test_what_is_not_solved_is_no_knot() -> None:
 
 
 def test_the_start_is_the_first_knot() -> None:
-    first = sn.track(ROBOT, CIRCLE[:2], [BALL])
+    first = sn.track(ROBOT, CIRCLE[:2], [BALL], deviation=0.1)
     begin = np.tile([0.0, 0.0, 1.0], (4, 1))
-    track = sn.track(ROBOT, CIRCLE[:2], [BALL], start=begin)
+    track = sn.track(ROBOT, CIRCLE[:2], [BALL], start=begin, deviation=0.1)
     np.testing.assert_array_equal(track.q[0], begin)
     assert track.waypoint_knots == (1, 2)
     np.testing.assert_array_equal(track.times, [0.0, 1.0, 2.0])
-    again = sn.track(ROBOT, CIRCLE[:2], [BALL], start=first.q[0])
+    again = sn.track(ROBOT, CIRCLE[:2], [BALL], start=first.q[0], deviation=0.1)
     assert again.waypoint_knots == (0, 1)
     np.testing.assert_array_equal(again.q, first.q)
 

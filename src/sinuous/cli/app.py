@@ -66,6 +66,10 @@ By = Annotated[
         help="Of --all: route (one solution a class; the default among obstacles) or shape (all distinct ones)."
     ),
 ]
+Deviation = Annotated[
+    float | None,
+    typer.Option(metavar="LENGTH", help="How far the tip may be from the straight line between waypoints."),
+]
 Kind = Annotated[
     str,
     typer.Argument(help="tendon, pneumatic, insertion or inspection.", autocompletion=_kinds, show_default=False),
@@ -115,12 +119,13 @@ def track(
     plot: Plot = None,
     out: Out = None,
     csv: Csv = None,
+    deviation: Deviation = None,
 ) -> None:
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
-    raise typer.Exit(track_files(files, options))
+    raise typer.Exit(track_files(files, options, deviation))
 
 
 @app.command()

@@ -15,7 +15,9 @@ from sinuous.cli.output import Answer, Output
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
+from sinuous.methods.registry import Choice
 from sinuous.motion.motion import Motion
+from sinuous.motion.track import read_deviation, wish
 from sinuous.motion.tracker import Tracker
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
@@ -49,10 +51,18 @@ def solve_files(files: list[str], options: Options, count: int | None = None, by
     return _answer_all(read, options, _solve if count is None else partial(_solve_all, count, kind))
 
 
-def track_files(files: list[str], options: Options) -> int:
+def track_files(files: list[str], options: Options, deviation: float | None = None) -> int:
     """Follow the path of every file; a single target is a path of one waypoint. Return the exit code."""
     options.check(files)
-    return _answer_all(read_all(files), options, _track)
+    if deviation is not None:
+        checks.number("--deviation", deviation, above=0.0)
+    read = [Read(with_room(one.problem, options.choice()), one.seconds) for one in read_all(files)]
+    return _answer_all(read, options, partial(_track, deviation))
+
+
+def with_room(problem: ProblemFile, method: Choice) -> ProblemFile:
+    """Let a problem that says nothing of preferences wish for room on the way."""
+    return problem if problem.prefer else problem.preferring(wish(problem.robot, method))
 
 
 def _answer_all(read: list[Read], options: Options, question: Question) -> int:
@@ -119,9 +129,9 @@ def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile
     return Alternatives(tuple(found), best, clock.perf_counter() - began)
 
 
-def _track(solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:
+def _track(deviation: float | None, solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:
     """Follow the path; when interrupted, return what is there."""
-    tracker, done = Tracker(solver, problem.start), 0
+    tracker, done = Tracker(solver, problem.start, read_deviation(solver, deviation)), 0
     try:
         for targets in problem.waypoints if tracker.blocked is None else ():
             tracker.go_to(targets)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -125,6 +125,12 @@ class ProblemFile(Frozen):
         yield f"{len(self.robot)} segments"
         yield f"{len(self.waypoints)} waypoints" if self.is_path else f"{len(self.waypoints[0])} targets"
         yield f"{len(self.scene)} obstacles"
+
+    def preferring(self, prefer: Preferences) -> Self:
+        """Return the same with other preferences; the scene is shared."""
+        other = object.__new__(type(self))
+        other._set(**{**vars(self), "prefer": prefer})
+        return other
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""

@@ -44,7 +44,10 @@ class Job(ProblemFile):
 
     def track(self, **options: Unpack[SolveArguments]) -> Motion:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`."""
-        return track(self.robot, self.waypoints, self.scene, start=self.start, **self._options(options))
+        given = self._options(options)
+        if not self.prefer and "prefer" not in options:
+            del given["prefer"]
+        return track(self.robot, self.waypoints, self.scene, start=self.start, **given)
 
     def result(self, file: str | Path) -> Solution | Motion:
         """Read what was found for this problem: a result of the command line, or one `to_dict` as a line of JSON.

@@ -1,8 +1,7 @@
 """A motion: configurations at times, linear in q between them, and what is proved of all of it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -10,12 +9,12 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Stack, Vector
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
-from sinuous.motion import arrays, plain, table
+from sinuous.motion import arrays, plain, table, wording
 from sinuous.motion.times import even_times
+from sinuous.motion.told import Told
 from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
@@ -67,6 +66,9 @@ class Motion(Frozen):
         One for each waypoint that was tried, in their order.
     waypoint_knots : tuple of (int or None)
         The knot of each of these waypoints (0 = first): of what is not solved, none.
+    reconfigured : tuple of int
+        Waypoints (1 = first) to which the tip could not go straight: the robot changed its configuration on another
+        way, or, where no way was found, on a step that is not proved.
     remaining : int
         Waypoints that were never tried, because the work was interrupted.
     seconds : float
@@ -87,12 +89,13 @@ class Motion(Frozen):
     steps: Steps
     solutions: tuple[Solution, ...]
     waypoint_knots: tuple[int | None, ...]
+    reconfigured: tuple[int, ...]
     remaining: int
     seconds: float
     method: str
     seed: int
     _ended: Status | None
-    _worst: Worst | None
+    _blocking: Worst | None
 
     def __init__(
         self,
@@ -111,43 +114,19 @@ class Motion(Frozen):
         place = as_snapshot(scene)
         when = even_times(len(knots)) if times is None else check_times("times", times, len(knots))
         self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots))
-        self._tell()
+        self._tell(Told())
 
     @classmethod
-    def made(cls, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, **told: Any) -> Self:
-        """Put together what was found and proved already.
-
-        Parameters
-        ----------
-        robot : Robot
-        scene : Snapshot
-        q : ndarray (T, n, 3)
-            T may be 0, where nothing was solved.
-        times : ndarray (T,)
-        steps : Steps
-            Of T - 1 steps, or of none.
-        **told
-            `solutions`, `waypoint_knots`, `remaining`, `seconds`, `method`, `seed`; `ended`, the status where solutions
-            do not say it; and `worst`, the constraint that is farthest from being met then.
-        """
+    def made(cls, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, told: Told) -> Self:
+        """Put together what was found and proved already: T knots, which may be 0, and T - 1 steps."""
         motion = object.__new__(cls)
         motion._set(robot=robot, scene=scene, q=read_only(q), times=read_only(times), steps=steps)
-        motion._tell(**told)
+        motion._tell(told)
         return motion
 
-    def _tell(
-        self,
-        solutions: Sequence[Solution] = (),
-        waypoint_knots: Sequence[int | None] = (),
-        remaining: int = 0,
-        seconds: float = 0.0,
-        method: str = "newton",
-        seed: int = 0,
-        ended: Status | None = None,
-        worst: Worst | None = None,
-    ) -> None:
-        self._set(solutions=tuple(solutions), waypoint_knots=tuple(waypoint_knots), remaining=remaining)
-        self._set(seconds=seconds, method=method, seed=seed, _ended=ended, _worst=worst)
+    def _tell(self, told: Told) -> None:
+        shown = {name: value for name, value in vars(told).items() if name not in ("ended", "blocking")}
+        self._set(**shown, _ended=told.ended, _blocking=told.blocking)
 
     @property
     def status(self) -> Status:
@@ -196,7 +175,7 @@ class Motion(Frozen):
     def worst(self) -> Worst | None:
         """The constraint that is farthest from being met, of the first waypoint that is not solved."""
         found = next((solution.worst for solution in self.solutions if solution.worst is not None), None)
-        return self._worst if found is None else found
+        return self._blocking if found is None else found
 
     @property
     def largest_step(self) -> tuple[float, float]:
@@ -313,64 +292,29 @@ class Motion(Frozen):
         return min(known, default=None)
 
     def _content(self) -> dict[str, Any]:
-        told = ("robot", "scene", "q", "times", "waypoint_knots", "remaining", "seconds", "method", "seed", "status")
+        told = (
+            "robot",
+            "scene",
+            "q",
+            "times",
+            "waypoint_knots",
+            "reconfigured",
+            "remaining",
+            "seconds",
+            "method",
+            "seed",
+            "status",
+        )
         return {name: getattr(self, name) for name in told} | {"answers": self.steps.answers}
 
     def _shown(self) -> Iterator[str]:
         yield str(self.status)
-        if self.solutions:
-            yield f"{self._solved} of {len(self.solutions) + self.remaining} waypoints solved"
+        yield from (f"{wording.counted(self)} solved",) if self.solutions else ()
         yield f"{len(self.q)} knots"
         yield f"{1e3 * self.seconds:.3g} ms"
 
-    def __repr__(self) -> str:
-        return call("Motion", self._shown())
-
-    @property
-    def _solved(self) -> int:
-        return sum(solution.solved for solution in self.solutions)
-
     def __str__(self) -> str:
-        bend, length = self.largest_step
-        parts = [f"Motion: {self.status} ({self._sentence()})"]
-        if self.clearance is not None:
-            parts.append(
-                f"  clearance  {self.clearance:.3g} {'all the way' if self.between == 'proved' else 'at the waypoints'}"
-            )
-        if self.between == "unproved":
-            parts.append(f"  between    {len(self.unproved_steps)} of {len(self.q) - 1} steps are not proved clear")
-        if len(self.q) > 1:
-            parts.append(f"  time       {self.times[0]:.4g} to {self.times[-1]:.4g}, {len(self.q)} knots")
-        parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
-        parts.append(f"  effort     {1e3 * self.seconds:.3g} ms{self._median()}")
-        return "\n".join(parts)
-
-    def _median(self) -> str:
-        if not self.solutions:
-            return ""
-        median = np.median([solution.seconds for solution in self.solutions])
-        return f", median {1e6 * median:.0f} us a solve"
-
-    def _sentence(self) -> str:
-        if not self.solutions:
-            return self.status.sentence if self._worst is None else f"{self.status.sentence}; {self._worst}"
-        counted = f"{self._solved} of {len(self.solutions) + self.remaining} waypoints"
-        failed = next((i for i, solution in enumerate(self.solutions) if not solution.solved), None)
-        if failed is not None:
-            solution = self.solutions[failed]
-            return f"{counted}; waypoint {failed + 1}: {solution.worst or solution.sentence}"
-        if self._worst is not None:
-            return f"{counted}; {self._worst}"
-        return counted if not self.unproved_steps else f"{counted}; {self._where()} not proved clear"
-
-    def _where(self) -> str:
-        """Between which waypoints the first step that is not proved lies."""
-        first = self.unproved_steps[0]
-        known = [(i, knot) for i, knot in enumerate(self.waypoint_knots, 1) if knot is not None]
-        for (i, a), (j, b) in pairwise(known):
-            if a < first <= b:
-                return f"the way from waypoint {i} to {j} is"
-        return f"step {first} is"
+        return wording.text(self)
 
 
 def check_times(key: str, value: Any, count: int) -> Floats:

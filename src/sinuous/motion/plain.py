@@ -1,5 +1,6 @@
 """Motions as plain values: what a result says, and back."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.motion.told import Told
 from sinuous.problem.problem import Problem
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
@@ -42,6 +44,7 @@ def write(motion: "Motion") -> dict[str, Any]:
         "seed": motion.seed,
         "between": motion.between,
         "unproved_steps": list(motion.unproved_steps),
+        "reconfigured": list(motion.reconfigured),
         "largest_step": {"bend": bend, "length": length},
         "remaining": motion.remaining,
         "times": motion.times.tolist(),
@@ -60,22 +63,28 @@ def read(kind: "type[Motion]", values: Any, problems: tuple[Problem, ...]) -> "M
     q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
     times = _read_times(_value(values, "times"), len(q))
     clearances = [_optional(values, key) for key in ("clearance", "self_clearance")]
-    steps = Steps.told(max(0, len(q) - 1), _read_numbers(values, len(q) - 1), *clearances)
-    status = checks.choice("status", _value(values, "status"), tuple(Status))
-    motion = kind.made(
-        *(robot, scene, q, times, steps),
-        solutions=solutions,
+    steps = Steps.told(max(0, len(q) - 1), _read_numbers(values, "unproved_steps", len(q) - 1), *clearances)
+    told = Told(
+        solutions=tuple(solutions),
         waypoint_knots=_read_knots(values, len(solutions), len(q)),
+        reconfigured=tuple(_read_numbers(values, "reconfigured", len(problems))),
         remaining=len(problems) - len(solutions),
         seconds=checks.number("seconds", _value(values, "seconds"), low=0.0),
         method=checks.text("method", _value(values, "method")),
         seed=checks.integer("seed", _value(values, "seed"), 0, 2**31 - 1),
     )
-    worst = values.get("worst")
-    if motion.status == status and (worst is None or motion.worst is not None):
+    motion = kind.made(robot, scene, q, times, steps, told)
+    return _as_it_ended(motion, values, told)
+
+
+def _as_it_ended(motion: "Motion", values: dict[str, Any], told: Told) -> "Motion":
+    """Tell how it ended, where solutions and steps do not say the same."""
+    status = Status(checks.choice("status", _value(values, "status"), tuple(Status)))
+    worst = None if values.get("worst") is None else Worst.from_dict(values["worst"])
+    if motion.status is status and (worst is None or motion.worst is not None):
         return motion
-    motion._set(_ended=Status(status), _worst=None if worst is None else Worst.from_dict(worst))
-    return motion
+    ended = replace(told, ended=status, blocking=worst)
+    return motion.made(motion.robot, motion.scene, motion.q, motion.times, motion.steps, ended)
 
 
 def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...]) -> list[Solution]:
@@ -99,21 +108,20 @@ def _read_times(value: Any, count: int) -> Floats:
     return times
 
 
-def _read_numbers(values: dict[str, Any], steps: int) -> list[int]:
-    """The steps that are not proved."""
-    listed = _list(values, "unproved_steps")
-    return [checks.integer(f"unproved_steps[{i}]", one, 1, max(1, steps)) for i, one in enumerate(listed)]
+def _read_numbers(values: dict[str, Any], key: str, count: int) -> list[int]:
+    """Numbers of steps or waypoints, 1 = first."""
+    return [checks.integer(f"{key}[{i}]", one, 1, max(1, count)) for i, one in enumerate(_list(values, key))]
 
 
-def _read_knots(values: dict[str, Any], waypoints: int, knots: int) -> list[int | None]:
+def _read_knots(values: dict[str, Any], waypoints: int, knots: int) -> tuple[int | None, ...]:
     listed = _list(values, "waypoint_knots")
     if len(listed) != waypoints:
         raise InputError("waypoint_knots", "", len(listed), f"as many as waypoints: {waypoints}")
     keys = [f"waypoint_knots[{i}]" for i in range(waypoints)]
-    return [
+    return tuple(
         None if one is None else checks.integer(key, one, 0, max(0, knots - 1))
         for key, one in zip(keys, listed, strict=True)
-    ]
+    )
 
 
 def _list(values: dict[str, Any], key: str) -> list[Any]:

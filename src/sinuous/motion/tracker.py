@@ -1,21 +1,32 @@
 """Goes from waypoint to waypoint, and proves the way."""
 
+import math
 import time as clock
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
+from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.motion import Motion
 from sinuous.motion.start import blocked_by
+from sinuous.motion.straight import Straight
 from sinuous.motion.times import spread_times
-from sinuous.problem.target import Targets
+from sinuous.motion.told import Told
+from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
 from sinuous.solving.between import Prover, Steps, load_motions
 from sinuous.solving.solver import Initial, Solver
+
+SLACK = 0.5
+"""How far below the true clearance its proved bound may be, as a share of it: close to obstacles more takes longer."""
+
+SHORTEST = 1.0 / 64.0
+"""Share of the way between two waypoints below which steps are not halved."""
 
 
 class Knot(NamedTuple):
@@ -33,6 +44,8 @@ class Tracker:
     solver : Solver
     start : Solution or array_like (n, 3), optional
         The configuration that the robot is in.
+    deviation : float
+        How far the tip may be from the straight line between waypoints (length unit).
 
     Attributes
     ----------
@@ -45,13 +58,18 @@ class Tracker:
         When the start is no configuration of the robot.
     """
 
-    def __init__(self, solver: Solver, start: Initial | None = None) -> None:
+    def __init__(self, solver: Solver, start: Initial | None = None, deviation: float = math.inf) -> None:
         scene = solver.scene.snapshot()
         load_motions(solver.robot, scene)
         self._solver, self._began = solver, clock.perf_counter()
         self._prover = Prover(solver.robot, scene)
         self._knots: list[Knot] = []
         self._tried: list[tuple[Solution, int | None]] = []
+        self._at: tuple[Target, ...] | None = None
+        self._deviation = deviation
+        self._reconfigured: list[int] = []
+        self._follows: Solver | None = None
+        self._ends = np.empty((2, len(solver.robot), 3))
         self._approaches = start is not None
         self.blocked: Worst | None = None
         if start is not None:
@@ -62,21 +80,79 @@ class Tracker:
         self.blocked = blocked_by(self._solver.robot, q, self._prover)
 
     def go_to(self, targets: Targets) -> Solution:
-        """Solve the next waypoint from where the robot is, and prove the way there."""
+        """Solve the next waypoint from where the robot is, and move there on a way that is proved, where one is found.
+
+        The tip goes straight there, with as many knots as that takes. Where it cannot, because the body is stopped by
+        an obstacle or a limit, the robot changes its configuration on another way; where no way is found either, the
+        step is left unproved.
+        """
         solution = self._solver.solve(targets, self._knots[-1].q if self._knots else None)
         if solution.solved:
-            self._move_to(solution)
+            solution = self._move_to(solution)
         self._tried.append((solution, len(self._knots) - 1 if solution.solved else None))
         return solution
 
-    def _move_to(self, solution: Solution) -> None:
+    def _move_to(self, solution: Solution) -> Solution:
+        """Move to a waypoint; return its solution, which another may replace that is nearer."""
         if self._prover.scene is not solution.problem.scene:  # it was updated, and the robot moves after that
             self._prover = Prover(self._solver.robot, solution.problem.scene)
-        if len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q):
+        if not self._knots:
+            self._knots.append(Knot(solution.q, None))
+        elif len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q):
             self._approaches = False  # the robot is at its first waypoint already
-            return
-        came = self._prover.prove(np.stack([self._knots[-1].q, solution.q])) if self._knots else None
-        self._knots.append(Knot(solution.q, came))
+        else:
+            solution = self._go_straight(solution) or self._go_around(solution)
+        self._at = solution.problem.targets
+        return solution
+
+    def _go_straight(self, solution: Solution) -> Solution | None:
+        """Lead the tip straight to a waypoint, in smaller steps where one is not proved or leaves the line."""
+        goal = solution.problem.targets
+        way = Straight.between(self._at, goal)
+        done, step = 0.0, 1.0
+        while done < 1.0:
+            share = min(1.0, done + step)
+            q = self._knots[-1].q
+            found: Solution | None = solution
+            if way is not None and (share < 1.0 or done > 0.0):
+                found = self._follower().solve(way.at(share) if share < 1.0 else goal, q)
+            came = None if found is None or not found.solved else self._prove(q, found.q, way, (done, share))
+            if found is not None and came is not None:
+                self._knots.append(Knot(found.q, came))
+                done, step, solution = share, min(2.0 * step, 1.0), found
+            elif way is None or step <= SHORTEST:
+                return None
+            else:
+                step *= 0.5
+        return solution
+
+    def _prove(self, q0: Floats, q1: Floats, way: Straight | None, shares: tuple[float, float]) -> Floats | None:
+        """Return what is proved of a step that stays near enough to the line and is clear; `None` of any other."""
+        if way is not None:
+            robot, enough = self._solver.robot, self._deviation
+            if way.deviation(robot, (q0, q1), shares, enough) > enough:
+                return None
+        came = self._prover.prove(self._two(q0, q1), SLACK)
+        return came if came[0, VERDICT] == CLEAR else None
+
+    def _go_around(self, solution: Solution) -> Solution:
+        """Change the configuration to that of a waypoint on any way; the step is not proved where none is found."""
+        ends = self._two(self._knots[-1].q, solution.q)
+        self._knots.append(Knot(solution.q, self._prover.prove(ends, SLACK)))
+        self._reconfigured.append(len(self._tried) + 1)
+        return solution
+
+    def _two(self, q0: Floats, q1: Floats) -> Floats:
+        """Put two configurations into one array (2, n, 3), always the same."""
+        self._ends[0], self._ends[1] = q0, q1
+        return self._ends
+
+    def _follower(self) -> Solver:
+        """The solver for what lies between waypoints: it goes on from where the robot is, or not at all."""
+        if self._follows is None:
+            options = replace(self._solver.options, max_starts=1, routes=False)
+            self._follows = Solver.prepared(self._solver.robot, self._solver.scene, options)
+        return self._follows
 
     def motion(self, remaining: int = 0) -> Motion:
         """Return the motion so far; `remaining` waypoints were not tried."""
@@ -84,17 +160,18 @@ class Tracker:
         q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
         answers = [knot.came for knot in self._knots if knot.came is not None]
         steps = Steps(np.concatenate(answers) if answers else np.zeros((0, ANSWER_WIDTH)))
-        return Motion.made(
-            *(robot, self._prover.scene, q, self._times(q), steps),
-            solutions=[solution for solution, _ in self._tried],
-            waypoint_knots=[knot for _, knot in self._tried],
+        told = Told(
+            solutions=tuple(solution for solution, _ in self._tried),
+            waypoint_knots=tuple(knot for _, knot in self._tried),
+            reconfigured=tuple(self._reconfigured),
             remaining=remaining,
             seconds=clock.perf_counter() - self._began,
             method=self._solver.method,
             seed=self._solver.options.seed,
             ended=None if self.blocked is None else Status.START_BLOCKED,
-            worst=self.blocked,
+            blocking=self.blocked,
         )
+        return Motion.made(robot, self._prover.scene, q, self._times(q), steps, told)
 
     def _times(self, q: Floats) -> Floats:
         """Times of the knots: the first one is at 0, and every waypoint takes 1."""

@@ -75,6 +75,9 @@ SelfCollision = Literal["avoid", "allow"]
 StartKind = Literal["given", "arc", "random", "route"]
 """Where a start comes from."""
 
+Shortest = Literal["configuration", "actuators"]
+"""What a motion may be shortest in."""
+
 LimitKind = Literal["length", "bend", "curvature", "actuator"]
 
 Constraint = Literal["length", "bend", "curvature", "actuator", "clearance", "self_clearance"]

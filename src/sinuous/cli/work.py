@@ -16,9 +16,9 @@ from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.methods.registry import Choice
+from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
 from sinuous.motion.track import read_deviation, wish
-from sinuous.motion.tracker import Tracker
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status

@@ -39,8 +39,13 @@ def distances(robot: Robot, q: Floats) -> Floats:
     A change of a bend counts by the length of what it moves, from the middle of its segment to the tip, at mean
     lengths; a change of a length by itself.
     """
-    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in robot.segments])
-    levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
-    steps = np.diff(q, axis=0) * np.stack([levers, levers, np.ones(len(levers))], axis=-1)
+    steps = np.diff(q, axis=0) * lever_metric(robot)
     result: Floats = np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
     return result
+
+
+def lever_metric(robot: Robot) -> Floats:
+    """Return by how much changes of bends and lengths (n, 3) count in a distance; see `distances`."""
+    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in robot.segments])
+    levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
+    return np.stack([levers, levers, np.ones(len(levers))], axis=-1)

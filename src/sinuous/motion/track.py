@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterable
 from typing import Any, Unpack
 
 from sinuous import checks
-from sinuous.arguments import Number
+from sinuous.arguments import Number, Shortest
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
+from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
 from sinuous.motion.plain import MOST_WAYPOINTS
-from sinuous.motion.tracker import Tracker
 from sinuous.problem.asked import read_asked
 from sinuous.problem.goals import KEYS, GoalArrays
 from sinuous.problem.preferences import Preferences
@@ -22,6 +22,9 @@ from sinuous.solving.solver import Initial, Solver
 
 ROOM = 0.02
 """Clearance that is wished for by default, in mean lengths of a segment."""
+
+SHORTEST: tuple[Shortest, ...] = ("configuration", "actuators")
+"""What a motion may be shortest in."""
 
 TOLERANCES = 10.0
 """How far the tip may be from the line between waypoints by default, in tolerances of positions."""
@@ -38,6 +41,7 @@ def track(
     *,
     start: Initial | None = None,
     deviation: Number | None = None,
+    shortest: Shortest | None = None,
     progress: Callable[[Solution], object] | None = None,
     **options: Unpack[TrackArguments],
 ) -> Motion:
@@ -55,6 +59,9 @@ def track(
     deviation : float, optional
         How far the tip may be from the straight line between waypoints, where these ask for the same of the tip, in the
         length unit. By default ten times the tolerance of positions.
+    shortest : str, optional
+        `configuration` or `actuators`: at last, the whole motion is made shorter in these, all knots together, as far
+        as the waypoints and the line between them leave it open. By default it is not.
     progress : callable, optional
         Called with the solution of each waypoint as it is found.
     **options
@@ -73,6 +80,9 @@ def track(
     """
     given: dict[str, Any] = dict(options)
     path = read_asked(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
+    wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)
+    if wanted == "actuators" and not robot.actuators:
+        raise InputError("shortest", "the robot has no actuators", shortest, "configuration")
     checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
     if given.get("prefer") is None:
         given["prefer"] = wish(robot, given.get("method", "newton"))
@@ -84,6 +94,8 @@ def track(
         solution = tracker.go_to(path.targets(i))
         if progress is not None:
             progress(solution)
+    if wanted is not None:
+        tracker.shorten(wanted)
     return tracker.motion()
 
 

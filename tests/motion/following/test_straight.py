@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.checks import Floats
-from sinuous.motion.straight import Straight, tip_acceleration
+from sinuous.motion.following.straight import Straight, tip_acceleration
 
 ROBOT = sn.Robot.uniform(4, (0.7, 1.3), max_bend=3.0)
 

@@ -3,16 +3,18 @@
 import math
 import time as clock
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
+from sinuous.arguments import Shortest
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.motion.following.knots import Knot
+from sinuous.motion.following.shortest import Means, metric_of, shorten
+from sinuous.motion.following.straight import Straight
 from sinuous.motion.motion import Motion
 from sinuous.motion.start import blocked_by
-from sinuous.motion.straight import Straight
 from sinuous.motion.times import spread_times
 from sinuous.motion.told import Told
 from sinuous.problem.target import Target, Targets
@@ -27,13 +29,6 @@ SLACK = 0.5
 
 SHORTEST = 1.0 / 64.0
 """Share of the way between two waypoints below which steps are not halved."""
-
-
-class Knot(NamedTuple):
-    """A configuration (n, 3) of the motion, and what is proved of the step that leads there (1, 14)."""
-
-    q: Floats
-    came: Floats | None
 
 
 class Tracker:
@@ -76,7 +71,7 @@ class Tracker:
             self._begin_at(solver.configuration("start", start))
 
     def _begin_at(self, q: Floats) -> None:
-        self._knots.append(Knot(q, None))
+        self._knots.append(Knot(q, None, fixed=True))
         self.blocked = blocked_by(self._solver.robot, q, self._prover)
 
     def go_to(self, targets: Targets) -> Solution:
@@ -97,7 +92,7 @@ class Tracker:
         if self._prover.scene is not solution.problem.scene:  # it was updated, and the robot moves after that
             self._prover = Prover(self._solver.robot, solution.problem.scene)
         if not self._knots:
-            self._knots.append(Knot(solution.q, None))
+            self._knots.append(Knot(solution.q, None, solution.problem.targets, solution))
         elif len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q):
             self._approaches = False  # the robot is at its first waypoint already
         else:
@@ -118,7 +113,8 @@ class Tracker:
                 found = self._follower().solve(way.at(share) if share < 1.0 else goal, q)
             came = None if found is None or not found.solved else self._prove(q, found.q, way, (done, share))
             if found is not None and came is not None:
-                self._knots.append(Knot(found.q, came))
+                asked = found.problem.targets
+                self._knots.append(Knot(found.q, came, asked, found, way, (done, share)))
                 done, step, solution = share, min(2.0 * step, 1.0), found
             elif way is None or step <= SHORTEST:
                 return None
@@ -138,7 +134,8 @@ class Tracker:
     def _go_around(self, solution: Solution) -> Solution:
         """Change the configuration to that of a waypoint on any way; the step is not proved where none is found."""
         ends = self._two(self._knots[-1].q, solution.q)
-        self._knots.append(Knot(solution.q, self._prover.prove(ends, SLACK)))
+        came = self._prover.prove(ends, SLACK)
+        self._knots.append(Knot(solution.q, came, solution.problem.targets, solution))
         self._reconfigured.append(len(self._tried) + 1)
         return solution
 
@@ -153,6 +150,25 @@ class Tracker:
             options = replace(self._solver.options, max_starts=1, routes=False)
             self._follows = Solver.prepared(self._solver.robot, self._solver.scene, options)
         return self._follows
+
+    def shorten(self, shortest: Shortest) -> None:
+        """Make the motion so far shorter in configurations or actuators, all knots together."""
+        if len(self._knots) < 3 or self.blocked is not None:
+            return
+        robot, means = self._solver.robot, Means(self._meet, self._prove_again)
+        durations = np.diff(self._times(np.stack([knot.q for knot in self._knots])))
+        self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, means)
+        self._tried = [
+            (solution if at is None else self._knots[at].solution or solution, at) for solution, at in self._tried
+        ]
+
+    def _meet(self, targets: tuple[Target, ...], q: Floats) -> Knot | None:
+        """Meet targets from a configuration beside them."""
+        found = self._follower().solve(targets, q)
+        return Knot(found.q, None, targets, found) if found.solved else None
+
+    def _prove_again(self, knot: Knot, before: Floats) -> Floats | None:
+        return self._prove(before, knot.q, knot.way, knot.shares)
 
     def motion(self, remaining: int = 0) -> Motion:
         """Return the motion so far; `remaining` waypoints were not tried."""

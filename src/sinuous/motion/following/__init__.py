@@ -1,0 +1,1 @@
+"""From waypoint to waypoint: what `track` does."""

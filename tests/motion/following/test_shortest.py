@@ -1,0 +1,72 @@
+"""The whole path at once, made shorter."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.arguments import Shortest
+from sinuous.checks import Floats
+from sinuous.motion.following.shortest import _banded, metric_of
+from tests.helpers import refused
+
+ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05, tendons=sn.Tendons(3, 0.04))
+PATH = [sn.Target((2.0 * np.cos(turn), 2.0 * np.sin(turn), 2.5)) for turn in np.linspace(0.0, 2.0, 12)]
+BALL = sn.Sphere((0.9, 0.3, 1.2), 0.3, name="ball")
+
+
+def effort(motion: sn.Motion, metric: Floats) -> float:
+    steps = np.diff(motion.q.reshape(len(motion.q), -1), axis=0)
+    return float((np.einsum("ti,ij,tj->t", steps, metric, steps) / np.diff(motion.times)).sum())
+
+
+@pytest.mark.parametrize("shortest", ["configuration", "actuators"])
+def test_it_gets_easier_and_stays_proved(shortest: Shortest) -> None:
+    plain = sn.track(ROBOT, PATH, [BALL], deviation=0.05)
+    short = sn.track(ROBOT, PATH, [BALL], deviation=0.05, shortest=shortest)
+    metric = metric_of(ROBOT, shortest)
+    assert effort(short, metric) < 0.95 * effort(plain, metric)
+    assert short.solved
+    assert all(verification.ok for verification in short.verify())
+    for solution, knot in zip(short.solutions, short.waypoint_knots, strict=True):
+        assert knot is not None
+        np.testing.assert_array_equal(short.q[knot], solution.q)
+    tips = ROBOT.tip(short.q)[:, :3, 3]
+    np.testing.assert_allclose(tips, ROBOT.tip(plain.q)[:, :3, 3], atol=2e-3)
+
+
+def test_a_path_that_leaves_nothing_open_stays() -> None:
+    robot = sn.Robot.uniform(2, (0.5, 1.5), max_bend=3.0)
+    q = np.array([[0.3, 0.2, 1.0], [-0.2, 0.4, 1.1]])
+    poses = [robot.tip(q + 0.05 * i) for i in range(4)]
+    path = [sn.Target(pose[:3, 3], rotation=pose[:3, :3]) for pose in poses]
+    exact = sn.Tolerance(1e-9, 1e-9)
+    plain = sn.track(robot, path, start=q, tolerance=exact, deviation=1.0)
+    short = sn.track(robot, path, start=q, tolerance=exact, deviation=1.0, shortest="configuration")
+    np.testing.assert_allclose(short.q, plain.q, atol=1e-3)
+
+
+def test_the_start_stays() -> None:
+    start = np.tile([0.1, 0.0, 1.0], (4, 1))
+    motion = sn.track(ROBOT, PATH, [BALL], start=start, shortest="configuration", deviation=0.05)
+    np.testing.assert_array_equal(motion.q[0], start)
+
+
+def test_blocks_are_written_as_a_band() -> None:
+    rng = np.random.default_rng(0)
+    diagonal, beside = rng.normal(size=(4, 3, 3)), rng.normal(size=(3, 3, 3))
+    diagonal += np.swapaxes(diagonal, 1, 2)
+    dense = np.zeros((12, 12))
+    for t in range(4):
+        dense[3 * t : 3 * t + 3, 3 * t : 3 * t + 3] = diagonal[t]
+        if t < 3:
+            dense[3 * t : 3 * t + 3, 3 * t + 3 : 3 * t + 6] = beside[t]
+    band = _banded(diagonal, beside)
+    for i in range(12):
+        for j in range(i, min(12, i + 6)):
+            assert band[5 + i - j, j] == dense[i, j]
+
+
+def test_what_cannot_be_meant_is_refused() -> None:
+    refused("shortest", lambda: sn.track(ROBOT, PATH, shortest="time"), "configuration or actuators")  # type: ignore[arg-type]
+    bare = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0)
+    refused("shortest", lambda: sn.track(bare, PATH, shortest="actuators"), "no actuators")

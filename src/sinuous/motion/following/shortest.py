@@ -137,7 +137,8 @@ def _banded(diagonal: Floats, beside: Floats) -> Floats:
 
 def _null_space(robot: Robot, knot: Knot) -> Floats:
     """Return the projection (3 n, 3 n) on what the targets of a knot leave open."""
-    rows = [_rows(robot, target, knot.q) for target in knot.targets]
+    rigid = [3 * k + 2 for k, segment in enumerate(robot.segments) if segment.length[0] == segment.length[1]]
+    rows = [np.eye(3 * len(robot))[rigid], *(_rows(robot, target, knot.q) for target in knot.targets)]
     values, vectors = np.linalg.svd(np.concatenate(rows), full_matrices=False)[1:]
     kept = vectors[values > SINGULAR * values[0]]
     projection: Floats = np.eye(3 * len(robot)) - kept.T @ kept

@@ -37,7 +37,7 @@ def test_it_gets_easier_and_stays_proved(shortest: Shortest) -> None:
 def test_a_path_that_leaves_nothing_open_stays() -> None:
     robot = sn.Robot.uniform(3, 1.0, max_bend=3.0)
     q = np.array([[0.3, 0.9, 1.0], [-0.8, 0.4, 1.0], [0.2, -0.7, 1.0]])
-    poses = [robot.tip(q + [0.05 * i, 0.0, 0.0]) for i in range(4)]
+    poses = [robot.tip(q + 0.05 * i * np.eye(3)[0]) for i in range(4)]
     path = [sn.Target(pose[:3, 3], rotation=pose[:3, :3]) for pose in poses]
     exact = sn.Tolerance(1e-9, 1e-9)
     plain = sn.track(robot, path, start=q, tolerance=exact, deviation=1.0)

@@ -19,8 +19,8 @@ from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, look, price_of, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
-from sinuous.kernels.maths.vectors import Array, add, dot, norm, scale, sub
-from sinuous.kernels.tables import KIND, RADIUS, SIGN, TREE
+from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
+from sinuous.kernels.tables import KIND, MAX_LENGTH, RADIUS, SIGN, TREE
 
 Aim = namedtuple("Aim", ["slack", "finest", "rounding", "mount", "prefix"])
 """How far below the truth a clearance may be, as a share of it: with 1 it is enough that it is greater than 0. Pieces
@@ -43,6 +43,27 @@ def wanted(aim: Aim, seen: Array) -> float:
     if aim.slack >= 1.0 or seen[LEAST] == math.inf:
         return 0.0
     return (1.0 - aim.slack) * max(0.0, float(seen[LEAST]))
+
+
+GRACE = 1.0 + 1e-9
+"""By how much more than its length a segment is taken to reach."""
+
+
+@kernel
+def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None:
+    """Leave out of the lists of obstacles what a segment (rows (n, 7)) cannot reach from the `base`.
+
+    Lower bounds of clearances hold for what can be reached, then.
+    """
+    along = 0.0
+    for k in range(limits.shape[0]):
+        along += limits[k, MAX_LENGTH]
+        far, count = GRACE * (along + limits[k, RADIUS]), 0
+        for i in range(scene.table.shape[0]):
+            if look_here(scene, i, base, far, BOUND)[0] < far:
+                sweep.reach[k, count] = i
+                count += 1
+        sweep.reached[k] = count
 
 
 @kernel

@@ -8,6 +8,7 @@ import math
 
 from sinuous.kernels.between.itself import cannot_meet, clear_of_itself, list_pairs, passed_over
 from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment
+from sinuous.kernels.between.pairs import Course
 from sinuous.kernels.between.sweep import (
     FRACTION,
     HALFWAY,
@@ -24,7 +25,7 @@ from sinuous.kernels.between.sweep import (
 )
 from sinuous.kernels.body.pieces import Scratch, following
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
-from sinuous.kernels.body.self_pairs import Shape
+from sinuous.kernels.body.self_pairs import Shape, survey
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
@@ -61,7 +62,7 @@ def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> i
         )
         _note(seen[0], verdict, gap, t, k, s, which)
     if motion.avoids_itself and verdict == CLEAR:
-        verdict, gap, place = prove_self(Shape(motion.limits, q, frames, sweep.spans), aim.finest, sweep.clock)
+        verdict, gap, place = prove_self(Shape(motion.limits, q, frames, sweep.spans[HALFWAY]), aim.finest, sweep.clock)
         _note(seen[1], verdict, gap, t, place[0], place[1], place[2])
     return verdict
 
@@ -80,13 +81,32 @@ def _touches_later(motion: Motion, begin: float, travel: float, sweep: Sweep, ai
 
 
 @kernel
+def list_obstacles(sweep: Sweep) -> None:
+    """Let every segment look at all obstacles that it can reach."""
+    for k in range(sweep.reached.shape[0]):
+        sweep.counts[0, k] = sweep.reached[k]
+        for e in range(sweep.reached[k]):
+            sweep.near[k, e] = sweep.reach[k, e]
+
+
+@kernel
+def touches_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
+    """Whether the body is seen to touch something at time t, among the obstacles that are listed."""
+    knot(motion, t, sweep, 0)
+    for k in range(motion.q0.shape[0] - 1, -1, -1):
+        if clear_segment(motion, sweep, Interval(0, t, 0.0, 0, 0), k, aim, seen[0]) == TOUCHING:
+            return True
+    if not motion.avoids_itself:
+        return False
+    shape = Shape(motion.limits, sweep.q[0], sweep.frames[0], sweep.spans[0])
+    return bool(prove_self(shape, aim.finest, sweep.clock)[0] == TOUCHING)
+
+
+@kernel
 def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """Verdict about obstacles, and until when everything is clear; `travel`: how far anything moves, at most."""
-    n, m = motion.q0.shape[0], motion.scene.table.shape[0]
-    for k in range(n):
-        sweep.counts[0, k] = m
-        for i in range(m):
-            sweep.near[k, i] = i
+    n = motion.q0.shape[0]
+    list_obstacles(sweep)
     a, b = 0, 1
     knot(motion, 0.0, sweep, a)
     level = piece = 0
@@ -113,27 +133,42 @@ def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, s
 
 
 @kernel
-def _clear_of_itself(motion: Motion, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
-    """Verdict about the body and itself, and until when everything is clear."""
+def _shape(motion: Motion, t: float, sweep: Sweep, at: int) -> Shape:
+    """The shape at time t, in a place of the sweep."""
+    knot(motion, t, sweep, at)
+    shape = Shape(motion.limits, sweep.q[at], sweep.frames[at], sweep.spans[at])
+    survey(shape)
+    return shape
+
+
+@kernel
+def _clear_of_itself(
+    motion: Motion, travel: float, end: float, sweep: Sweep, aim: Aim, seen: Array
+) -> tuple[int, float]:
+    """Verdict about the body and itself until the time `end`, and until when everything is clear."""
     seen[LOW] = passed_over(motion.limits, motion.q0, motion.q1) - aim.rounding
     if not seen[LOW] > 0.0:
         return UNDECIDED, 0.0
     if cannot_meet(motion.limits, motion.q0, motion.q1):
         return CLEAR, 1.0
     list_pairs(sweep)
+    a, b = 0, 1
+    first = _shape(motion, 0.0, sweep, a)
     level = piece = 0
     while piece < 1 << level:
         h = 1.0 / (1 << level)
-        interval = Interval(level, piece * h, h, 0, 1)
+        begin = piece * h
+        if begin >= end:
+            return CLEAR, end
+        last = _shape(motion, begin + h, sweep, b)
+        verdict = clear_of_itself(Course(first, last, sweep.rates, begin, h), sweep, level, aim, seen)
         if spend(sweep.clock, SEGMENT_LOOKS * motion.q0.shape[0]):
-            return UNDECIDED, interval.begin
-        verdict = clear_of_itself(motion, sweep, interval, aim, seen)
-        if verdict == TOUCHING:
-            return TOUCHING, interval.begin
+            return UNDECIDED, begin
         if verdict == CLEAR:
             level, piece = following(level, piece)
-        elif h * travel < aim.finest or level == LEVELS:
-            return UNDECIDED, interval.begin
+            first, a, b = last, b, a
+        elif verdict == TOUCHING or h * travel < aim.finest or level == LEVELS:
+            return verdict, begin
         else:
             level, piece = level + 1, 2 * piece
     return CLEAR, 1.0
@@ -173,7 +208,7 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
     if motion.scene.table.shape[0] > 0:
         verdict, until = _clear_of_obstacles(motion, travel, sweep, own, seen[0])
     if motion.avoids_itself and _thickest(motion.limits) > 0.0 and (verdict == CLEAR or (own.prefix and until > 0.0)):
-        other, proved = _clear_of_itself(motion, travel, sweep, own, seen[1])
+        other, proved = _clear_of_itself(motion, travel, until, sweep, own, seen[1])
         if verdict == CLEAR or (other != CLEAR and proved < until):
             verdict, until = other, proved
     if (

@@ -41,47 +41,78 @@ Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself"])
 """Rows of the segments (n, 7), the first and the last configuration (n, 3; rad and length unit), the scene, and whether
 the body must not run through itself."""
 
-Sweep = namedtuple("Sweep", ["q", "frames", "near", "counts", "rates", "spans", "looked", "pairs", "left", "clock"])
+Sweep = namedtuple(
+    "Sweep",
+    [
+        "q",
+        "frames",
+        "reach",
+        "reached",
+        "near",
+        "counts",
+        "rates",
+        "spans",
+        "looked",
+        "pairs",
+        "left",
+        "clock",
+    ],
+)
 """Scratch of a proof of n segments among m obstacles: configurations (3, n, 3) and their frames (3, n + 1, 12), whose
-first rows are the base; of every segment the obstacles (n, m) int64, those that may still matter first, and how many of
-them that are after so many halvings of time (46, n) int64; `rates` (n, 5); `spans` (n + 1, 5) of `self_pairs`; numbers
-of obstacles (m,) int64; the pairs of segments i <= j as i n + j (n (n + 1) / 2,) int64, those that may still touch
+first rows are the base; of every segment the obstacles that it can reach at all (n, m) int64, and how many they are
+(n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
+(46, n) int64; `rates` (n, 5); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of segments i <= j as i n + j (n (n + 1) / 2,) int64, those that may still touch
 first, and how many of them that are after so many halvings (46,) int64; and the clock, see `kernels.clock`."""
 
 
 def sweep_size(segments: int, obstacles: int) -> int:
     """Numbers (float64) that `carve_sweep` takes from a buffer."""
-    own = KNOTS * (15 * segments + 12) + SPAN_WIDTH * (segments + 1)
+    own = KNOTS * (15 * segments + 12 + SPAN_WIDTH * (segments + 1))
     pairs = segments * (segments + 1) // 2
-    return own + segments * (obstacles + LEVELS + 2 + RATES_WIDTH) + obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
+    each = 2 * obstacles + 1 + LEVELS + 2 + RATES_WIDTH
+    return own + segments * each + obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
 
 
 @kernel
 def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
-    """Lay out the scratch of n segments among m obstacles in `buffer` (at least `sweep_size`); `base` (1, 12)."""
+    """Lay out the scratch of n segments among m obstacles in `buffer` (at least `sweep_size`); `base` (1, 12).
+
+    Every segment may reach every obstacle, at first.
+    """
     a = 3 * KNOTS * n
     b = a + 12 * KNOTS * (n + 1)
-    c = b + n * m
-    d = c + (LEVELS + 2) * n
-    e = d + RATES_WIDTH * n
-    f = e + SPAN_WIDTH * (n + 1)
-    g = f + m
-    h = g + n * (n + 1) // 2
+    c = b + SPAN_WIDTH * KNOTS * (n + 1)
+    d = c + RATES_WIDTH * n
+    whole = buffer[d:].view(np.int64)
+    e = n * m
+    f = e + n
+    g = f + n * m
+    h = g + (LEVELS + 2) * n
+    i = h + m
+    j = i + n * (n + 1) // 2
+    k = j + LEVELS + 2
     frames = shaped(buffer[a:b], (KNOTS, n + 1, 12))
     rotation, position = frame(base, 0)
-    for i in range(KNOTS):
-        put_frame(frames[i], 0, rotation, position)
+    for at in range(KNOTS):
+        put_frame(frames[at], 0, rotation, position)
+    reach, reached = shaped(whole[:e], (n, m)), whole[e:f]
+    for at in range(n):
+        reached[at] = m
+        for which in range(m):
+            reach[at, which] = which
     return Sweep(
         shaped(buffer[:a], (KNOTS, n, 3)),
         frames,
-        shaped(buffer[b:c].view(np.int64), (n, m)),
-        shaped(buffer[c:d].view(np.int64), (LEVELS + 2, n)),
-        shaped(buffer[d:e], (n, RATES_WIDTH)),
-        shaped(buffer[e:f], (n + 1, SPAN_WIDTH)),
-        buffer[f:g].view(np.int64),
-        buffer[g:h].view(np.int64),
-        buffer[h : h + LEVELS + 2].view(np.int64),
-        buffer[h + LEVELS + 2 : h + LEVELS + 2 + CLOCK_SIZE].view(np.int64),
+        reach,
+        reached,
+        shaped(whole[f:g], (n, m)),
+        shaped(whole[g:h], (LEVELS + 2, n)),
+        shaped(buffer[c:d], (n, RATES_WIDTH)),
+        shaped(buffer[b:c], (KNOTS, n + 1, SPAN_WIDTH)),
+        whole[h:i],
+        whole[i:j],
+        whole[j:k],
+        whole[k : k + CLOCK_SIZE],
     )
 
 
@@ -118,6 +149,12 @@ def measure_rates(q0: Array, q1: Array, rates: Array) -> float:
 @kernel
 def bow(rates: Array, k: int, length: float, s: float) -> float:
     """The acceleration A of places up to the fraction `s` of segment `k`, of no more than this length."""
-    w, bend, stretch = rates[k, TURNING], rates[k, BEND_RATE], rates[k, LENGTH_RATE]
-    squares = w * w + s * w * bend + s * s * bend * bend / 3.0
-    return float(rates[k, BOWING] + s * (length * squares + 2.0 * stretch * (w + 0.5 * s * bend)))
+    own = bow_from(rates[k, TURNING], rates[k, BEND_RATE], rates[k, LENGTH_RATE], length, s)
+    return float(rates[k, BOWING] + own)
+
+
+@kernel
+def bow_from(turning: float, bend: float, stretch: float, length: float, s: float) -> float:
+    """What a segment adds to A up to its fraction `s`: W where it begins, its rates, and its largest length."""
+    squares = turning * turning + s * turning * bend + s * s * bend * bend / 3.0
+    return s * (length * squares + 2.0 * stretch * (turning + 0.5 * s * bend))

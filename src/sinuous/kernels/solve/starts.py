@@ -81,7 +81,7 @@ def widest(start: int) -> float:
 
 
 @kernel
-def _uniform(key: np.uint64) -> float:
+def uniform(key: np.uint64) -> float:
     """A number in [0, 1) for every key (Steele et al. 2014, splitmix64)."""
     z = key * np.uint64(0x9E3779B97F4A7C15)
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -98,9 +98,9 @@ def scattered(limits: Array, index: int, seed: int, most: float, q: Array) -> No
     """
     key = np.uint64(seed) * np.uint64(0x100000000) + np.uint64(index) * np.uint64(3 * q.shape[0])
     for k in range(q.shape[0]):
-        length = limits[k, MIN_LENGTH] + _uniform(key) * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
-        bend = math.sqrt(_uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], most)
-        angle = 2.0 * math.pi * _uniform(key + np.uint64(2))
+        length = limits[k, MIN_LENGTH] + uniform(key) * (limits[k, MAX_LENGTH] - limits[k, MIN_LENGTH])
+        bend = math.sqrt(uniform(key + np.uint64(1))) * min(limits[k, MAX_BEND], most)
+        angle = 2.0 * math.pi * uniform(key + np.uint64(2))
         key += np.uint64(3)
         put_vec(q, k, 0, project_segment(limits, k, bend * math.cos(angle), bend * math.sin(angle), length))
 

@@ -1,0 +1,1 @@
+"""Paths of configurations from a start to a goal, every edge proved clear."""

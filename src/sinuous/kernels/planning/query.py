@@ -1,0 +1,107 @@
+"""What Python asks of a planner: a path from a start to one of several goals."""
+
+import numpy as np
+
+from sinuous.kernels.between.obstacles import keep_reachable
+from sinuous.kernels.between.sweep import SEEN_WIDTH, carve_sweep
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.clock import allow, begin
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import read_scene
+from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.vectors import Array, copy
+from sinuous.kernels.planning.shortcuts import Exactness, Path, forget, path_length, prove, shorten, skip
+from sinuous.kernels.planning.space import Space, looks_clear, measure_levers
+from sinuous.kernels.planning.trees import Terms, Trees, grow, path_through, plant
+from sinuous.kernels.problem import read_robot
+
+STEP, SPACING, LEAST, FINE, BACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
+"""Of the trees, in robot lengths; see `Terms`."""
+
+SLACK, FINEST = 0.1, 1e-7
+"""How far below the truth clearances may be, as a share of them, and the length, in robot lengths, below which the
+proof of an edge of the path gives up."""
+
+FOR_PROOF = 0.25
+"""Seconds for the path that was found, its shortcuts and proofs, for each second of the search."""
+
+Asked = tuple[float, float, float, int, int, int, int]
+"""Length of backbone that obstacles do not concern; the robot's mean length; seconds of the search; the seed; the first
+draw, and the one after the last; how many shortcuts are tried."""
+
+
+def plan_size(segments: int, nodes: int) -> int:
+    """Numbers (float64) of the workspace of a plan with at most so many nodes a tree."""
+    q = 3 * segments
+    return segments + 2 * SEEN_WIDTH + 3 * q + 2 * nodes * (q + 1) + 2
+
+
+@kernel
+def _carve_trees(buffer: Array, n: int) -> Trees:
+    """Lay out both trees in a buffer, with as many nodes as fit."""
+    q = 3 * n
+    nodes = (buffer.shape[0] - q - 2) // (2 * (q + 1))
+    a, b = 2 * nodes * q, 2 * nodes * (q + 1)
+    return Trees(
+        shaped(buffer[:a], (2, nodes, n, 3)),
+        shaped(buffer[a:b].view(np.int64), (2, nodes)),
+        buffer[b : b + 2].view(np.int64),
+        shaped(buffer[b + 2 : b + 2 + q], (n, 3)),
+    )
+
+
+@kernel
+def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
+    """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
+    for i in range(goals.shape[0]):
+        if not looks_clear(space, start, goals[i], exact.coarse):
+            continue
+        if prove(space, start, goals[i], exact, path.answers[0]):
+            copy(start, path.q[0])
+            copy(goals[i], path.q[1])
+            return 2
+    return 0
+
+
+@entry
+def plan(
+    robot: Array, scene: Array, ends: Array, asked: Asked, scratch: Array, workspace: Array, q: Array, answers: Array
+) -> tuple[int, int, float]:
+    """Fill `q` (p, n, 3) with configurations from the first of the `ends` (1 + g, n, 3) to one of the others.
+
+    All ends are within all limits and clear. Fills `answers` (p, 14) about the motions between neighbours, linear in q,
+    as `prove_motions` does. Returns how many configurations there are (0: no path was found), how many nodes the trees
+    have, and the length of the path. When the first draw is not 0, the trees of the last call, which are in the same
+    workspace, grow on, and the goals are more goals. `scratch` is that of a proof, see `sweep_size`; `workspace` is for
+    some nodes a tree, see `plan_size`.
+    """
+    own, around = read_robot(robot), read_scene(scene)
+    mount, unit, seconds, seed, first, last, tries = asked
+    n = own.limits.shape[0]
+    sweep = carve_sweep(scratch, own.base, n, around.table.shape[0])
+    levers, seen = workspace[:n], shaped(workspace[n : n + 2 * SEEN_WIDTH], (2, SEEN_WIDTH))
+    rest = workspace[n + 2 * SEEN_WIDTH :]
+    pair, trees = shaped(rest[: 6 * n], (2, n, 3)), _carve_trees(rest[6 * n :], n)
+    measure_levers(own.limits, levers)
+    begin(sweep.clock)
+    allow(sweep.clock, seconds)
+    keep_reachable(own.limits, frame(own.base, 0)[1], around, sweep)
+    space, path = Space(own, around, mount, levers, sweep, seen), Path(q, answers)
+    exact = Exactness(SLACK, FINEST * unit, FINE * unit)
+    if first == 0:
+        trees.counts[0] = trees.counts[1] = 0
+        plant(trees, 0, ends[0])
+    for i in range(1, ends.shape[0]):
+        plant(trees, 1, ends[i])
+    count = _straight(space, ends[0], ends[1:], exact, path)
+    if count == 0:
+        terms = Terms(STEP * unit, SPACING * unit, LEAST * unit, FINE * unit, BACK * unit, seed)
+        one, other = grow(space, trees, terms, first, last)
+        if one >= 0:
+            allow(sweep.clock, FOR_PROOF * seconds)
+            count = path_through(trees, one, other, q)
+            forget(path, count)
+            count = skip(space, path, count, exact)
+            if tries > 0 and count > 2:
+                count = skip(space, path, shorten(space, path, count, tries, seed, exact, pair), exact)
+    return count, trees.counts[0] + trees.counts[1], path_length(space, path, count)

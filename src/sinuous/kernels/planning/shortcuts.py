@@ -1,0 +1,142 @@
+"""Shortcuts: a path is pulled tight, every edge proved clear, with bounds of how clear.
+
+An edge has an answer (14,), see `between.query`: its verdict, until when it is proved, and what was seen.
+"""
+
+from collections import namedtuple
+
+from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
+from sinuous.kernels.between.sweep import SEEN_WIDTH, at_time
+from sinuous.kernels.body.proof import CLEAR, UNDECIDED
+from sinuous.kernels.clock import late
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, copy
+from sinuous.kernels.planning.space import Space, distance, looks_clear, prove_edge, random
+
+Path = namedtuple("Path", ["q", "answers"])
+"""Configurations (p, n, 3), and answers (p, 14) about the edges that begin there."""
+
+Exactness = namedtuple("Exactness", ["slack", "finest", "coarse"])
+"""How far below the truth clearances may be, as a share of them; the length below which a proof is not halved; and the
+one for looks before a proof."""
+
+
+@kernel
+def forget(path: Path, count: int) -> None:
+    """Know nothing about the edges between `count` configurations."""
+    for i in range(count - 1):
+        path.answers[i, VERDICT] = UNDECIDED
+
+
+@kernel
+def path_length(space: Space, path: Path, count: int) -> float:
+    """Length of the first `count` configurations of a path."""
+    total = 0.0
+    for i in range(count - 1):
+        total += distance(path.q[i], path.q[i + 1], space.levers)
+    return total
+
+
+@kernel
+def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
+    """Prove an edge, and fill its answer (14,)."""
+    verdict, until = prove_edge(space, p, q, exact.slack, exact.finest)
+    answer[VERDICT], answer[UNTIL] = verdict, until
+    for row in range(2):
+        for column in range(SEEN_WIDTH):
+            answer[SEEN + row * SEEN_WIDTH + column] = space.seen[row, column]
+    return verdict == CLEAR
+
+
+@kernel
+def _reaches(space: Space, path: Path, i: int, j: int, exact: Exactness) -> bool:
+    """Whether the motion from configuration `i` to `j` is proved clear; its answer is that of `i` then."""
+    if not looks_clear(space, path.q[i], path.q[j], exact.coarse):
+        return False
+    return prove(space, path.q[i], path.q[j], exact, path.answers[i])
+
+
+@kernel
+def skip(space: Space, path: Path, count: int, exact: Exactness) -> int:
+    """Leave out configurations where the motion past them is clear, prove the rest, and return how many are left.
+
+    From each configuration the motion to the last one is tried, then to one half as far away, and so on. What lies
+    between neighbours was proved before; if that is over now, or less exact, its answer stays undecided.
+    """
+    kept = at = 0
+    while at < count - 1:
+        far = 1 if late(space.sweep.clock) else count - 1 - at
+        while far > 1 and not _reaches(space, path, kept, at + far, exact):
+            far = 1 if late(space.sweep.clock) else far // 2
+        if far == 1:
+            if path.answers[at, VERDICT] == CLEAR:
+                copy(path.answers[at : at + 1], path.answers[kept : kept + 1])
+            else:
+                prove(space, path.q[kept], path.q[at + 1], exact, path.answers[kept])
+        at += far
+        kept += 1
+        copy(path.q[at], path.q[kept])
+    return kept + 1
+
+
+@kernel
+def _place(space: Space, path: Path, count: int, along: float, out: Array) -> int:
+    """Fill `out` (n, 3) with the configuration at a length along the path; return the edge that it is on."""
+    for i in range(count - 1):
+        length = distance(path.q[i], path.q[i + 1], space.levers)
+        if along <= length or i == count - 2:
+            at_time(path.q[i], path.q[i + 1], min(1.0, along / length) if length > 0.0 else 0.0, out)
+            return i
+        along -= length
+    return 0
+
+
+@kernel
+def _move(path: Path, i: int, to: int) -> None:
+    """Put configuration `i`, and the answer of the edge that begins there, in another place."""
+    copy(path.q[i], path.q[to])
+    copy(path.answers[i : i + 1], path.answers[to : to + 1])
+
+
+@kernel
+def _replace(path: Path, count: int, a: int, b: int, ends: Array, answer: Array) -> int:
+    """Put an edge, `ends` (2, n, 3), in the place of what lies between edges `a` < `b`; return the number then.
+
+    What is left of these edges is as clear as they were.
+    """
+    moved = a + 3 - (b + 1)
+    last = path.answers[b : b + 1]
+    if moved > 0:
+        for i in range(count - 1, b, -1):
+            _move(path, i, i + moved)
+        copy(path.answers[b : b + 1], path.answers[a + 2 : a + 3])
+    else:
+        copy(last, path.answers[a + 2 : a + 3])
+        for i in range(b + 1, count):
+            _move(path, i, i + moved)
+    copy(ends[0], path.q[a + 1])
+    copy(ends[1], path.q[a + 2])
+    copy(answer, path.answers[a + 1 : a + 2])
+    return count + moved
+
+
+@kernel
+def shorten(space: Space, path: Path, count: int, tries: int, seed: int, exact: Exactness, ends: Array) -> int:
+    """Join random places of a path of `count` configurations, so often as there are `tries`.
+
+    Returns how many configurations it has then. The places lie on different edges; `ends` (2, n, 3) is scratch, and so is the last answer of the path.
+    """
+    most = path.q.shape[0] - 1
+    answer = path.answers[most : most + 1]
+    for i in range(tries):
+        if count <= 2 or count >= most or late(space.sweep.clock):
+            break
+        length = path_length(space, path, count)
+        low, high = random(i, seed, 0), random(i, seed, 1)
+        a = _place(space, path, count, length * min(low, high), ends[0])
+        b = _place(space, path, count, length * max(low, high), ends[1])
+        if b <= a or not looks_clear(space, ends[0], ends[1], exact.coarse):
+            continue
+        if prove(space, ends[0], ends[1], exact, answer[0]):
+            count = _replace(path, count, a, b, ends, answer)
+    return count

@@ -1,0 +1,98 @@
+"""The space of configurations: how far apart two are, random ones, and which motions between them are clear.
+
+A bend of a segment moves what lies beyond it by at most the bend times the length from there to the tip. So a change of
+a bend counts by that length, its lever; a change of a length by itself.
+"""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.between.obstacles import Aim
+from sinuous.kernels.between.proof import list_obstacles, prove_between, touches_at
+from sinuous.kernels.between.sweep import Motion, at_time
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.solve.starts import scattered, uniform
+from sinuous.kernels.step.actuation import share
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
+
+PARTS = 8
+"""Into how many parts a long motion is divided by the configurations that are looked at before it is proved."""
+
+Space = namedtuple("Space", ["robot", "scene", "mount", "levers", "sweep", "seen"])
+"""The robot and the scene; length of backbone that obstacles do not concern; squares of the levers (n,); the scratch of
+the proof, and what it saw (2, 6)."""
+
+
+@kernel
+def measure_levers(limits: Array, levers: Array) -> None:
+    """Fill the squares of the levers (n,) of segments (n, 7) of mean length."""
+    beyond = 0.0
+    for k in range(limits.shape[0] - 1, -1, -1):
+        length = 0.5 * (limits[k, MIN_LENGTH] + limits[k, MAX_LENGTH])
+        levers[k] = (beyond + 0.5 * length) * (beyond + 0.5 * length)
+        beyond += length
+
+
+@kernel
+def squared_distance(p: Array, q: Array, levers: Array, most: float) -> float:
+    """Square of the distance of two configurations (n, 3); of what is above `most` only that it is."""
+    total = 0.0
+    for k in range(p.shape[0]):
+        x, y, z = p[k, 0] - q[k, 0], p[k, 1] - q[k, 1], p[k, 2] - q[k, 2]
+        total += levers[k] * (x * x + y * y) + z * z
+        if total > most:
+            break
+    return total
+
+
+@kernel
+def distance(p: Array, q: Array, levers: Array) -> float:
+    """Distance of two configurations (n, 3), in the length unit."""
+    return math.sqrt(squared_distance(p, q, levers, math.inf))
+
+
+@kernel
+def random(index: int, seed: int, which: int) -> float:
+    """A number in [0, 1): random number `which`, of 2, for each index and seed."""
+    return uniform(np.uint64(seed) * np.uint64(0x9E3779B1) + np.uint64(2 * index + which) * np.uint64(0x85EBCA77))
+
+
+@kernel
+def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
+    """Fill `out` (n, 3) with random configuration number `index`: within all limits when `start` (n, 3) is."""
+    scattered(space.robot.limits, index, seed, 2.0 * math.pi, out)
+    at_time(start, out, share(space.robot.actuation, start, out), out)
+
+
+@kernel
+def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, float]:
+    """Whether the motion from `p` to `q` (n, 3) is proved clear, and until when it is; see `prove_between`."""
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself)
+    verdict, until = prove_between(motion, space.sweep, Aim(1.0, finest, 0.0, space.mount, True), space.seen)
+    return verdict == CLEAR, until
+
+
+@kernel
+def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
+    """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first."""
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself)
+    aim = Aim(1.0, finest, 0.0, space.mount, False)
+    list_obstacles(space.sweep)
+    parts = 2
+    while parts <= PARTS:
+        for i in range(1, parts, 2):
+            if touches_at(motion, i / parts, space.sweep, aim, space.seen):
+                return False
+        parts *= 2
+    return True
+
+
+@kernel
+def prove_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
+    """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `prove_between`."""
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself)
+    return prove_between(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)

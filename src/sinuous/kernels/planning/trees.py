@@ -1,0 +1,131 @@
+"""Two trees of configurations that grow towards each other: RRT-Connect (Kuffner & LaValle 2000).
+
+One grows from the start, the other from the goals. A random configuration is drawn; one tree grows from its nearest
+node towards it, and the other towards what was reached, as far as it can. Every edge is proved clear as far as it goes.
+"""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.between.sweep import at_time
+from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, copy
+from sinuous.kernels.planning.space import Space, clear_up_to, distance, draw, squared_distance
+
+Trees = namedtuple("Trees", ["q", "parents", "counts", "drawn"])
+"""Nodes of both trees (2, c, n, 3), their parents (2, c) int64 (-1: a root), how many there are (2,) int64; and the
+configuration that was drawn (n, 3)."""
+
+Terms = namedtuple("Terms", ["step", "spacing", "least", "finest", "back", "seed"])
+"""Longest edge; how far nodes along an edge are from each other; the shortest edge; the length below which a proof is
+not halved; how far an edge stays back from what stops it, all in the length unit; and the seed."""
+
+COARSE, FINER, FINEST = 1.0, 0.1, 0.01
+"""How fine the shortest edge, proofs and what stays back are, as shares: most are coarse, every fourth is finer, every
+sixteenth the finest. Who stands close to an obstacle needs small steps, others are quicker without."""
+
+
+@kernel
+def plant(trees: Trees, side: int, q: Array) -> None:
+    """Make a configuration (n, 3) a root of a tree."""
+    copy(q, trees.q[side, trees.counts[side]])
+    trees.parents[side, trees.counts[side]] = -1
+    trees.counts[side] += 1
+
+
+@kernel
+def _nearest(trees: Trees, side: int, q: Array, levers: Array) -> int:
+    """The node of a tree that is nearest to a configuration."""
+    least, at = math.inf, 0
+    for i in range(trees.counts[side]):
+        apart = squared_distance(trees.q[side, i], q, levers, least)
+        if apart < least:
+            least, at = apart, i
+    return at
+
+
+@kernel
+def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: Terms) -> tuple[int, bool]:
+    """Let a tree grow from node `at` towards `goal` (n, 3) by one edge, as far as that is proved clear.
+
+    Returns the last new node (-1: there is none), and whether that is the goal.
+    """
+    new, begin = trees.counts[side], trees.q[side, at]
+    far = distance(begin, goal, space.levers)
+    part = min(1.0, terms.step / far) if far > 0.0 else 1.0
+    at_time(begin, goal, part, trees.q[side, new])
+    clear, until = clear_up_to(space, begin, trees.q[side, new], terms.finest)
+    if not clear:
+        part = part * until - terms.back / far
+        if part * far < terms.least:
+            return -1, False
+    count = min(max(1, math.ceil(part * far / terms.spacing)), trees.q.shape[1] - new)
+    for i in range(count):
+        at_time(begin, goal, part * (i + 1) / count, trees.q[side, new + i])
+        trees.parents[side, new + i] = at if i == 0 else new + i - 1
+    trees.counts[side] = new + count
+    return new + count - 1, clear and part >= 1.0
+
+
+@kernel
+def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: Terms) -> int:
+    """Let a tree grow towards `goal` (n, 3) until it is there, and return that node; -1 where it is stopped."""
+    at = _nearest(trees, side, goal, space.levers)
+    while trees.counts[side] < trees.q.shape[1]:
+        at, there = _extend(space, trees, side, at, goal, terms)
+        if at < 0 or there:
+            return at
+        if distance(trees.q[side, at], goal, space.levers) < terms.least or late(space.sweep.clock):
+            return -1
+    return -1
+
+
+@kernel
+def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tuple[int, int]:
+    """Let both trees grow by draws `first` to `last` - 1, until they meet.
+
+    Returns the nodes, one a tree, where they do (-1, -1: they do not).
+    """
+    most = trees.q.shape[1] - 1
+    for index in range(first, last):
+        if max(trees.counts[0], trees.counts[1]) >= most:
+            break
+        if spend(space.sweep.clock, trees.counts[0] + trees.counts[1] + SEGMENT_LOOKS):
+            break
+        draw(space, trees.q[0, 0], index, terms.seed, trees.drawn)
+        fine = COARSE if index % 4 != 3 else FINER if index % 16 != 15 else FINEST
+        own = Terms(terms.step, terms.spacing, terms.least * fine, terms.finest * fine, terms.back * fine, terms.seed)
+        side = index % 2 if fine == COARSE else index // 4 % 2
+        at = _nearest(trees, side, trees.drawn, space.levers)
+        new, _ = _extend(space, trees, side, at, trees.drawn, own)
+        if new >= 0:
+            met = _connect(space, trees, 1 - side, trees.q[side, new], own)
+            if met >= 0:
+                return (new, met) if side == 0 else (met, new)
+    return -1, -1
+
+
+@kernel
+def path_through(trees: Trees, first: int, second: int, path: Array) -> int:
+    """Fill `path` (p, n, 3) with the nodes from the start to a goal, through a pair where the trees meet.
+
+    Returns how many they are; 0 where they do not fit.
+    """
+    count, at = 0, first
+    while at >= 0:
+        count, at = count + 1, trees.parents[0, at]
+    before, at = count, trees.parents[1, second]
+    while at >= 0:
+        count, at = count + 1, trees.parents[1, at]
+    if count > path.shape[0]:
+        return 0
+    i, at = before - 1, first
+    while at >= 0:
+        copy(trees.q[0, at], path[i])
+        i, at = i - 1, trees.parents[0, at]
+    i, at = before, trees.parents[1, second]
+    while at >= 0:
+        copy(trees.q[1, at], path[i])
+        i, at = i + 1, trees.parents[1, at]
+    return count

@@ -27,6 +27,7 @@ ABOUT = {
     "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
     "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
     "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
+    "motion": "motions, planned among random spheres: what is found, how quickly, and whether it is clear all the way",
     "table1": "the paper's four poses, every method, beside what the paper publishes",
     "tracking": "a path of 180 points behind random spheres, every method",
     "segments": "how the time of an iteration, and of a solve, grows with the number of segments",
@@ -34,7 +35,7 @@ ABOUT = {
 }
 """What each one measures."""
 
-OF_LINES = ("speed", "clutter", "wild")
+OF_LINES = ("speed", "clutter", "wild", "motion")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
 OF_METHODS = ("table1", "tracking", "segments", "methods")
@@ -55,7 +56,8 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object, and n
 Seed = Annotated[int, typer.Option(help="Of all random problems.")]
 Quick = Annotated[bool, typer.Option("--quick", help="A short run, for a first look.")]
 Rounds = Annotated[
-    int, typer.Option(help="Of speed and clutter, how often all is measured; of wild, 100,000 fresh problems each.")
+    int,
+    typer.Option(help="Of speed, clutter and motion, how often all is measured; of wild, 100,000 fresh problems each."),
 ]
 Anew = Annotated[bool, typer.Option("--anew", help="Measure again what the folder holds.")]
 Against = Annotated[
@@ -199,6 +201,10 @@ class Chosen:
             from benchmarks.wild.experiment import Wild  # noqa: PLC0415
 
             return Wild(plan)
+        if self.name == "motion":
+            from benchmarks.motion.experiment import Motions  # noqa: PLC0415
+
+            return Motions(plan)
         if self.name == "worlds":
             from benchmarks.clutter.worlds import Worlds  # noqa: PLC0415
 

@@ -19,7 +19,7 @@ SCRIPTS = sorted(file for file in EXAMPLES.glob("*.py") if not file.name.startsw
 
 @pytest.mark.parametrize("file", PROBLEMS, ids=lambda file: file.stem)
 def test_problem_files_are_solved(capsys: pytest.CaptureFixture[str], file: Path) -> None:
-    command = "track" if file.stem.startswith("path") else "solve"
+    command = {"path": "track", "plan": "plan"}.get(file.stem.partition("_")[0], "solve")
     assert main([command, str(file), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["status"] == "solved"
 

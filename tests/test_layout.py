@@ -43,6 +43,7 @@ KERNEL_FLOORS = {
     "solve": 5,
     "fitting": 4,
     "growing": 4,
+    "planning": 6,
     "step": 3,
     "between": 3,
     "body": 2,

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
     from sinuous.motion.motion import Motion as Motion
+    from sinuous.motion.plan import Planner as Planner
+    from sinuous.motion.plan import plan as plan
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
     from sinuous.poses import pose as pose
@@ -97,6 +99,7 @@ _HOMES = {
     "problem.target": ("Target",),
     "motion.job": ("Job", "load"),
     "motion.motion": ("Motion",),
+    "motion.plan": ("Planner", "plan"),
     "motion.track": ("track",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

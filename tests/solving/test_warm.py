@@ -46,6 +46,7 @@ near.solve(target, initial=solution)
 near.solve_many([target])
 scene.update(np.array([[2.0, 2.0, 2.2]]))
 sn.track(robot, sn.Target.each(np.array([[1, 0, 2], [1, 0.1, 2]])), scene)
+sn.plan(robot, solution, sn.Target((1, 0.1, 2)), scene), sn.plan(robot, solution, [[0, 0, 1.0]] * 3)
 sn.solve(robot, sn.Target((9, 0, 0)), [sn.Box((0, 0, 5), (1, 1, 1), inside=True)])
 again = pickle.loads(pickle.dumps(solver))
 again.solve(pickle.loads(pickle.dumps(target)))
@@ -82,5 +83,5 @@ def test_every_entry_is_in_one_piece() -> None:
 
 def test_methods_that_are_not_asked_for_are_left_out() -> None:
     named = [step.what for step in steps(["dls", "dls"])]
-    assert named == ["kinematics", "distances", "classes of routes", "motions", "the method dls"]
+    assert named == ["kinematics", "distances", "classes of routes", "motions", "plans", "the method dls"]
     assert {step.what for step in steps()} >= {f"the method {name}" for name in METHODS if name != "newton"}

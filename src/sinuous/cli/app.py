@@ -70,6 +70,10 @@ Deviation = Annotated[
     float | None,
     typer.Option(metavar="LENGTH", help="How far the tip may be from the straight line between waypoints."),
 ]
+Shortcuts = Annotated[
+    int, typer.Option(metavar="COUNT", help="How many random places of the motion are tried to be joined directly.")
+]
+PlanTime = Annotated[float, typer.Option("--time", metavar="SECONDS", help="Budget of one plan.")]
 Kind = Annotated[
     str,
     typer.Argument(help="tendon, pneumatic, insertion or inspection.", autocompletion=_kinds, show_default=False),
@@ -126,6 +130,28 @@ def track(
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
     raise typer.Exit(track_files(files, options, deviation))
+
+
+@app.command()
+def plan(
+    files: Files,
+    method: Method = "newton",
+    option: Option = None,
+    time: PlanTime = 5.0,
+    max_starts: MaxStarts = 1000,
+    routes: Routes = True,
+    shortcuts: Shortcuts = 0,
+    seed: Seed = 0,
+    json: Json = False,
+    plot: Plot = None,
+    out: Out = None,
+    csv: Csv = None,
+) -> None:
+    """Plan a motion from a start to a target or goal, clear all the way."""
+    from sinuous.cli.work import plan_files  # noqa: PLC0415
+
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
+    raise typer.Exit(plan_files(files, options, shortcuts))
 
 
 @app.command()

@@ -11,7 +11,7 @@ from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.files.results import json_line
 from sinuous.scene.extents import box_of
-from sinuous.solution.verification import Verification, verify
+from sinuous.solution.verification import Verification, verified, verify
 from sinuous.words import number, span
 
 MOST = 12
@@ -37,11 +37,20 @@ def check_files(files: list[str], *, json: bool) -> int:
             code = BAD_INPUT
             continue
         problem = read.problem
-        start = None if problem.start is None else verify(problem.problem(), problem.start)
+        start = _verified(problem)
         if start is not None and not start.ok:
             code = max(code, NO_ANSWER)
         typer.echo(json_line(_contents(problem, start)) if json else _description(problem, start))
     return code
+
+
+def _verified(problem: ProblemFile) -> Verification | None:
+    """What the start is: held against the first target, or, where a configuration is the goal, merely looked at."""
+    if problem.start is None:
+        return None
+    if problem.goal is not None:
+        return verified(problem.robot, problem.start, problem.scene.snapshot(), (), problem.tolerance)
+    return verify(problem.problem(), problem.start)
 
 
 def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any]:
@@ -73,7 +82,7 @@ def _description(problem: ProblemFile, start: Verification | None) -> str:
     if contents["targets_from_base"] is not None:
         sizes.append(f"targets: {span(contents['targets_from_base'])} from the base")
     notes = [f"note: {note}" for note in problem.notes]
-    verdict = [] if start is None else [f"start {_verdict(start)}"]
+    verdict = [] if start is None else [f"start {_verdict(start, problem.goal is None)}"]
     values = "  ".join(f"{name}={value:.4g}" for name, value in (contents["actuators"] or {}).items())
     return "\n  ".join([line, *sizes, *notes, *verdict, *([f"actuators there: {values}"] if values else [])])
 
@@ -113,13 +122,16 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def _verdict(start: Verification) -> str:
-    verdict = "meets its target" if start.ok else "is no answer"
-    return (
-        f"{verdict}: position error {start.position_error:.3g}, angle error {start.angle_error:.3g}, "
+def _verdict(start: Verification, to_target: bool) -> str:
+    """What was found of the start, which is to meet a target, or only to be clear."""
+    seen = (
         f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g}, from itself "
         f"{start.self_clearance:.3g}{_where(start)} (sampled)"
     )
+    if not to_target:
+        return f"{'is clear' if start.ok else 'is blocked'}: {seen}"
+    verdict = "meets its target" if start.ok else "is no answer"
+    return f"{verdict}: position error {start.position_error:.3g}, angle error {start.angle_error:.3g}, {seen}"
 
 
 def _where(start: Verification) -> str:

@@ -1,9 +1,10 @@
-"""The commands solve and track: read everything, then answer one file after the other."""
+"""The commands solve, track and plan: read everything, then answer one file after the other."""
 
 import time as clock
 import warnings
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import typer
 
@@ -18,6 +19,7 @@ from sinuous.files.problem_file import ProblemFile
 from sinuous.methods.registry import Choice
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
+from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import read_deviation, wish
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
@@ -29,7 +31,11 @@ SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
 
 MOST_ALTERNATIVES = 10_000
 
-Question = Callable[[Solver, ProblemFile, Bar], Answer]
+Question = Callable[[Any, ProblemFile, Bar], Answer]
+"""Asks what was prepared for a problem file."""
+
+Prepared = Callable[..., Solver | Planner]
+"""Prepares what is asked: a solver or a planner, of robot, scene and options."""
 
 
 def solve_files(files: list[str], options: Options, count: int | None = None, by: str | None = None) -> int:
@@ -43,12 +49,11 @@ def solve_files(files: list[str], options: Options, count: int | None = None, by
         if options.why:
             raise InputError("--all", "stands beside --why", count, "one of --all, --why")
     read = read_all(files)
-    for problem in (one.problem for one in read):
-        if problem.is_path:
-            raise InputError(
-                "path", "is for the command track", len(problem.waypoints), "target or targets", problem.file
-            )
-    return _answer_all(read, options, _solve if count is None else partial(_solve_all, count, kind))
+    for one in read:
+        _refuse(one.problem, "path", "goal")
+    alone = len(read) == 1 and count is None
+    question = _solve if count is None else partial(_solve_all, count, kind)
+    return _answer_all(read, options, question, OneSolve if alone else Solver)
 
 
 def track_files(files: list[str], options: Options, deviation: float | None = None) -> int:
@@ -57,7 +62,9 @@ def track_files(files: list[str], options: Options, deviation: float | None = No
     if deviation is not None:
         checks.number("--deviation", deviation, above=0.0)
     read = [Read(with_room(one.problem, options.choice()), one.seconds) for one in read_all(files)]
-    return _answer_all(read, options, partial(_track, deviation))
+    for one in read:
+        _refuse(one.problem, "goal")
+    return _answer_all(read, options, partial(_track, deviation), Solver)
 
 
 def with_room(problem: ProblemFile, method: Choice) -> ProblemFile:
@@ -65,17 +72,37 @@ def with_room(problem: ProblemFile, method: Choice) -> ProblemFile:
     return problem if problem.prefer else problem.preferring(wish(problem.robot, method))
 
 
-def _answer_all(read: list[Read], options: Options, question: Question) -> int:
+def plan_files(files: list[str], options: Options, shortcuts: int = 0) -> int:
+    """Plan the motion that every file asks for; return the exit code."""
+    options.check(files)
+    checks.integer("--shortcuts", shortcuts, 0, MOST_SHORTCUTS)
+    read = read_all(files)
+    for problem in (one.problem for one in read):
+        _refuse(problem, "path")
+        if problem.start is None:
+            raise InputError("start", "missing", None, "where the motion begins", problem.file)
+    return _answer_all(read, options, _plan, partial(Planner, shortcuts=shortcuts))
+
+
+def _refuse(problem: ProblemFile, *kinds: str) -> None:
+    """Refuse a file that asks what is for another command."""
+    if "path" in kinds and problem.is_path:
+        what = "is for the command track"
+        raise InputError("path", what, len(problem.waypoints), "target or targets", problem.file)
+    if "goal" in kinds and problem.goal is not None:
+        raise InputError("goal", "is for the command plan", problem.goal.tolist(), "target or targets", problem.file)
+
+
+def _answer_all(read: list[Read], options: Options, question: Question, kind: Prepared) -> int:
     done = solved = 0
-    total = sum(len(one.problem.waypoints) for one in read)
+    total = sum(max(1, len(one.problem.waypoints)) for one in read)
     say_notes([one.problem for one in read])
-    alone = len(read) == 1 and question is _solve
     try:
-        ahead = 0.0 if len(read) == 1 else _compile([one.problem for one in read], options)
+        ahead = 0.0 if len(read) == 1 else _compile([one.problem for one in read], options, kind)
         with Output(options, len(read)) as output, Bar(total) as bar:
             for one in read:
                 with bar.hidden():
-                    solver, prepare_seconds = _prepare(one.problem, options, OneSolve if alone else Solver)
+                    solver, prepare_seconds = _prepare(one.problem, options, kind)
                 found = question(solver, one.problem, bar)
                 with bar.hidden():
                     _write(output, one, found, prepare_seconds + ahead)
@@ -101,13 +128,13 @@ def _write(output: Output, one: Read, found: Answer, prepare_seconds: float) -> 
     output.write(*asked, why)
 
 
-def _compile(problems: list[ProblemFile], options: Options) -> float:
+def _compile(problems: list[ProblemFile], options: Options, kind: Prepared) -> float:
     """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
     kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
-    return sum(_prepare(problem, options, Solver)[1] for problem in kinds.values())
+    return sum(_prepare(problem, options, kind)[1] for problem in kinds.values())
 
 
-def _prepare(problem: ProblemFile, options: Options, kind: type[Solver]) -> tuple[Solver, float]:
+def _prepare(problem: ProblemFile, options: Options, kind: Prepared) -> tuple[Solver | Planner, float]:
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
@@ -127,6 +154,13 @@ def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile
     best = found[0] if found else solver.solve(problem.waypoints[0], problem.start)
     bar.advance()
     return Alternatives(tuple(found), best, clock.perf_counter() - began)
+
+
+def _plan(planner: Planner, problem: ProblemFile, bar: Bar) -> Motion:
+    assert problem.start is not None
+    motion = planner.plan(problem.start, problem.ends)
+    bar.advance()
+    return motion
 
 
 def _track(deviation: float | None, solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:

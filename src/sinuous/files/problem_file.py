@@ -30,7 +30,7 @@ from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import described
 
-QUESTIONS = ("target", "targets", "path")
+QUESTIONS = ("target", "targets", "path", "goal")
 KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer")
 
 
@@ -45,9 +45,11 @@ class ProblemFile(Frozen):
     scene : Scene or list of obstacles, optional
     path : iterable of Target or list of Target, optional
         Waypoints to be met one after the other, instead of `target`.
+    goal : array_like (n, 3), optional
+        The configuration where a plan ends, instead of `target`.
     tolerance : Tolerance, optional
     start : array_like (n, 3), optional
-        Where the first solve begins.
+        Where the first solve, or a motion, begins.
     prefer : Preferences, optional
     file : str
         Its name, as it was given; empty when it is not from a file.
@@ -55,9 +57,9 @@ class ProblemFile(Frozen):
     Attributes
     ----------
     waypoints : tuple of tuple of Target
-        One after the other; the targets of one waypoint are met at once.
+        One after the other; the targets of one waypoint are met at once. None where a configuration is the goal.
     is_path : bool
-        Whether it speaks of a path; otherwise there is one waypoint.
+        Whether it speaks of a path; otherwise there is one waypoint, or a goal.
 
     Raises
     ------
@@ -69,6 +71,7 @@ class ProblemFile(Frozen):
     scene: Scene
     waypoints: tuple[tuple[Target, ...], ...]
     is_path: bool
+    goal: Floats | None
     tolerance: Tolerance
     start: Floats | None
     prefer: Preferences
@@ -81,6 +84,7 @@ class ProblemFile(Frozen):
         scene: SceneLike | None = None,
         *,
         path: Iterable[Targets] | None = None,
+        goal: Rows | None = None,
         tolerance: Tolerance | None = None,
         start: Rows | None = None,
         prefer: Preferences | None = None,
@@ -88,8 +92,10 @@ class ProblemFile(Frozen):
     ) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
-        if (target is None) == (path is None):
-            raise InputError("target", "stands beside path" if path else "missing", target, "one of target, path")
+        asked = [key for key, value in (("target", target), ("path", path), ("goal", goal)) if value is not None]
+        if len(asked) != 1:
+            what = f"stands beside {asked[1]}" if asked else "missing"
+            raise InputError("target", what, target, "one of target, path, goal")
         if not (prefer is None or isinstance(prefer, Preferences)):
             raise InputError("prefer", "", prefer, "Preferences")
         place = as_scene(scene)
@@ -97,8 +103,9 @@ class ProblemFile(Frozen):
         self._set(
             robot=robot,
             scene=place,
-            waypoints=_listed(robot, [target] if path is None else path, "target" if path is None else "path"),
+            waypoints=() if goal is not None else _listed(robot, [target] if path is None else path, asked[0]),
             is_path=path is not None,
+            goal=None if goal is None else checks.array("goal", goal, (len(robot), 3)),
             tolerance=as_tolerance(tolerance),
             start=None if start is None else checks.array("start", start, (len(robot), 3)),
             prefer=prefer or Preferences(),
@@ -123,7 +130,7 @@ class ProblemFile(Frozen):
     def _shown(self) -> Iterator[str]:
         yield from (text(self.file),) if self.file else ()
         yield f"{len(self.robot)} segments"
-        yield f"{len(self.waypoints)} waypoints" if self.is_path else f"{len(self.waypoints[0])} targets"
+        yield f"{len(self.waypoints)} waypoints" if self.is_path else self._asks()
         yield f"{len(self.scene)} obstacles"
 
     def preferring(self, prefer: Preferences) -> Self:
@@ -131,6 +138,14 @@ class ProblemFile(Frozen):
         other = object.__new__(type(self))
         other._set(**{**vars(self), "prefer": prefer})
         return other
+
+    @property
+    def ends(self) -> tuple[Target, ...] | Floats:
+        """Where a plan ends: at the targets, or at the goal (n, 3)."""
+        return self.waypoints[0] if self.goal is None else self.goal
+
+    def _asks(self) -> str:
+        return "a goal" if self.goal is not None else f"{len(self.waypoints[0])} targets"
 
     def problem(self, waypoint: int = 0) -> Problem:
         """Return the question that one waypoint asks."""
@@ -155,6 +170,8 @@ class ProblemFile(Frozen):
         return {key: value for key, value in parts.items() if value}
 
     def _question(self) -> dict[str, Any]:
+        if self.goal is not None:
+            return {"goal": self.goal.tolist()}
         listed = [[described(target) for target in targets] for targets in self.waypoints]
         if self.is_path:
             return {"path": [targets[0] if len(targets) == 1 else targets for targets in listed]}
@@ -202,13 +219,12 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
     folder = Path(file).parent
     robot = read_part("robot", entries["robot"], folder, lambda own, _: read_robot(own))
     scene = read_part("scene", entries.get("scene"), folder, lambda own, inner: read_scene(own, robot, inner))
-    waypoints = _waypoints(entries, robot, folder)
-    question: dict[str, Any] = {"path": waypoints} if "path" in entries else {"target": waypoints[0]}
+    question = _read_question(entries, robot, folder)
     return kind(
         robot,
         scene=scene,
         tolerance=_made(entries, "tolerance", Tolerance),
-        start=None if entries.get("start") is None else read_start(entries["start"], robot, folder),
+        start=None if entries.get("start") is None else read_start("start", entries["start"], robot, folder),
         prefer=_made(entries, "prefer", Preferences),
         file=file,
         **question,
@@ -235,7 +251,8 @@ def _listed(robot: Robot, path: Any, key: str) -> tuple[tuple[Target, ...], ...]
     return tuple(result)
 
 
-def _waypoints(entries: dict[str, Any], robot: Robot, folder: Path) -> tuple[tuple[Target, ...], ...]:
+def _read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[str, Any]:
+    """What is asked, as an argument of a problem."""
     expected = "one of " + ", ".join(QUESTIONS)
     asked = [key for key in QUESTIONS if key in entries]
     if not asked:
@@ -244,9 +261,11 @@ def _waypoints(entries: dict[str, Any], robot: Robot, folder: Path) -> tuple[tup
     if len(asked) > 1:
         raise InputError(key, f"stands beside {asked[1]}", value, expected)
     if key == "path":
-        return _read_path(value, robot, folder)
+        return {"path": _read_path(value, robot, folder)}
+    if key == "goal":
+        return {"goal": read_start("goal", value, robot, folder)}
     with checks.inside(key):
-        return ((read_target(value, robot),),) if key == "target" else (read_targets(value, robot),)
+        return {"target": (read_target(value, robot),) if key == "target" else read_targets(value, robot)}
 
 
 def _read_path(value: Any, robot: Robot, folder: Path) -> tuple[tuple[Target, ...], ...]:

@@ -1,4 +1,4 @@
-"""Where a solve begins: a configuration as numbers, or the result of an earlier solve."""
+"""Where a solve begins, and where a plan ends: a configuration as numbers, or the result of an earlier solve."""
 
 from pathlib import Path
 from typing import Any
@@ -11,11 +11,13 @@ from sinuous.files.text import read_text
 from sinuous.robot.robot import Robot
 
 
-def read_start(value: Any, robot: Robot, folder: Path) -> Floats:
-    """Read `start`: rows of `bend_x, bend_y, length`, a result, or the name of a file with one result in it.
+def read_start(key: str, value: Any, robot: Robot, folder: Path) -> Floats:
+    """Read `start` or `goal`: rows of `bend_x, bend_y, length`, a result, or the name of a file with one result in it.
 
     Parameters
     ----------
+    key : str
+        Which of them.
     value : object
         What the problem file says.
     robot : Robot
@@ -33,12 +35,12 @@ def read_start(value: Any, robot: Robot, folder: Path) -> Floats:
     """
     if isinstance(value, str):
         file = folder / value
-        text = read_text(file, "start")
+        text = read_text(file, key)
         try:
             return _configuration(parse_json(text), robot)
         except InputError as error:
             raise error.in_file(file) from None
-    with checks.inside("start"):
+    with checks.inside(key):
         return _configuration(value, robot)
 
 

@@ -11,7 +11,9 @@ from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.files.text import read_text
 from sinuous.garbage import uncollected
+from sinuous.motion import plain
 from sinuous.motion.motion import Motion
+from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import track
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
@@ -38,16 +40,36 @@ class Job(ProblemFile):
         InputError
             When it speaks of a path, or an option is not what it should be.
         """
-        if self.is_path:
-            raise InputError("path", "is for track", len(self.waypoints), "target or targets", self.file or None)
+        self._refuse("path", "goal")
         return OneSolve(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
 
     def track(self, **options: Unpack[SolveArguments]) -> Motion:
-        """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`."""
+        """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`.
+
+        Raises
+        ------
+        InputError
+            When it speaks of a goal, or an option is not what it should be.
+        """
+        self._refuse("goal")
         given = self._options(options)
         if not self.prefer and "prefer" not in options:
             del given["prefer"]
         return track(self.robot, self.waypoints, self.scene, start=self.start, **given)
+
+    def plan(self, **options: Unpack[PlanArguments]) -> Motion:
+        """Plan a motion from `start` to the target, to several at once, or to the goal. `options` as for `plan`.
+
+        Raises
+        ------
+        InputError
+            When it speaks of a path or has no start, or an option is not what it should be.
+        """
+        self._refuse("path")
+        if self.start is None:
+            raise InputError("start", "missing", None, "where the motion begins", self.file or None)
+        given: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, **options}
+        return plan(self.robot, self.start, self.ends, self.scene, **given)
 
     def result(self, file: str | Path) -> Solution | Motion:
         """Read what was found for this problem: a result of the command line, or one `to_dict` as a line of JSON.
@@ -65,11 +87,20 @@ class Job(ProblemFile):
         try:
             line, values = self._own(read_results(Path(file)))
             with checks.inside(f"line {line}"):
+                if self.goal is not None:
+                    return plain.read(Motion, values, (), (self.robot, self.scene.snapshot()))
                 if "waypoints" in values:
                     return Motion.from_dict(values, (self.problem(i) for i in range(len(self.waypoints))))
                 return Solution.from_dict(values, self.problem())
         except InputError as error:
             raise error.in_file(file) from None
+
+    def _refuse(self, *kinds: str) -> None:
+        """Refuse what this file asks, if it is one of these kinds of questions."""
+        if "path" in kinds and self.is_path:
+            raise InputError("path", "is for track", len(self.waypoints), "target or targets", self.file or None)
+        if "goal" in kinds and self.goal is not None:
+            raise InputError("goal", "is for plan", self.goal.tolist(), "target or targets", self.file or None)
 
     def _own(self, results: list[tuple[int, dict[str, Any]]]) -> tuple[int, dict[str, Any]]:
         if len(results) == 1:

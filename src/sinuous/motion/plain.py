@@ -10,6 +10,8 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.motion.told import Told
 from sinuous.problem.problem import Problem
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
@@ -54,12 +56,17 @@ def write(motion: "Motion") -> dict[str, Any]:
     }
 
 
-def read(kind: "type[Motion]", values: Any, problems: tuple[Problem, ...]) -> "Motion":
-    """Make a motion of plain values and the problems of its waypoints; see `Motion.from_dict`."""
+def read(
+    kind: "type[Motion]", values: Any, problems: tuple[Problem, ...], place: tuple[Robot, Snapshot] | None = None
+) -> "Motion":
+    """Make a motion of plain values and the problems of its waypoints; see `Motion.from_dict`.
+
+    A motion to a configuration has no waypoints, and no problems: its robot and scene are given in their `place`.
+    """
     if not isinstance(values, dict):
         raise InputError("", "", values, "a result")
-    solutions = _read_waypoints(values, problems)
-    robot, scene = problems[0].robot, problems[0].scene
+    solutions = _read_waypoints(values, problems, place is None)
+    robot, scene = place or (problems[0].robot, problems[0].scene)
     q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
     times = _read_times(_value(values, "times"), len(q))
     clearances = [_optional(values, key) for key in ("clearance", "self_clearance")]
@@ -87,9 +94,9 @@ def _as_it_ended(motion: "Motion", values: dict[str, Any], told: Told) -> "Motio
     return motion.made(motion.robot, motion.scene, motion.q, motion.times, motion.steps, ended)
 
 
-def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...]) -> list[Solution]:
+def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...], some: bool) -> list[Solution]:
     listed = values.get("waypoints")
-    if not isinstance(listed, list) or not problems:
+    if not isinstance(listed, list) or (some and not problems):
         raise InputError("waypoints", "", listed, "a list of results")
     remaining = checks.integer("remaining", values.get("remaining", 0), 0, MOST_WAYPOINTS)
     if len(listed) + remaining != len(problems):

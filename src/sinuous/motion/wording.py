@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sinuous.solution.status import Status
+
 if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
 
@@ -39,6 +41,8 @@ def _sentence(motion: "Motion") -> str:
     begun = counted(motion) if motion.solutions else motion.status.sentence
     if motion.worst is not None:
         return f"{begun}; {motion.worst}"
+    if motion.solutions and motion.status is Status.TIME_LIMIT and not motion.remaining:
+        return f"{begun}; {motion.status.sentence}"
     return f"{begun}; {_where(motion)} not proved clear" if motion.unproved_steps else begun
 
 

@@ -17,6 +17,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.between import load_motions
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
+from sinuous.solving.planning.trees import load_trees
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.solver import OneSolve, Solver
 
@@ -61,12 +62,17 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
         Step("distances", _distances),
         Step("classes of routes", Curves(ROBOT, FAR.snapshot()).load),
         Step("motions", _motions),
+        Step("plans", _plans),
     ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
 
 def _motions() -> None:
     load_motions(ROBOT, FAR.snapshot())
+
+
+def _plans() -> None:
+    load_trees(ROBOT, FAR.snapshot())
 
 
 def _kinematics() -> None:

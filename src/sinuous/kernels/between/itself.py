@@ -8,10 +8,10 @@ import math
 
 from sinuous.kernels.between.obstacles import Aim, wanted
 from sinuous.kernels.between.pairs import Course, apart, clear_couple, couple_of, never_concern
-from sinuous.kernels.between.sweep import LOW, Sweep
+from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Sweep
 from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
-from sinuous.kernels.body.self_pairs import HALF_TURN, NO_LENGTH, least_of_run
+from sinuous.kernels.body.self_pairs import HALF_TURN, NO_LENGTH, least_of_run, meets_itself, own_gap
 from sinuous.kernels.body.self_proof import PAIR_LOOKS
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
@@ -54,14 +54,31 @@ def cannot_meet(limits: Array, qa: Array, qb: Array) -> bool:
 
 @kernel
 def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
-    """Lower bound of the gaps of segment `k` with itself; infinite where it never comes back to itself."""
+    """Lower bound of the gaps of segment `k` with itself; infinite where it never comes back to itself.
+
+    Those of places that turn by less than half a turn are bounded by `passed_over`.
+    """
     radius, length = limits[k, RADIUS], max(qa[k, 2], qb[k, 2])
     bend = max(math.hypot(qa[k, 0], qa[k, 1]), math.hypot(qb[k, 0], qb[k, 1]))
     if radius == 0.0 or bend < HALF_TURN or length < math.pi * radius:
         return math.inf
     shortest = min(qa[k, 2], qb[k, 2])
-    whole = arc_chord(bend / max(shortest, NO_LENGTH), shortest)
-    return min(whole, arc_chord(_most_curved(qa, qb, k), math.pi * radius)) - 2.0 * radius
+    return arc_chord(bend / max(shortest, NO_LENGTH), shortest) - 2.0 * radius
+
+
+@kernel
+def _see_alone(course: Course, i: int, prefix: bool, seen: Array) -> bool:
+    """Keep the gap of segment `i` with itself at the ends of an interval; say whether it is an overlap."""
+    least = math.inf
+    for at_end in range(1 if prefix else 2):
+        shape = course.last if at_end else course.first
+        if meets_itself(shape, i):
+            gap, t = own_gap(shape, i)
+            least = min(least, gap)
+            if gap < seen[LEAST]:
+                seen[LEAST], seen[WHEN], seen[SEGMENT] = gap, course.begin + at_end * course.h, i
+                seen[FRACTION], seen[WHICH] = t, i
+    return least < 0.0
 
 
 @kernel
@@ -88,6 +105,8 @@ def clear_of_itself(course: Course, sweep: Sweep, level: int, aim: Aim, seen: Ar
         i, j = pairs[e] // n, pairs[e] % n
         verdict = CLEAR
         if i == j:
+            if _see_alone(course, i, aim.prefix, seen):
+                return TOUCHING
             sure = _alone(course.first.limits, course.first.q, course.last.q, i) - aim.rounding
             verdict = _judge(sure, aim, seen)
         elif not never_concern(course, i, j):

@@ -23,10 +23,10 @@ from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
 from sinuous.kernels.tables import KIND, MAX_LENGTH, RADIUS, SIGN, TREE
 
 Aim = namedtuple("Aim", ["slack", "finest", "rounding", "mount", "prefix"])
-"""How far below the truth a clearance may be, as a share of it: with 1 it is enough that it is greater than 0. Pieces
-shorter than `finest`, and times in which nothing moves that far, are not halved. `rounding` is what arithmetic may be
-wrong by, `mount` the length of backbone that obstacles do not concern. With `prefix` an overlap does not end the work:
-everything before it is to be proved."""
+"""How far below the truth a clearance may be, as a share of it, and by `finest` more: with 1 it is enough that it is
+greater than 0. Pieces shorter than `finest`, and times in which nothing moves that far, are not halved. `rounding` is
+what arithmetic may be wrong by, `mount` the length of backbone that obstacles do not concern. With `prefix` an overlap
+does not end the work: everything before it is to be proved."""
 
 Interval = namedtuple("Interval", ["level", "begin", "h", "a", "b"])
 """Halvings of time, when it begins and how long it is, and which knots of the sweep its ends are."""
@@ -42,7 +42,7 @@ def wanted(aim: Aim, seen: Array) -> float:
     """The clearance from which on a bound is as good as it has to be, for what was `seen` (6,)."""
     if aim.slack >= 1.0 or seen[LEAST] == math.inf:
         return 0.0
-    return (1.0 - aim.slack) * max(0.0, float(seen[LEAST]))
+    return max(0.0, (1.0 - aim.slack) * float(seen[LEAST]) - aim.finest)
 
 
 GRACE = 1.0 + 1e-9

@@ -163,19 +163,24 @@ def _by_corners(course: Course, couple: Couple, pieces: Pieces) -> tuple[float, 
 
 
 @kernel
-def _see(course: Course, pair: Pair, s: float, t: float, prefix: bool, seen: Array) -> bool:
+def _see(course: Course, pair: Pair, pieces: Pieces, places: tuple[float, float], prefix: bool, seen: Array) -> bool:
     """Keep the gap between two places at the ends of the interval, if it is less than what was `seen` (6,).
 
+    Where these do not concern each other, the places of their pieces that are farthest apart along the body are taken.
     Returns whether there is an overlap: with `prefix`, when the interval begins.
     """
     least = math.inf
     for at_end in range(1 if prefix else 2):
         shape = course.last if at_end else course.first
-        if amount_between(shape, pair, pair.column, s, t) >= pair.enough:
-            gap, when = gap_at(shape, pair, s, t), course.begin + at_end * course.h
-            least = min(least, gap)
-            if gap < seen[LEAST]:
-                seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, when, pair.i, s, pair.j
+        s, t = places
+        if amount_between(shape, pair, pair.column, s, t) < pair.enough:
+            s, t = pieces[0], pieces[2] + pieces[3]
+        if amount_between(shape, pair, pair.column, s, t) < pair.enough:
+            continue
+        gap, when = gap_at(shape, pair, s, t), course.begin + at_end * course.h
+        least = min(least, gap)
+        if gap < seen[LEAST]:
+            seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, when, pair.i, s, pair.j
     return least < 0.0
 
 
@@ -198,7 +203,7 @@ def clear_couple(course: Course, couple: Couple, aim: Aim, seen: Array) -> tuple
                 by_corners, space, time, s, t = _by_corners(course, couple, pieces)
                 low = max(low, by_corners - aim.rounding)
                 if not (low > 0.0 and low >= wanted(aim, seen)):
-                    if _see(course, pair, s, t, aim.prefix, seen):
+                    if _see(course, pair, pieces, (s, t), aim.prefix, seen):
                         return TOUCHING, looks
                     size = u * _longest(course, pair.i) + v * _longest(course, pair.j)
                     if space <= time or size <= aim.finest or looks >= MOST_LOOKS:

@@ -107,7 +107,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
                 return n, n, low
             j = int(spans[i, FIRST])
         if j == i:
-            if _meets_itself(shape, i):
+            if meets_itself(shape, i):
                 return i, i, low
             continue
         needed = limits[i, RADIUS] + limits[j, RADIUS]
@@ -125,7 +125,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
 
 
 @kernel
-def _meets_itself(shape: Shape, i: int) -> bool:
+def meets_itself(shape: Shape, i: int) -> bool:
     """Whether segment `i` alone turns far enough to come back to itself."""
     radius = shape.limits[i, RADIUS]
     turn = shape.spans[i + 1, TURNED] - shape.spans[i, TURNED]

@@ -50,6 +50,15 @@ def _carve_trees(buffer: Array, n: int) -> Trees:
     )
 
 
+def nodes_of(workspace: Array, segments: int) -> Array:
+    """The nodes of the first tree (m, n, 3) in the workspace of a plan."""
+    q = 3 * segments
+    trees = workspace[segments + 2 * SEEN_WIDTH + 2 * q :]
+    nodes = (len(trees) - q - 2) // (2 * (q + 1))
+    counts = trees[2 * nodes * (q + 1) :][:2].view(np.int64)
+    return trees[: nodes * q].reshape(nodes, segments, 3)[: counts[0]]
+
+
 @kernel
 def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
     """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
@@ -100,6 +109,7 @@ def plan(
         if one >= 0:
             allow(sweep.clock, FOR_PROOF * seconds)
             count = path_through(trees, one, other, q)
+        if count > 0:
             forget(path, count)
             count = skip(space, path, count, exact)
             if tries > 0 and count > 2:

@@ -124,7 +124,8 @@ def _replace(path: Path, count: int, a: int, b: int, ends: Array, answer: Array)
 def shorten(space: Space, path: Path, count: int, tries: int, seed: int, exact: Exactness, ends: Array) -> int:
     """Join random places of a path of `count` configurations, so often as there are `tries`.
 
-    Returns how many configurations it has then. The places lie on different edges; `ends` (2, n, 3) is scratch, and so is the last answer of the path.
+    The places lie on different edges. Returns how many configurations it has then. `ends` (2, n, 3) is scratch, and so
+    is the last answer of the path.
     """
     most = path.q.shape[0] - 1
     answer = path.answers[most : most + 1]

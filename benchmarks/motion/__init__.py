@@ -1,0 +1,1 @@
+"""Motions: planned, tracked, along a leader; each judged at 50 configurations a step."""

@@ -1,0 +1,24 @@
+"""`python -m benchmarks motion`: what is planned and tracked, how quickly, and whether it is as clear as it claims."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+from benchmarks.harness.experiment import Measurement, OfLines
+from benchmarks.harness.lines import Line
+from benchmarks.harness.plan import Plan
+from benchmarks.motion import p5
+
+SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {**p5.PARTS}
+"""One piece each, by name."""
+
+
+class Motions(OfLines):
+    """The experiment; see `Experiment`."""
+
+    def __init__(self, plan: Plan) -> None:
+        super().__init__("motion", plan)
+
+    def parts(self) -> Iterator[tuple[str, Measurement]]:
+        """One section is one piece."""
+        for name, measure in SECTIONS.items():
+            yield name, partial(measure, self.plan)

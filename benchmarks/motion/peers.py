@@ -1,0 +1,76 @@
+"""Planners of OMPL (Sucan, Moll & Kavraki 2012) on the same pairs, over the same proofs of states and motions."""
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from benchmarks.motion.pairs import Pair
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import VERDICT
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.solving.between import Prover
+
+PLANNERS = ("RRTConnect", "BITstar")
+
+
+def installed() -> bool:
+    """Whether OMPL is there; it has no wheels for every platform."""
+    return find_spec("ompl") is not None
+
+
+def plan_all(pair: Pair, seconds: float) -> dict[str, tuple[float, bool]]:
+    """Return the time that each planner took, and whether it found a way."""
+    return {name: _plan(name, pair, seconds) for name in PLANNERS} if installed() else {}
+
+
+def _plan(name: str, pair: Pair, seconds: float) -> tuple[float, bool]:
+    from ompl import base, geometric, util  # noqa: PLC0415
+
+    util.setLogLevel(util.LogLevel.LOG_ERROR)
+    n = len(pair.robot)
+    space, bounds = base.RealVectorStateSpace(2 * n), base.RealVectorBounds(2 * n)
+    bounds.setLow(-np.pi)
+    bounds.setHigh(np.pi)
+    space.setBounds(bounds)
+    setup = geometric.SimpleSetup(space)
+    clear = _checker(pair)
+    setup.setStateValidityChecker(lambda state: clear(_read(state, n)))
+
+    class Proof(base.MotionValidator):  # type: ignore[misc]
+        def checkMotion(self, one: Any, other: Any, *_: Any) -> bool:  # noqa: N802
+            return clear(_read(one, n), _read(other, n))
+
+    information = setup.getSpaceInformation()
+    information.setMotionValidator(Proof(information))
+    setup.setStartAndGoalStates(_write(space, pair.start), _write(space, pair.goal))
+    setup.setPlanner(getattr(geometric, name)(information))
+    began = perf_counter()
+    setup.solve(seconds)
+    return perf_counter() - began, bool(setup.haveExactSolutionPath())
+
+
+def _checker(pair: Pair) -> Callable[..., bool]:
+    prover = Prover(pair.robot, pair.scene.snapshot())
+
+    def clear(one: Floats, other: Floats | None = None) -> bool:
+        q = np.stack([one, one if other is None else other])
+        if (np.hypot(q[..., 0], q[..., 1]) > np.pi).any():
+            return False
+        return bool(prover.prove(q, slack=1.0)[0, VERDICT] == CLEAR)
+
+    return clear
+
+
+def _read(state: Any, n: int) -> Floats:
+    bends = np.array([state[i] for i in range(2 * n)]).reshape(n, 2)
+    return np.concatenate([bends, np.ones((n, 1))], axis=1)
+
+
+def _write(space: Any, q: Floats) -> Any:
+    state = space.allocState()
+    for i, value in enumerate(q[:, :2].ravel()):
+        state[i] = float(value)
+    return state

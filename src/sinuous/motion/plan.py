@@ -1,0 +1,210 @@
+"""Plan a motion from a start to a goal, proved clear all the way."""
+
+import time as clock
+from collections.abc import Callable
+from functools import cached_property, partial
+from typing import Any, Unpack, cast
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Whole
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.methods.registry import name_of
+from sinuous.motion.motion import Motion
+from sinuous.motion.planning.goals import FixedGoal, Goals
+from sinuous.motion.planning.question import Question
+from sinuous.motion.planning.ways import find_way
+from sinuous.motion.start import blocked_by
+from sinuous.motion.times import spread_times
+from sinuous.motion.told import Told
+from sinuous.problem.problem import check_sizes
+from sinuous.problem.suspicions import suspicions, warn_of
+from sinuous.problem.target import Target, Targets, target_list
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import SceneLike, as_scene
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import Status
+from sinuous.solution.verification import Worst
+from sinuous.solving.between import Prover, Steps, load_motions
+from sinuous.solving.options import SolveArguments, SolveOptions
+from sinuous.solving.planning.trees import Way, load_trees
+from sinuous.solving.solver import Initial, OneSolve, Solver
+
+TIME = 5.0
+"""Default budget of a plan, in seconds."""
+
+MOST_SHORTCUTS = 1_000_000
+
+Goal = Targets | Initial
+"""Where a plan may end: at a target, at several that are met at once, or at a configuration."""
+
+LIMITS = ("length", "bend", "curvature", "actuator")
+
+
+Made = Callable[..., Motion]
+"""Makes the motion of a plan, of what is told of it."""
+
+
+class PlanArguments(SolveArguments, total=False):
+    """Options of `plan` as keyword arguments."""
+
+    shortcuts: Whole
+
+
+def plan(
+    robot: Robot, start: Initial, goal: Goal, scene: SceneLike | None = None, **options: Unpack[PlanArguments]
+) -> Motion:
+    """Plan a motion from a start to a goal: the whole body proved clear of obstacles and of itself, all the way.
+
+    The straight line in the space of configurations is tried first, then trees of configurations that grow towards each
+    other from the start and from the goals (RRT-Connect, Kuffner & LaValle 2000). What can be left out of the way that
+    is found is left out. With a target as goal, it is solved from the start first, and more configurations that meet
+    it become goals while the trees grow.
+
+    Parameters
+    ----------
+    robot : Robot
+    start : Solution or array_like (n, 3)
+        The configuration that the robot is in.
+    goal : Target, list of Target, Solution or array_like (n, 3)
+        Where it must be: a target, several that are met at once, or a configuration.
+    scene : Scene or list of obstacles, optional
+    **options
+        As for `Solver`, for solving the target; `time` is the budget of the plan, by default 5 s. `shortcuts`: how many
+        random places of the way are tried to be joined directly, by default none. The same `seed` gives the same
+        motion, unless the time runs out.
+
+    Returns
+    -------
+    Motion
+        Always; look at its status. The start is at time 0, the goal at time 1. Its status is `start_blocked` where the
+        start overlaps or violates a limit, `target_blocked` where a configuration as goal overlaps; with a target what
+        `solve` says of it, where it is not solved; `time_limit` where no motion was found, which does not mean that
+        there is none. Its knots are the start alone in all these cases.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be, or a configuration as goal violates a limit.
+    """
+    return Planner(robot, scene, **options).plan(start, goal)
+
+
+class Planner:
+    """A robot in a scene, prepared once for many plans.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene or list of obstacles, optional
+        Live: after an update the next plan sees the new obstacles.
+    **options
+        As for `plan`.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    """
+
+    def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[PlanArguments]) -> None:
+        given: dict[str, Any] = dict(options)
+        if not isinstance(robot, Robot):
+            raise InputError("robot", "", robot, "a Robot")
+        self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
+        self._robot, self._scene, self._options = robot, as_scene(scene), SolveOptions.of({"time": TIME, **given})
+        check_sizes(robot, self._scene)
+        warn_of(suspicions(robot, self._scene.snapshot()))
+        load_motions(robot, self._scene.snapshot())
+        load_trees(robot, self._scene.snapshot())
+
+    def plan(self, start: Initial, goal: Goal) -> Motion:
+        """Plan a motion from a start to a goal; see the function `plan`."""
+        begin, end = self._configuration("start", start), self._end(goal)
+        if not isinstance(end, np.ndarray):
+            _ = self._solver  # loaded now, because compiling is no planning
+        spent, scene = Watch(self._options.time), self._scene.snapshot()
+        made, prover = partial(self._made, spent, begin), Prover(self._robot, scene)
+        worst = blocked_by(self._robot, begin, prover)
+        if worst is not None:
+            return made(scene, ended=Status.START_BLOCKED, blocking=worst)
+        if isinstance(end, np.ndarray):
+            worst = self._blocked_at_the_end(end, prover)
+            if worst is not None:
+                return made(scene, ended=Status.TARGET_BLOCKED, blocking=worst)
+            goals: FixedGoal | Goals = FixedGoal(end)
+        else:
+            solution = self._solver.solve(end, begin)
+            spent.but_for(solution.seconds)
+            if not solution.solved:
+                return made(scene, solutions=(solution,), waypoint_knots=(None,))
+            goals, scene = Goals(self._solver, solution), solution.problem.scene
+        seed, shortcuts = self._options.seed, self._shortcuts
+        question = Question(self._robot, scene, begin, goals, seed, shortcuts, spent.seconds_left)
+        return self._arrived(made, question, goals)
+
+    @cached_property
+    def _solver(self) -> Solver:
+        """Solves targets; without any, nothing is compiled for it."""
+        return OneSolve.prepared(self._robot, self._scene, self._options)
+
+    def _configuration(self, key: str, given: Initial) -> Floats:
+        return checks.array(key, given.q if isinstance(given, Solution) else given, (len(self._robot), 3))
+
+    def _arrived(self, made: Made, question: Question, goals: FixedGoal | Goals) -> Motion:
+        """Look for a way, and say which of the goals it leads to."""
+        way = find_way(question)
+        solutions = tuple(goals.solutions) if isinstance(goals, Goals) else ()
+        if way is None:
+            first = solutions[:1]
+            return made(question.scene, ended=Status.TIME_LIMIT, solutions=first, waypoint_knots=(None,) * len(first))
+        met = tuple(solution for solution in solutions if np.array_equal(solution.q, way.q[-1]))[:1]
+        return made(question.scene, way, solutions=met, waypoint_knots=(len(way.q) - 1,) * len(met))
+
+    def _made(self, spent: "Watch", start: Floats, scene: Snapshot, way: Way | None = None, **told: Any) -> Motion:
+        robot = self._robot
+        q, answers = (start[None], np.zeros((0, ANSWER_WIDTH))) if way is None else way
+        fixed = np.array([0] if way is None else [0, len(q) - 1])
+        times = spread_times(robot, q, fixed, np.arange(float(len(fixed))))
+        method, seed = name_of(self._options.method), self._options.seed
+        found = Told(seconds=spent.seconds, method=method, seed=seed, **told)
+        return Motion.made(robot, scene, q, times, Steps(answers), found)
+
+    def _end(self, goal: Goal) -> Floats | list[Target]:
+        """The configuration (n, 3) or the targets that are meant."""
+        if isinstance(goal, Target):
+            return [goal]
+        if isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal):
+            return list(target_list("goal", goal))
+        return self._configuration("goal", cast(Initial, goal))
+
+    def _blocked_at_the_end(self, end: Floats, prover: Prover) -> Worst | None:
+        """Where a configuration as goal overlaps; a limit that it violates is refused."""
+        worst = blocked_by(self._robot, end, prover)
+        if worst is not None and worst.constraint in LIMITS:
+            raise InputError("goal", str(worst), end.tolist(), "a configuration within all limits")
+        return worst
+
+
+class Watch:
+    """Counts the seconds of a plan, and says how many are left of a budget."""
+
+    def __init__(self, budget: float) -> None:
+        self._budget, self._began = budget, clock.perf_counter()
+
+    def but_for(self, seconds: float) -> None:
+        """Count so many seconds for what was done since the watch was made; the rest of it was compiling."""
+        self._began = clock.perf_counter() - seconds
+
+    @property
+    def seconds(self) -> float:
+        """Seconds until now."""
+        return clock.perf_counter() - self._began
+
+    def seconds_left(self) -> float:
+        """What is left of the budget."""
+        return self._budget - self.seconds

@@ -1,0 +1,46 @@
+"""From where to where a way is sought, in which scene, and with what in hand."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.planning.trees import Way
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a source of ways is asked.
+
+    Attributes
+    ----------
+    robot : Robot
+    scene : Snapshot
+    start : ndarray (n, 3)
+        Within all limits and clear.
+    goals : callable
+        Takes configurations (m, n, 3) that the start is known to reach, and returns all goals so far (g, n, 3): within
+        all limits and clear. There may be more of them each time.
+    seed : int
+    shortcuts : int
+        How many are tried on a way that was found.
+    seconds_left : callable
+    """
+
+    robot: Robot
+    scene: Snapshot
+    start: Floats
+    goals: Callable[[Floats], Floats]
+    seed: int
+    shortcuts: int
+    seconds_left: Callable[[], float]
+
+
+class Source(Protocol):
+    """Looks for ways. The sources of a plan take turns: each goes on when its next answer is asked for."""
+
+    def __call__(self, question: Question) -> Iterator[Way | None]:
+        """Yield a way, or `None` where another source may try; end when there is nothing left to try."""
+        ...

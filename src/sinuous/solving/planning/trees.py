@@ -1,0 +1,56 @@
+"""Two trees of configurations, from a start and from goals, and the way where they meet: see `kernels.planning`."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous import packing
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.between.sweep import sweep_size
+from sinuous.kernels.planning.query import nodes_of, plan, plan_size
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
+
+MOST_NODES, MOST_NUMBERS = 20_000, 8_000_000
+"""Nodes of a tree, and numbers of all nodes."""
+
+MOST_KNOTS = 4_000
+
+
+class Way(NamedTuple):
+    """Knots (T, n, 3) from a start to a goal, and what is proved of the steps between them (T - 1, 14)."""
+
+    q: Floats
+    answers: Floats
+
+
+class Trees:
+    """Both trees of one plan, in memory that is used again."""
+
+    def __init__(self, robot: Robot, scene: Snapshot) -> None:
+        n = len(robot)
+        nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
+        self._robot, self._groups = robot, (packing.robot_group(robot), scene._kernel_group)
+        self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
+        self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
+
+    def grow(self, ends: Floats, seed: int, draws: tuple[int, int], seconds: float, shortcuts: int = 0) -> Way | None:
+        """Grow by draws from the first to before the last of `draws`; when the first is 0, both trees are planted anew.
+
+        `ends` (1 + g, n, 3): the start and goals, or more goals.
+        """
+        asked = float(self._robot.mount), self._robot.mean_length, seconds, seed, *draws, shortcuts
+        work = self._scratch, self._workspace, self._q, self._answers
+        count, _, _ = plan(*self._groups, ends, asked, *work)
+        return Way(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
+
+    @property
+    def reached(self) -> Floats:
+        """The nodes of the start's tree (m, n, 3)."""
+        return nodes_of(self._workspace, len(self._robot))
+
+
+def load_trees(robot: Robot, scene: Snapshot) -> None:
+    """Compile what grows trees, or load it."""
+    Trees(robot, scene).grow(np.zeros((1, len(robot), 3)), 0, (0, 0), 0.0)

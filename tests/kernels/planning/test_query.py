@@ -1,0 +1,158 @@
+"""Paths of configurations: every edge is clear, ends and limits are kept, and the same seed gives the same path."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, VERDICT
+from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH, sweep_size
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.planning.query import nodes_of, plan, plan_size
+from sinuous.packing import robot_group
+from sinuous.scene.scene import Scene
+from sinuous.solving.between import prove_steps
+from tests.helpers import Floats
+from tests.kernels.between.motions import shape
+
+NODES, KNOTS = 4000, 500
+ROBOT = sn.Robot([sn.Segment((0.8, 1.2), 2.8, radius=0.05)] * 4)
+
+
+class Plan:
+    """One plan, whose trees can grow on."""
+
+    def __init__(self, robot: sn.Robot, scene: Scene) -> None:
+        self.robot, self.scene, n = robot, scene.snapshot(), len(robot)
+        self.work = np.full(sweep_size(n, len(scene)), np.nan), np.full(plan_size(n, NODES), np.nan)
+        self.q, self.answers = np.full((KNOTS, n, 3), np.nan), np.full((KNOTS, ANSWER_WIDTH), np.nan)
+
+    def grow(
+        self, ends: Floats, draws: tuple[int, int] = (0, 5000), seed: int = 0, tries: int = 0, seconds: float = 60.0
+    ) -> Floats:
+        """Knots (T, n, 3) of what was found; none when T is 0."""
+        asked = float(self.robot.mount), self.robot.mean_length, seconds, seed, *draws, tries
+        group = robot_group(self.robot), self.scene.group.copy()
+        count, self.nodes, self.length = plan(*group, ends, asked, *self.work, self.q, self.answers)
+        return self.q[:count].copy()
+
+
+def pair(seed: int, robot: sn.Robot = ROBOT) -> tuple[Scene, Floats]:
+    """Spheres, and two configurations (2, n, 3) that are clear of them and of themselves."""
+    rng = np.random.default_rng(seed)
+    centers = rng.uniform(-4.0, 4.0, (60, 3))
+    scene = Scene([sn.Sphere(c, 0.3) for c in centers if np.linalg.norm(c[:2]) > 0.4 or not -0.4 < c[2] < 4.4])
+    ends: list[Floats] = []
+    while len(ends) < 2:
+        q = shape(robot, rng)
+        if prove_steps(robot, scene.snapshot(), np.stack([q, q])).proved.all():
+            ends.append(q)
+    return scene, np.stack(ends)
+
+
+def test_every_edge_is_clear_and_the_ends_are_those_that_were_asked_for() -> None:
+    knots = []
+    for seed in range(20):
+        scene, ends = pair(seed)
+        made = Plan(ROBOT, scene)
+        path = made.grow(ends)
+        assert len(path) >= 2, seed
+        np.testing.assert_array_equal(path[[0, -1]], ends)
+        again = prove_steps(ROBOT, made.scene, path)
+        assert again.proved.all()
+        answers = made.answers[: len(path) - 1]
+        assert (answers[:, VERDICT] == CLEAR).all()
+        for column in (SEEN + LOW, SEEN + SEEN_WIDTH + LOW):
+            assert answers[:, column].min() == pytest.approx(again.answers[:, column].min(), rel=0.2)
+        assert max(ROBOT.excess(q) for q in path) < 1e-12
+        knots.append(len(path))
+    assert max(knots) > 2  # not all of them are straight
+
+
+def test_the_same_seed_gives_the_same_path_and_another_one_another() -> None:
+    scene, ends = next((s, e) for s, e in map(pair, range(20)) if len(Plan(ROBOT, s).grow(e)) > 2)
+    first, again, other = (
+        Plan(ROBOT, scene).grow(ends),
+        Plan(ROBOT, scene).grow(ends),
+        Plan(ROBOT, scene).grow(ends, seed=1),
+    )
+    np.testing.assert_array_equal(first, again)
+    assert other.shape != first.shape or not np.array_equal(other, first)
+
+
+def test_shortcuts_make_no_path_longer_and_leave_it_clear() -> None:
+    shorter = 0
+    for seed in range(8):
+        scene, ends = pair(seed)
+        plain, tight = Plan(ROBOT, scene), Plan(ROBOT, scene)
+        plain.grow(ends)
+        path = tight.grow(ends, tries=30)
+        assert prove_steps(ROBOT, tight.scene, path).proved.all()
+        assert (tight.answers[: len(path) - 1, VERDICT] == CLEAR).all()
+        assert tight.length <= plain.length + 1e-9
+        shorter += tight.length < 0.99 * plain.length
+    assert shorter > 0
+
+
+def test_trees_grow_on_with_more_goals() -> None:
+    """What few draws do not reach is reached by more, from the nodes that are there; so is a goal that comes later."""
+    for scene, ends in map(pair, range(20)):
+        made = Plan(ROBOT, scene)
+        if len(made.grow(ends, (0, 2))):
+            continue
+        nodes = nodes_of(made.work[1], len(ROBOT)).copy()
+        np.testing.assert_array_equal(nodes[0], ends[0])
+        path = made.grow(ends[[0, 0]], (2, 5000))
+        np.testing.assert_array_equal(path[[0, -1]], ends[[0, 0]])
+        path = made.grow(ends[:1], (2, 5000))
+        np.testing.assert_array_equal(path[[0, -1]], ends)
+        now = nodes_of(made.work[1], len(ROBOT))
+        np.testing.assert_array_equal(now[: len(nodes)], nodes)
+        return
+    pytest.fail("no pair is hard enough")
+
+
+def test_limits_of_actuators_are_kept_all_the_way() -> None:
+    tendons = sn.Tendons(3, 0.05, displacement=(-0.08, 0.08))
+    robot = sn.Robot([sn.Segment((0.8, 1.2), 2.8, radius=0.05, tendons=tendons)] * 3)
+    rng = np.random.default_rng(4)
+    scene = Scene([sn.Sphere(c, 0.25) for c in rng.uniform(-3, 3, (40, 3)) if np.hypot(*c[:2]) > 0.4])
+    kept: list[Floats] = []
+    while len(kept) < 2:
+        q = shape(robot, rng)
+        q[:, :2] *= 0.4
+        clear = prove_steps(robot, scene.snapshot(), np.stack([q, q])).proved.all()
+        if robot.excess(q) <= 0.0 and clear:
+            kept.append(q)
+    made = Plan(robot, scene)
+    path = made.grow(np.stack(kept))
+    assert len(path) >= 2
+    assert max(robot.excess(q) for q in path) < 1e-12
+
+
+def test_without_time_nothing_is_found_but_what_is_straight() -> None:
+    scene, ends = next((s, e) for s, e in map(pair, range(20)) if len(Plan(ROBOT, s).grow(e)) > 2)
+    assert len(Plan(ROBOT, scene).grow(ends, seconds=0.0)) == 0
+
+
+def test_a_path_that_does_not_fit_is_none() -> None:
+    scene, ends = next((s, e) for s, e in map(pair, range(20)) if len(Plan(ROBOT, s).grow(e)) > 2)
+    made = Plan(ROBOT, scene)
+    made.q, made.answers = made.q[:2].copy(), made.answers[:2].copy()
+    assert len(made.grow(ends)) == 0
+
+
+def test_who_stays_where_he_is_is_there() -> None:
+    scene, ends = pair(0)
+    path = Plan(ROBOT, scene).grow(ends[[0, 0]])
+    np.testing.assert_array_equal(path, ends[[0, 0]])
+
+
+def test_the_length_is_that_of_the_path() -> None:
+    scene, ends = pair(1)
+    made = Plan(ROBOT, scene)
+    path = made.grow(ends)
+    levers = 1.0 * np.arange(3, -1, -1) + 0.5
+    steps = np.diff(path, axis=0) * np.stack([levers, levers, np.ones(4)], axis=-1)
+    assert made.length == pytest.approx(math.fsum(np.sqrt((steps**2).sum(axis=(1, 2)))))

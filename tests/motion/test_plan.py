@@ -1,0 +1,166 @@
+"""Plans: from a start to a target or a configuration, clear all the way, or an honest status."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.motion.judged import collides
+from sinuous.errors import InputError
+from sinuous.motion import plain
+from sinuous.motion.plan import Planner
+from sinuous.motion.planning import goals
+from tests.helpers import Floats
+from tests.kernels.planning.test_query import ROBOT, pair
+
+STRAIGHT = [[0.0, 0.0, 1.0]] * 4
+
+
+def test_a_plan_to_a_configuration_is_proved_and_judged_clear() -> None:
+    for seed in range(6):
+        scene, (start, goal) = pair(seed)
+        motion = sn.plan(ROBOT, start, goal, scene)
+        assert motion.solved
+        assert motion.between == "proved"
+        np.testing.assert_array_equal(motion.q[[0, -1]], [start, goal])
+        np.testing.assert_array_equal(motion.times[[0, -1]], [0.0, 1.0])
+        assert motion.clearance is not None
+        assert motion.clearance > 0.0
+        assert collides(ROBOT, scene, motion.q) == ""
+
+
+def test_a_plan_to_a_target_ends_there() -> None:
+    for seed in range(6):
+        scene, (start, goal) = pair(seed)
+        tip = ROBOT.tip(goal)
+        motion = sn.plan(ROBOT, start, sn.Target(tip[:3, 3], direction=tip[:3, 2]), scene)
+        assert motion.solved
+        (solution,) = motion.solutions
+        np.testing.assert_array_equal(motion.q[-1], solution.q)
+        assert motion.waypoint_knots == (len(motion.q) - 1,)
+        assert solution.verify().ok
+        assert collides(ROBOT, scene, motion.q) == ""
+
+
+def test_several_targets_are_met_at_once_and_a_solution_is_a_configuration() -> None:
+    scene, (start, goal) = pair(0)
+    ends = ROBOT.forward(goal)
+    targets = [sn.Target(ends[1, :3, 3], segment=2), sn.Target(ends[3, :3, 3])]
+    motion = sn.plan(ROBOT, start, targets, scene)
+    assert motion.solved
+    assert len(motion.solutions[0].problem.targets) == 2
+    back = sn.plan(ROBOT, motion.solutions[0], start, scene)
+    assert back.solved
+    assert sn.plan(ROBOT, start, motion.solutions[0], scene).solved
+
+
+def test_more_goals_are_found_while_the_trees_grow(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    call = goals.Goals.__call__
+
+    def counted(self: goals.Goals, reached: Floats) -> Floats:
+        found = call(self, reached)
+        asked.append(len(found))
+        return found
+
+    monkeypatch.setattr(goals.Goals, "__call__", counted)
+    for seed in range(12):
+        scene, (start, goal) = pair(seed)
+        sn.plan(ROBOT, start, sn.Target(ROBOT.tip(goal)[:3, 3]), scene, time=2.0)
+    assert max(asked) > 1
+
+
+def test_without_obstacles_the_way_is_straight() -> None:
+    _, (start, goal) = pair(3)
+    robot = ROBOT.changed(self_collision="allow")
+    motion = sn.plan(robot, start, goal)
+    assert motion.solved
+    assert len(motion.q) == 2
+    assert motion.clearance is None
+
+
+def test_the_same_seed_gives_the_same_motion() -> None:
+    scene, (start, goal) = next((s, e) for s, e in map(pair, range(20)) if len(sn.plan(ROBOT, e[0], e[1], s).q) > 2)
+    one, other = (sn.plan(ROBOT, start, goal, scene, seed=3) for _ in range(2))
+    np.testing.assert_array_equal(one.q, other.q)
+    planner = Planner(ROBOT, scene, seed=3)
+    for _ in range(2):
+        np.testing.assert_array_equal(planner.plan(start, goal).q, one.q)
+
+
+def test_a_start_that_is_blocked_is_said_to_be() -> None:
+    ball = [sn.Sphere((0.0, 0.0, 2.0), 0.3, name="ball")]
+    bent = [[2.0, 0.0, 1.0]] * 4
+    motion = sn.plan(ROBOT, STRAIGHT, bent, ball)
+    assert motion.status is sn.Status.START_BLOCKED
+    assert not motion.solved
+    assert motion.worst is not None
+    assert motion.worst.obstacle == "ball"
+    beyond = sn.plan(ROBOT, [[0.0, 0.0, 1.5]] * 4, STRAIGHT)
+    assert beyond.status is sn.Status.START_BLOCKED
+    assert beyond.worst is not None
+    assert beyond.worst.constraint == "length"
+    curled = sn.plan(ROBOT, [[2.8, 0.0, 1.0]] * 4, STRAIGHT)
+    assert curled.status is sn.Status.START_BLOCKED
+    assert curled.worst is not None
+    assert curled.worst.constraint == "self_clearance"
+
+
+def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() -> None:
+    ball = [sn.Sphere((0.0, 0.0, 2.0), 0.3, name="ball")]
+    bent = [[1.0, 0.0, 1.0]] * 4
+    motion = sn.plan(ROBOT, bent, STRAIGHT, ball)
+    assert motion.status is sn.Status.TARGET_BLOCKED
+    assert motion.worst is not None
+    assert motion.worst.obstacle == "ball"
+    with pytest.raises(InputError, match=r"^goal: .*length .*segment 1.* limits"):
+        sn.plan(ROBOT, bent, [[0.0, 0.0, 1.5]] * 4)
+
+
+def test_what_solve_proves_of_a_target_is_the_status() -> None:
+    motion = sn.plan(ROBOT, STRAIGHT, sn.Target((9.0, 0.0, 0.0)))
+    assert motion.status is sn.Status.OUT_OF_REACH
+    assert len(motion.q) == 1
+    assert motion.waypoint_knots == (None,)
+
+
+def test_what_was_not_found_is_not_called_impossible() -> None:
+    """A plate between start and goal, too large to get round it."""
+    robot = sn.Robot.uniform(2, 1.0, 2.0, radius=0.05)
+    plate = [sn.Box((0.0, 0.0, 1.45), (0.02, 8.0, 2.0))]
+    right, left = [[1.0, 0.0, 1.0], [0.0, 0.0, 1.0]], [[-1.0, 0.0, 1.0], [0.0, 0.0, 1.0]]
+    motion = sn.plan(robot, right, left, plate, time=0.1)
+    assert motion.status is sn.Status.TIME_LIMIT
+    assert "not solved within the time budget" in str(motion)
+    assert 0.05 < motion.seconds < 1.0
+    assert sn.plan(robot, right, left, plate, time=0.0).status is sn.Status.TIME_LIMIT
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"shortcuts": -1}, r"^shortcuts: expected"),
+        ({"time": -1.0}, r"^time: expected"),
+        ({"speed": 1}, r"^speed: expected one of tolerance"),
+    ],
+)
+def test_wrong_options_are_refused(options: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        sn.plan(ROBOT, STRAIGHT, STRAIGHT, **options)  # type: ignore[arg-type]
+
+
+def test_wrong_ends_are_refused() -> None:
+    with pytest.raises(InputError, match=r"^start: expected .*3"):
+        sn.plan(ROBOT, [[0, 0, 1]], STRAIGHT)
+    with pytest.raises(InputError, match=r"^goal: expected .*3"):
+        sn.plan(ROBOT, STRAIGHT, [[0, 0, 1]])
+    with pytest.raises(InputError, match=r"^goal\[1\]: expected a Target"):
+        sn.plan(ROBOT, STRAIGHT, [sn.Target((0, 0, 3)), 4])  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"^robot: expected a Robot"):
+        sn.plan(None, STRAIGHT, STRAIGHT)  # type: ignore[arg-type]
+
+
+def test_a_motion_to_a_configuration_is_read_again() -> None:
+    scene, (start, goal) = pair(2)
+    motion = sn.plan(ROBOT, start, goal, scene)
+    again = plain.read(sn.Motion, motion.to_dict(), (), (ROBOT, motion.scene))
+    assert again.to_dict() == motion.to_dict()

@@ -32,11 +32,25 @@ def test_every_waypoint_is_solved_and_verifies() -> None:
     assert track.raise_for_status() is track
 
 
-def test_a_step_through_an_obstacle_is_not_proved() -> None:
-    """A thin plate between two waypoints, each of which is clear of it."""
-    plate = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))
-    away = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
-    track = sn.track(ROBOT, away, [plate], deviation=1.0)
+PLATE = sn.Box((0.0, 0.0, 2.6), (0.02, 3.0, 1.4))
+ACROSS = [sn.Target((x, 0.0, 2.8)) for x in (-1.5, -1.2, 1.2, 1.5)]
+"""A thin plate between two waypoints, each of which is clear of it."""
+
+
+def test_where_an_obstacle_is_in_the_way_the_robot_goes_around() -> None:
+    track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0)
+    assert track.solved
+    assert track.reconfigured == (3,)
+    sampled = track.at(np.linspace(0.0, 3.0, 2000))
+    assert sn.Scene([PLATE]).distance(ROBOT.backbone(sampled)).min() > 0.05
+    for solution, knot in zip(track.solutions, track.waypoint_knots, strict=True):
+        assert knot is not None
+        np.testing.assert_array_equal(track.q[knot], solution.q)
+
+
+def test_where_no_way_is_found_the_step_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sinuous.motion.following.tracker.find_way", lambda question: None)
+    track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0)
     assert all(solution.solved for solution in track.solutions)
     assert (track.between, len(track.unproved_steps), track.reconfigured) == ("unproved", 1, (3,))
     assert track.status is sn.Status.UNPROVED
@@ -45,7 +59,7 @@ def test_a_step_through_an_obstacle_is_not_proved() -> None:
     assert track.to_dict()["unproved_steps"] == list(track.unproved_steps)
     (step,) = track.unproved_steps
     middle = track.at(np.linspace(track.times[step - 1], track.times[step], 50))
-    assert min(float(sn.Scene([plate]).distance(ROBOT.backbone(q)).min()) for q in middle) < 0.05
+    assert min(float(sn.Scene([PLATE]).distance(ROBOT.backbone(q)).min()) for q in middle) < 0.05
 
 
 def test_what_is_not_solved_is_no_knot() -> None:

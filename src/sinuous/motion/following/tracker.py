@@ -14,6 +14,9 @@ from sinuous.motion.following.knots import Knot
 from sinuous.motion.following.shortest import Means, metric_of, shorten
 from sinuous.motion.following.straight import Straight
 from sinuous.motion.motion import Motion
+from sinuous.motion.planning.goals import Goals
+from sinuous.motion.planning.question import Question
+from sinuous.motion.planning.ways import find_way
 from sinuous.motion.start import blocked_by
 from sinuous.motion.times import spread_times
 from sinuous.motion.told import Told
@@ -22,10 +25,14 @@ from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
 from sinuous.solving.between import Prover, Steps, load_motions
+from sinuous.solving.planning.trees import Way, load_trees
 from sinuous.solving.solver import Initial, Solver
 
 SLACK = 0.5
 """How far below the true clearance its proved bound may be, as a share of it: close to obstacles more takes longer."""
+
+SHORTCUTS = 10
+"""How many are tried on a way around."""
 
 SHORTEST = 1.0 / 64.0
 """Share of the way between two waypoints below which steps are not halved."""
@@ -132,12 +139,32 @@ class Tracker:
         return came if came[0, VERDICT] == CLEAR else None
 
     def _go_around(self, solution: Solution) -> Solution:
-        """Change the configuration to that of a waypoint on any way; the step is not proved where none is found."""
+        """Change the configuration to one of a waypoint on any way; the step is not proved where none is found."""
+        self._reconfigured.append(len(self._tried) + 1)
+        way, goals = self._find_way(solution)
+        if way is not None:
+            steps = np.split(way.answers, len(way.answers))
+            self._knots += [Knot(q, came) for q, came in zip(way.q[1:-1], steps[:-1], strict=True)]
+            reached = next(each for each in goals.solutions if np.array_equal(each.q, way.q[-1]))
+            self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached))
+            return reached
         ends = self._two(self._knots[-1].q, solution.q)
         came = self._prover.prove(ends, SLACK)
         self._knots.append(Knot(solution.q, came, solution.problem.targets, solution))
-        self._reconfigured.append(len(self._tried) + 1)
         return solution
+
+    def _find_way(self, solution: Solution) -> tuple[Way | None, Goals]:
+        """Plan a way from where the robot is to a waypoint, in the time that a solve may take."""
+        robot, options, scene = self._solver.robot, self._solver.options, self._prover.scene
+        began = clock.perf_counter()
+        load_trees(robot, scene)
+        self._began += clock.perf_counter() - began  # compiling is no planning
+        end = clock.perf_counter() + options.time
+        goals = Goals(self._solver, solution)
+        asked = Question(
+            *(robot, scene, self._knots[-1].q, goals, options.seed, SHORTCUTS), lambda: end - clock.perf_counter()
+        )
+        return find_way(asked), goals
 
     def _two(self, q0: Floats, q1: Floats) -> Floats:
         """Put two configurations into one array (2, n, 3), always the same."""

@@ -1,0 +1,125 @@
+"""Paths: the paper's 180 waypoints behind random spheres, and along a line in every branch; each step is proved."""
+
+from collections.abc import Iterator
+from functools import partial
+from time import perf_counter
+from typing import NamedTuple
+
+import numpy as np
+
+import sinuous as sn
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.plan import Plan
+from benchmarks.harness.times import Times
+from benchmarks.motion.judged import collides
+from benchmarks.paper.scenes import path_through
+from benchmarks.problems import ProblemSet
+from benchmarks.solvers.parallel import in_processes
+from sinuous.motion.motion import Motion
+from sinuous.solution.solution import Solution
+
+SEGMENTS, SPHERES, SEEDS = (5, 8, 10), (10, 30, 50, 70), 12
+
+REACHED = "paths of 180 waypoints behind random spheres: reached by proved motion, of those that were solved"
+WAYPOINT = "paths: median time of a waypoint (one core, warm, with the proof of every step)"
+WORST = "paths: worst time of a waypoint"
+FALSE = "paths: steps called proved in which a judge finds a collision"
+TIP = "paths: tip farther from a waypoint than the tolerance"
+
+
+class Path(NamedTuple):
+    """A path to follow: which, and among what."""
+
+    segments: int
+    spheres: int
+    seed: int
+
+
+class Followed(NamedTuple):
+    """What came of it: seconds of every waypoint; how many were solved, and reached by proved motion; what is wrong."""
+
+    seconds: list[float]
+    solved: int
+    reached: int
+    reconfigured: int
+    wrong: int
+    missed: int
+
+
+def measure(plan: Plan, segments: int) -> Iterator[Line]:
+    """Follow paths among so many spheres, with one number of segments."""
+    for spheres in SPHERES:
+        what = f"{segments} segments, {spheres} spheres"
+        paths = [Path(segments, spheres, 1000 * plan.seed + i) for i in range(plan.count(SEEDS, 1))]
+        followed = list(plan.track(in_processes(follow, paths, alone=plan.quick), what, len(paths)))
+        times = Times.of([second for one in followed for second in one.seconds])
+        solved, reached = (sum(each) for each in zip(*((one.solved, one.reached) for one in followed), strict=True))
+        tried = sum(len(one.seconds) for one in followed)
+        around = sum(one.reconfigured for one in followed)
+        note = f"{tried - solved} of {tried} waypoints were not solved; reconfigured {around} times"
+        yield Line(REACHED, what, 100.0 * reached / max(1, solved), "%", Goal(99.9, at_most=False), note=note)
+        yield Line(WAYPOINT, what, times.median, "us", Goal(60e-6), times)
+        yield Line(WORST, what, times.worst, "ms", Goal(50e-3), noise=1.0)
+        yield Line(FALSE, what, sum(one.wrong for one in followed), "", Goal(0.0, correctness=True))
+        yield Line(TIP, what, sum(one.missed for one in followed), "", Goal(0.0, correctness=True))
+
+
+PARTS = {f"paths, {segments} segments": partial(measure, segments=segments) for segments in SEGMENTS}
+
+
+def follow(path: Path) -> Followed:
+    """Follow one path, and judge every step that is called proved."""
+    problems = path_through(
+        path.segments, path.spheres, np.random.default_rng([path.seed, path.segments, path.spheres])
+    )
+    _track(problems.only(range(3)))
+    motion, seconds = _track(problems)
+    solved = sum(solution.solved for solution in motion.solutions)
+    return Followed(
+        seconds,
+        solved,
+        solved - _unproved(motion),
+        len(motion.reconfigured),
+        sum(bool(collides(problems.robot, problems.scene, knots)) for knots in _proved_runs(motion)),
+        _missed(problems, motion),
+    )
+
+
+def _track(problems: ProblemSet) -> tuple[Motion, list[float]]:
+    """Follow a path; return the motion, and the seconds of each waypoint with all that was proved of the way there."""
+    stamps = [perf_counter()]
+
+    def stamp(_: Solution) -> None:
+        stamps.append(perf_counter())
+
+    motion = sn.track(problems.robot, problems.targets, problems.scene, tolerance=problems.tolerance, progress=stamp)
+    return motion, np.diff(stamps).tolist()
+
+
+def _unproved(motion: Motion) -> int:
+    """How many waypoints come after a step that is not proved, one each."""
+    return len({int(np.searchsorted(_knots(motion), step)) for step in motion.unproved_steps})
+
+
+def _knots(motion: Motion) -> list[int]:
+    return [knot for knot in motion.waypoint_knots if knot is not None]
+
+
+def _proved_runs(motion: Motion) -> Iterator[np.ndarray]:
+    """Knots of the longest stretches that are proved."""
+    begin = 0
+    for step in (*motion.unproved_steps, len(motion.q)):
+        if step - begin > 1:
+            yield motion.q[begin:step]
+        begin = step
+
+
+def _missed(problems: ProblemSet, motion: Motion) -> int:
+    """How many waypoints that are called solved the tip misses."""
+    count = 0
+    for target, solution, knot in zip(problems.targets, motion.solutions, motion.waypoint_knots, strict=True):
+        if solution.solved and knot is not None:
+            assert target.position is not None
+            off = np.linalg.norm(problems.robot.tip(motion.q[knot])[:3, 3] - target.position)
+            count += bool(off > (problems.tolerance.position or 0.0) * (1.0 + 1e-9))
+    return count

@@ -44,6 +44,7 @@ KERNEL_FLOORS = {
     "fitting": 4,
     "growing": 4,
     "planning": 6,
+    "roadmap": 3,
     "step": 3,
     "between": 3,
     "body": 2,

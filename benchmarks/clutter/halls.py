@@ -13,8 +13,9 @@ from benchmarks.harness.times import Times
 from benchmarks.places import Place, make
 from sinuous.checks import Floats
 from sinuous.kernels.freespace.cells import memory_size
+from sinuous.kernels.roadmap.find import roadmap_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.routes import POINTS, Router
 
 SECTION = "route search alone, in a hall of 1000 radii of the body with one door"
 COUNT, QUICK = 20, 2
@@ -28,7 +29,7 @@ MEGABYTE = 1e6
 
 
 def measure(plan: Plan) -> Iterator[Line]:
-    """Search until there is a route, from the coarsest plan on."""
+    """Search until there is a route, in the order of a solve."""
     found = [_search(make("hall", 1000 * plan.seed + i)) for i in range(plan.count(COUNT, QUICK))]
     times = Times.of([seconds for seconds, _, _ in found])
     routes = sum(routed for _, _, routed in found)
@@ -39,9 +40,10 @@ def measure(plan: Plan) -> Iterator[Line]:
 
 
 def _search(hall: Place) -> tuple[float, int, bool]:
-    """Seconds until a route is found that leads through the door, bytes of the largest table, and whether there is one.
+    """Seconds until a route is found that leads through the door, bytes of the largest memory, whether there is one.
 
-    Coarse cells are larger than a wall is thick: a route through a wall is none.
+    In the order of a solve: around edges, then over cells. Coarse cells are larger than a wall is thick: a route
+    through a wall is none.
     """
     router = Router(hall.robot, hall.scene, hall.tolerance)
     problem = Problem.prepared(hall.robot, hall.targets, hall.scene.snapshot(), hall.tolerance)
@@ -49,8 +51,11 @@ def _search(hall: Place) -> tuple[float, int, bool]:
     assert query is not None  # the tip has a position
     least, largest, routed = LIMIT, 0, False
     for _ in range(REPEATS):
-        spent, routed = 0.0, False
-        for one in router.plans:
+        began = perf_counter()
+        around = router.by_edges(problem, query, LIMIT)
+        spent = perf_counter() - began
+        largest, routed = max(largest, 8 * roadmap_size(POINTS)), around is not None and _is_clear(hall, around)
+        for one in () if routed else router.plans:
             largest = max(largest, 8 * memory_size(one.cells))
             began = perf_counter()
             routes = router.find(problem, query, one, LIMIT - spent).routes

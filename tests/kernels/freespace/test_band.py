@@ -10,7 +10,8 @@ from sinuous.kernels.freespace import band
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene
-from tests.kernels.freespace.places import RADIUS, grid, memory
+from tests.kernels.freespace.places import RADIUS, grid
+from tests.kernels.workspace import make_clock
 
 
 def length_of(points: Floats) -> float:
@@ -36,7 +37,7 @@ def test_points_are_put_evenly_on_the_same_line(seed: int) -> None:
 def tight(points: Any, scene: Scene) -> Floats:
     route = np.empty((60, 3))
     band.respace(np.array(points, np.float64), len(points), route, 60)
-    band.tighten(kernel_scene(scene), grid(), route, memory(64), 60)
+    band.tighten(kernel_scene(scene), grid(), route, np.empty((120, 3)), make_clock(), 60)
     return route
 
 
@@ -65,7 +66,7 @@ def test_the_ends_keep_their_tangents() -> None:
     points = [(0, 0, 0), (0, 0, 0.2), (1, 0, 0.6), (1, 1, 1), (1, 1.2, 1)]
     route = np.empty((60, 3))
     spacing = band.respace(np.array(points, np.float64), 5, route, 60)
-    band.tighten(kernel_scene(Scene()), grid(back=(0.0, -1.0, 0.0)), route, memory(64), 60)
+    band.tighten(kernel_scene(Scene()), grid(back=(0.0, -1.0, 0.0)), route, np.empty((120, 3)), make_clock(), 60)
     assert np.allclose(route[1], (0, 0, spacing), atol=0.2 * spacing)
     end = route[-1] - route[-2]
     assert math.degrees(math.acos(end[1] / np.linalg.norm(end))) < 25.0

@@ -39,11 +39,12 @@ def grown(
     problem = Problem(robot, targets, scene)
     groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
     chains = np.full((count, len(robot), 3), np.nan)
+    width = 8 * count
     workspace = np.full(
-        growing_size(len(robot), len(problem.scene), count), np.nan
+        growing_size(len(robot), len(problem.scene), width), np.nan
     )  # nothing of what was there before may matter
     points = np.stack([respaced(leg, 80) for leg in legs])
-    return chains[: grow_chains(*groups, problem.rows.copy(), points, seconds, workspace, chains)]
+    return chains[: grow_chains(*groups, problem.rows.copy(), points, (seconds, width), workspace, chains)]
 
 
 def overlap(robot: Robot, scene: Scene, q: Floats) -> float:

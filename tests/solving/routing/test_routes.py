@@ -11,7 +11,8 @@ import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.routes import CELLS, CELLS_A_START, MEMORY, Found, Plan, Router
+from sinuous.solving.routing.plans import CELLS, Plan
+from sinuous.solving.routing.routes import CELLS_A_START, MEMORY, Found, Router
 from sinuous.solving.sources import Question
 from tests.helpers import Floats
 
@@ -213,6 +214,22 @@ def test_a_room_with_a_door_is_not() -> None:
     assert scene.distance((0.2, 0.1, 2.4)) == pytest.approx(0.25)
     solution = Solver(ROBOT, scene, time=60.0).solve(Target(center))
     assert solution.status is Status.SOLVED
+
+
+def test_the_route_around_the_edges_of_a_door_comes_first() -> None:
+    center = np.array([0.2, 0.1, 3.0])
+    scene = box_room(center, 0.6, 0.1, door=0.5)
+    asked, finder = problem(ROBOT, Target(center), scene), router(ROBOT, scene)
+    query = finder.query(asked)
+    assert query is not None
+    route = finder.by_edges(asked, query, 60.0)
+    assert route is not None
+    assert scene.distance(route).min() > 0.085
+    batch = next(finder.batches(question(asked)))
+    assert np.array_equal(batch.routes[0], route)
+    assert finder.by_edges(asked, query, -1.0) is None
+    closed = box_room(center, 0.6, 0.1)
+    assert finder.by_edges(problem(ROBOT, Target(center), closed), query, 60.0) is None
 
 
 def test_what_sits_in_the_mount_may_pass_the_wall() -> None:

@@ -7,7 +7,7 @@ from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
-from sinuous.solving.routing.growth import grown, respaced, settled
+from sinuous.solving.routing.growth import Beam, grown, respaced, settled
 from sinuous.solving.routing.turned import Groups, turned, turned_back
 
 TOOL = pose((0.1, 0.0, 0.3), direction=(0.3, 0.0, 1.0))
@@ -35,7 +35,7 @@ def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray 
     route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
     there = turned(here, route)
     assert there is not None
-    chains = grown(there, respaced(route[::-1], 100)[None], 4, 60.0)
+    chains = grown(there, respaced(route[::-1], 100)[None], Beam(4, 32), 60.0)
     ends = settled(there, chains, lambda: 60.0)
     shapes = [turned_back(here, there, chain) for chain in ends]
     assert max(robot.excess(q) for q in shapes) <= 1e-12

@@ -55,6 +55,7 @@ PIECES = (
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.freespace.lengthen.lengthen_route",
+            "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",
             "kernels.growing.grow.grow_chains",
             "kernels.growing.turning.turn_round",

@@ -20,6 +20,9 @@ SAMPLES = 4
 ROUNDS, LAST_ROUNDS = 2, 4
 """Newton steps while the chain grows, and at the end."""
 
+TURNS = 8
+"""How often a chain of many segments grows, at most: by several of them at once."""
+
 WINDOW = 0.1
 """How far from where it belongs a place may slide along the route, of the length of the route."""
 
@@ -124,7 +127,9 @@ def lay(problem: Problem, states: State, work: Work, curve: Curve) -> int:
         own = problem.limits[k, MIN_LENGTH] + share * (problem.limits[k, MAX_LENGTH] - problem.limits[k, MIN_LENGTH])
         put_vec(q, k, 0, (0.0, 0.0, own))
     project_to_limits(problem, pick(states, at), work)
-    for grown in range(1, n + 1):
+    at_once = 1 + n // TURNS
+    for begun in range(0, n, at_once):
+        grown = min(n, begun + at_once)
         for _ in range(ROUNDS):
             if spend(work.clock, SEGMENT_LOOKS * n):
                 return at

@@ -6,7 +6,6 @@ from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
 from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.freespace.cells import Memory
 from sinuous.kernels.freespace.grid import Grid
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, get_vec, norm, put_vec, scale, sub
 
@@ -61,15 +60,15 @@ def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
 
 
 @kernel
-def tighten(scene: Scene, grid: Grid, route: Array, memory: Memory, count: int) -> None:
+def tighten(scene: Scene, grid: Grid, route: Array, scratch: Array, clock: Array, count: int) -> None:
     """Draw the first `count` points of `route` (m, 3) tight and away from obstacles, as far as the time allows.
 
     The first two points stay, and the last; so does the last but one when the goal has a tangent. Where a point is far
-    from all obstacles nobody asks again before it has moved as far.
+    from all obstacles nobody asks again before it has moved as far. `scratch` (2 count, 3) is written over.
     """
     wanted = grid.radius + grid.room
     last = count - 1 if norm(grid.back) == 0.0 else count - 2
-    spare, free, looks = memory.points[:count], memory.points[count:], price(scene)
+    spare, free, looks = scratch[:count], scratch[count:], price(scene)
     for sweep in range(SWEEPS):
         most = grid.cell * (0.5 - 0.4 * sweep / SWEEPS)
         if sweep % RESPACED == 0:
@@ -83,7 +82,7 @@ def tighten(scene: Scene, grid: Grid, route: Array, memory: Memory, count: int) 
             p = add_scaled(p, min(0.7, most / size) if size > 0.0 else 0.0, pull)
             free[i, 0] -= min(0.7 * size, most)
             if free[i, 0] < 0.0:
-                if spend(memory.clock, looks):
+                if spend(clock, looks):
                     return
                 d, which = closest(scene, p, wanted + RESPACED * most, STEP)
                 free[i, 0] = d - wanted

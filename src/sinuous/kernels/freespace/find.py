@@ -60,7 +60,7 @@ def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, ro
         return 0
     wanted = points_wanted(span(memory.points, traced), grid.cell, route.shape[0])
     respace(memory.points, traced, route, wanted)
-    tighten(scene, grid, route, memory, wanted)
+    tighten(scene, grid, route, memory.points, memory.clock, wanted)
     return wanted
 
 

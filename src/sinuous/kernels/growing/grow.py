@@ -47,16 +47,13 @@ EDGE = 0.5
 CHILDREN = 8
 """No chain is continued by more than one of so many that are kept, and one."""
 
-WIDER = 8
-"""Chains that are kept of every number of segments, for each one that is wanted."""
-
 LOOKS = 40
 """Distances that one arc takes, about."""
 
 
-def growing_size(segments: int, obstacles: int, chains: int) -> int:
-    """Numbers (float64) that growing so many chains, a power of two, needs as workspace."""
-    return tree_size(segments, WIDER * chains) + obstacles
+def growing_size(segments: int, obstacles: int, width: int) -> int:
+    """Numbers (float64) that growing with a beam of this width, a power of two, needs as workspace."""
+    return tree_size(segments, width) + obstacles
 
 
 @kernel
@@ -210,7 +207,7 @@ def grow_chains(
     settings: Array,
     targets: Array,
     legs: Array,
-    seconds: float,
+    effort: tuple[float, int],
     workspace: Array,
     chains: Array,
 ) -> int:
@@ -225,8 +222,8 @@ def grow_chains(
     legs : ndarray (l, K, 3)
         Routes, each of at least two points, evenly spaced, in the length unit: from the base to the first target that
         has a position, from there to the next one, and so on, in the order of their segments.
-    seconds : float
-        Budget.
+    effort : (float, int)
+        Seconds; and the width of the beam: how many chains are kept of every number of segments, a power of two.
     workspace : ndarray (w,)
         Scratch, see `growing_size`.
     chains : ndarray (m, n, 3)
@@ -238,7 +235,8 @@ def grow_chains(
         How many there are; none when the time did not suffice.
     """
     problem = read_problem(robot, scene, settings, targets)
-    tree = carve_tree(workspace, problem, WIDER * chains.shape[0])
+    seconds, width = effort
+    tree = carve_tree(workspace, problem, width)
     begin(tree.clock)
     allow(tree.clock, seconds)
     return _grow(problem, tree, legs, chains)

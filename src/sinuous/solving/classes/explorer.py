@@ -17,7 +17,8 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.classes.tasks import Task, Tasks
-from sinuous.solving.routing.routes import ALTERNATIVES, Plan, Router
+from sinuous.solving.routing.plans import ALTERNATIVES, Plan
+from sinuous.solving.routing.routes import Router
 from sinuous.solving.sources import Batch, Question
 
 SEARCHES = 96

@@ -1,6 +1,7 @@
 """Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
 
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +26,16 @@ from sinuous.kernels.tables import (
 )
 from sinuous.solving.routing.turned import Groups
 
-FEW, MANY = 2, 8
-"""Chains that are grown along a route at first, and where those do not lead to a solution."""
+
+class Beam(NamedTuple):
+    """How chains are grown: how many, and how many are kept of every number of segments, a power of two."""
+
+    chains: int
+    width: int
+
+
+ONE, FEW, MANY = Beam(1, 4), Beam(2, 16), Beam(8, 64)
+"""What is tried first, and where that does not lead to a solution."""
 
 LEG_POINTS = 160
 """Points of each leg of a route."""
@@ -72,11 +81,11 @@ def gone_on(query: Floats, leg: Floats) -> None:
         query[axis] = ahead / np.linalg.norm(ahead)
 
 
-def grown(groups: Groups, legs: Floats, count: int, seconds: float) -> Floats:
-    """Return at most so many chains (m, n, 3) along the legs of a route (l, K, 3), the best first."""
+def grown(groups: Groups, legs: Floats, beam: Beam, seconds: float) -> Floats:
+    """Return chains (m, n, 3) that are grown along the legs of a route (l, K, 3), the best first."""
     n, obstacles = int(groups[0][0]), int(groups[1][0])
-    chains, workspace = np.empty((count, n, 3)), np.empty(growing_size(n, obstacles, count))
-    return chains[: grow_chains(*groups, legs, seconds, workspace, chains)]
+    chains, workspace = np.empty((beam.chains, n, 3)), np.empty(growing_size(n, obstacles, beam.width))
+    return chains[: grow_chains(*groups, legs, (seconds, beam.width), workspace, chains)]
 
 
 def settled(groups: Groups, chains: Floats, seconds_left: Callable[[], float]) -> Iterator[Floats]:

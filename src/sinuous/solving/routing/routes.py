@@ -13,8 +13,8 @@ from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
-from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
+from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_WIDTH, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -22,21 +22,28 @@ from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
-from sinuous.solving.routing.growth import FEW, LEG_POINTS, MANY, gone_on, grown, leg_queries, respaced, settled
+from sinuous.solving.routing.edges import walls_of
+from sinuous.solving.routing.growth import (
+    FEW,
+    LEG_POINTS,
+    MANY,
+    ONE,
+    Beam,
+    gone_on,
+    grown,
+    leg_queries,
+    respaced,
+    settled,
+)
+from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
 from sinuous.solving.routing.turned import Groups, turned, turned_back
 from sinuous.solving.sources import Batch, Question
 
-COARSE, FINE = 64, 20_000
-"""Finest cells in the length of the longest robot: most of them at first, and most at all."""
-
-ALTERNATIVES = 4
-"""Routes to one target that differ."""
-
-CELLS = (1 << 12, 1 << 14, 1 << 17, 1 << 19)
-"""Most cells of a search, by blocks of eight of which some nobody looks at."""
-
 CELLS_A_START = 100
 """Cells that a search may look at for each scattered start that follows it: a descent costs about as much."""
+
+AFTER_EDGES = 20
+"""Scattered starts that follow a route around edges."""
 
 ALONG = 2
 """Routes of one search along which chains are grown."""
@@ -56,36 +63,6 @@ ROD_POINTS = 160
 MEMORY = BufferPool(most=2, largest=memory_size(CELLS[2]))
 """What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
 one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
-
-
-class Plan(NamedTuple):
-    """One search.
-
-    Attributes
-    ----------
-    cell : float
-        Edge of the cells.
-    clearance : float
-        Distance from the obstacles with which a cell can be passed.
-    cells : int
-        Most cells that are looked at.
-    routes : int
-        Most routes to find.
-    then : int
-        Least number of scattered starts that come before the next search; what it costs may ask for more.
-    exact : bool
-        Whether to ask for exact distances, not for samples.
-    prove : bool
-        Whether to prove that there is none, where none is found.
-    """
-
-    cell: float
-    clearance: float
-    cells: int
-    routes: int
-    then: int
-    exact: bool
-    prove: bool
 
 
 class Found(NamedTuple):
@@ -126,24 +103,35 @@ class Router:
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self._robot = robot
         self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
-        self.plans = _plans(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
+        self.plans = plans_of(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
         self._nowhere: Problem | None = nowhere  # to load the entries with
 
     def batches(self, question: Question) -> Iterator[Batch]:
-        """Yield configurations along routes to the most distal target, from coarse to fine, while time is left.
+        """Yield configurations along routes to the most distal target, around edges, then over cells, coarse to fine.
 
         Chains are grown along each route before the next search; where several solutions are wanted, after the last,
         because those along one route are much alike.
         """
+        query = self.query(question.problem)
+        if query is None:
+            return
+        seconds, plans = question.seconds_left(), self.plans
+        route = self.by_edges(question.problem, query, seconds) if seconds > 0.0 else None
+        if route is not None:
+            plans = tuple(plan for plan in plans if plan.routes > 1)  # the others look for one route too
+            yield from self._around_edges(question, query, route)
+        yield from self._over_cells(question, query, plans)
+
+    def _over_cells(self, question: Question, query: Floats, plans: tuple[Plan, ...]) -> Iterator[Batch]:
+        """Yield what comes of routes that are searched for as plans say."""
         problem = question.problem
-        query = self.query(problem)
         told: dict[tuple[float, bool], int] = {}
         too_few: dict[float, int] = {}
         later: list[tuple[Plan, tuple[Floats, ...]]] = []
-        for plan in () if query is None else self.plans:
+        for plan in plans:
             seconds = question.seconds_left()
-            if query is None or seconds <= 0.0:
+            if seconds <= 0.0:
                 return
             if plan.cells <= too_few.get(plan.cell, 0):
                 continue
@@ -158,11 +146,13 @@ class Router:
             yield _batch(initial, routes, closed=closed)
             if closed is not None:
                 return
+            finest = plan.cell == self.plans[-1].cell
             if question.several:
                 later.append((plan, routes))
             else:
-                yield from self._grown(question, plan, routes, FEW)
-            finest = plan.cell == self.plans[-1].cell
+                yield from self._grown(question, plan, routes, ONE)
+                if finest or plan.routes > 1:
+                    yield from self._grown(question, plan, routes, FEW)
             if finest:  # coarser ones cut through walls
                 yield from self._longer(problem, query, routes, question.seconds_left)
             yield _batch(initial[:0], (), then=max(plan.then, found.cells // CELLS_A_START))
@@ -176,7 +166,7 @@ class Router:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
         _, few, many, _ = CELLS
         coarse, fine = self.plans[0], self.plans[-1]
-        first = _coarser(coarse, min(self._robot.radii))
+        first = coarser(coarse, min(self._robot.radii))
         among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
         plans = [plan._replace(cells=cells, routes=1, exact=False, prove=False) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
@@ -212,6 +202,25 @@ class Router:
         lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
         return Found(lines, ended, cells)
 
+    def by_edges(self, problem: Problem, query: Floats, seconds: float) -> Floats | None:
+        """Return a route (K, 3) around edges, found in at most so many seconds; `None` proves nothing."""
+        fine, radius = self.plans[-1], min(self._robot.radii)
+        planned = packing.plan_search(
+            query,
+            cell=fine.cell,
+            clearance=fine.clearance,
+            room=max(radius, 0.5 * fine.cell),
+            most_cells=0,
+            exact=False,
+            prove=False,
+        )
+        route = np.empty((POINTS, 3))
+        with MEMORY.borrow(roadmap_size(POINTS)) as buffer:
+            count = find_by_edges(
+                problem.scene._kernel_group, planned, *walls_of(problem.scene), seconds, buffer, route
+            )
+        return route[:count] if count > 0 else None
+
     def fit(self, problem: Problem, found: Found, known: int, seconds_left: Callable[[], float]) -> Floats:
         """Return configurations (m, n, 3) along the routes, but for the first `known` ones, while there is time."""
         robot = self._robot
@@ -234,6 +243,7 @@ class Router:
             query = self.query(problem)
             if query is not None:
                 self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
+                self.by_edges(problem, query, 0.0)
                 self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, Found([line], 0, 0), 0, lambda: 1.0)
@@ -248,6 +258,20 @@ class Router:
         rod, workspace = np.empty((ROD_POINTS, 3)), np.empty(lengthen_workspace_size(ROD_POINTS))
         group = problem.scene._kernel_group
         return rod if lengthen_route(group, query, np.array(route), side, seconds, workspace, rod) else None
+
+    def _around_edges(self, question: Question, query: Floats, route: Floats) -> Iterator[Batch]:
+        """Yield what comes of a route around edges: laid and grown along it, made longer; scattered starts."""
+        fine = self.plans[-1]._replace(cells=CELLS[1])
+        initial = self.fit(question.problem, Found([route], 0, 0), 0, question.seconds_left)
+        routes = (route,)[: len(initial)]
+        yield _batch(initial, routes)
+        if not question.several:
+            yield from self._grown(question, fine, routes, ONE)
+            yield from self._grown(question, fine, routes, FEW)
+        yield from self._longer(question.problem, query, routes, question.seconds_left)
+        yield _batch(initial[:0], (), then=AFTER_EDGES)
+        if not question.several:
+            yield from self._grown(question, fine, routes, MANY)
 
     def _longer(
         self, problem: Problem, query: Floats, routes: tuple[Floats, ...], seconds_left: Callable[[], float]
@@ -264,25 +288,25 @@ class Router:
                 elif (misses := misses + 1) == MISSES:
                     break
 
-    def _grown(self, question: Question, plan: Plan, routes: tuple[Floats, ...], count: int) -> Iterator[Batch]:
-        """Yield chains that are grown along routes, so many along each from either end."""
+    def _grown(self, question: Question, plan: Plan, routes: tuple[Floats, ...], beam: Beam) -> Iterator[Batch]:
+        """Yield chains that are grown along routes, along each from either end."""
         groups = self._groups(question.problem)
         for route in routes[:ALONG]:
             legs = self._legs(question, groups, route, plan)
             if legs is None:
                 return
-            for chain in self._chains(question, groups, legs, count):
+            for chain in self._chains(question, groups, legs, beam):
                 yield _batch(chain[None], (route,))
             other = turned(groups, route)
             if other is None:
                 continue
-            for chain in self._chains(question, other, legs[:, ::-1].copy(), count):
+            for chain in self._chains(question, other, legs[:, ::-1].copy(), beam):
                 yield _batch(turned_back(groups, other, chain)[None], (route,))
 
-    def _chains(self, question: Question, groups: Groups, legs: Floats, count: int) -> Iterator[Floats]:
+    def _chains(self, question: Question, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:
         """Yield chains (n, 3) that are grown along legs (l, K, 3), as they are, then drawn to the targets."""
         seconds = question.seconds_left()
-        chains = grown(groups, legs, count, seconds) if seconds > 0.0 else legs[:0]
+        chains = grown(groups, legs, beam, seconds) if seconds > 0.0 else legs[:0]
         yield from chains
         yield from settled(groups, chains, question.seconds_left)
 
@@ -292,12 +316,20 @@ class Router:
         for query in leg_queries(groups):
             if legs:
                 gone_on(query, legs[-1])
-            one = plan._replace(routes=1, prove=False)
-            found = self.find(question.problem, query, one, max(0.0, question.seconds_left()))
-            if not found.routes:
+            leg = self._leg(question, query, plan)
+            if leg is None:
                 return None
-            legs.append(respaced(found.routes[0], LEG_POINTS))
+            legs.append(respaced(leg, LEG_POINTS))
         return np.stack(legs or [respaced(route, LEG_POINTS)])
+
+    def _leg(self, question: Question, query: Floats, plan: Plan) -> Floats | None:
+        """Return the route (K, 3) of one leg, around edges or as a plan says; `None` where none is found."""
+        leg = self.by_edges(question.problem, query, max(0.0, question.seconds_left()))
+        if leg is not None:
+            return leg
+        one = plan._replace(routes=1, prove=False)
+        found = self.find(question.problem, query, one, max(0.0, question.seconds_left()))
+        return found.routes[0] if found.routes else None
 
     def _groups(self, problem: Problem) -> Groups:
         return self._group, problem.scene._kernel_group, self._settings, problem._rows
@@ -308,37 +340,3 @@ def _batch(initial: Floats, routes: tuple[Floats, ...], then: int = 0, closed: f
     for route in routes:
         route.setflags(write=False)
     return Batch(SOURCES[ROUTE], initial, then=then, closed=closed, routes=routes)
-
-
-def _coarser(plan: Plan, radius: float) -> Plan:
-    """A plan with cells of twice the edge."""
-    return plan._replace(cell=2.0 * plan.cell, clearance=_wide(radius, 2.0 * plan.cell))
-
-
-def _wide(radius: float, cell: float) -> float:
-    """Clearance with which coarse cells can be passed."""
-    return max(radius - 0.5 * cell, 0.25 * radius)
-
-
-def _plans(radius: float, length: float) -> tuple[Plan, ...]:
-    """Searches for a body of this radius and a robot of this length, from the quickest to the most thorough.
-
-    Cells of half the radius and less cannot leak through a wall, however thin it is, and prove that a room is closed.
-    Coarser ones miss narrow passages.
-    """
-    fine = max(0.5 * radius, length / FINE)
-    coarse = max(fine, length / COARSE)
-    through = radius - HALF_DIAGONAL * fine
-    wide = _wide(radius, coarse)
-    proves = fine <= 0.5 * radius
-    least, few, many, most = CELLS
-    first = [Plan(coarse, wide, least, 1, 0, False, False)] if coarse > fine else []
-    second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False, False)] if coarse > fine else []
-    return (
-        *first,
-        Plan(fine, through, few, 1, 20, False, proves),
-        *second,
-        Plan(fine, through, many, 1, 40, True, proves),
-        Plan(fine, through, many, ALTERNATIVES, 160, False, proves),
-        Plan(fine, through, most, ALTERNATIVES, 0, True, proves),
-    )

@@ -1,0 +1,188 @@
+"""The door: a route from edge to edge, by A* over places of which few are looked at (lazily, Bohlin & Kavraki 2000)."""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.clock import CLOCK_SIZE, allow, begin, spend
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import Scene, price, read_scene
+from sinuous.kernels.freespace.band import points_wanted, respace, span, tighten
+from sinuous.kernels.freespace.grid import Grid
+from sinuous.kernels.freespace.query import Query, read_query, route_grid, straight_length
+from sinuous.kernels.maths import heap
+from sinuous.kernels.maths.vectors import Array, get_vec, norm, put_vec, sub
+from sinuous.kernels.roadmap.places import put_places
+from sinuous.kernels.roadmap.sight import cutting, in_sight
+
+PLACES = 1024
+"""Most places."""
+
+LINES = 1 << 15
+"""Most lines from place to place that wait to be looked at."""
+
+INFLATION = 1.2
+"""See `freespace.grid.Grid`."""
+
+TURN_COST = 0.5
+"""What a place on the way costs, in radii of the body: of two routes as long, the one with fewer turns is better."""
+
+SHORTENED = 0.9
+"""What is left at least of the length of a route when it is drawn tight."""
+
+FINE, COARSE = 0.5, 1.0
+"""Least and greatest distance of the points of a band, in radii of the body."""
+
+POINTS = 256
+"""Points of a band that is neither."""
+
+CUTS, LOOKS = 1 << 20, 1 << 17
+"""How many boxes and triangles are asked whether they cut a line, at most; and looks at distances, see `kernels.clock`.
+"""
+
+Roadmap = namedtuple("Roadmap", ["places", "cost", "before", "priority", "lines", "spare", "clock"])
+"""Places (m, 3); by their number the cost (m,) of the route there, infinite while none is known, and the place before
+(m,) int64; a heap of lines: `priority` (l,) and `lines` (l,) int64, the number of the place that a line leads from
+times `PLACES`, plus that of the one that it leads to; points (2 k, 3) to work with; the clock."""
+
+START, GOAL = 0, 1
+"""The numbers of both ends."""
+
+
+def roadmap_size(points: int) -> int:
+    """Numbers (float64) that a search for a route of at most so many points works in."""
+    return 5 * PLACES + 2 * LINES + 6 * points + CLOCK_SIZE
+
+
+@kernel
+def _carve(buffer: Array, points: int) -> Roadmap:
+    """Lay out the memory of a search, see `roadmap_size`."""
+    lines, spare = buffer[5 * PLACES :], buffer[5 * PLACES + 2 * LINES :]
+    return Roadmap(
+        buffer[: 3 * PLACES].reshape((PLACES, 3)),
+        buffer[3 * PLACES : 4 * PLACES],
+        buffer[4 * PLACES : 5 * PLACES].view(np.int64),
+        lines[:LINES],
+        lines[LINES : 2 * LINES].view(np.int64),
+        spare[: 6 * points].reshape((2 * points, 3)),
+        spare[6 * points :][:CLOCK_SIZE].view(np.int64),
+    )
+
+
+@kernel
+def _put_lines(roadmap: Roadmap, grid: Grid, count: int, place: int, size: int) -> int:
+    """Put lines from a place to all others into the heap, as far as there is room; returns how many are in there."""
+    p, goal = get_vec(roadmap.places, place, 0), get_vec(roadmap.places, GOAL, 0)
+    for other in range(count):
+        if roadmap.cost[other] < math.inf or size == LINES:
+            continue
+        q = get_vec(roadmap.places, other, 0)
+        gone, rest = roadmap.cost[place] + norm(sub(q, p)), norm(sub(goal, q))
+        if SHORTENED * (gone + rest) <= grid.longest:
+            size = heap.push(roadmap.priority, roadmap.lines, size, gone + INFLATION * rest, place * PLACES + other)
+    return size
+
+
+@kernel
+def _search(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array, count: int) -> bool:
+    """Search for a route from place to place, as far as the time allows; `before` leads back from the goal."""
+    looks, flat = price(scene), scene.table.shape[0] + triangles.shape[0]
+    for i in range(count):
+        roadmap.cost[i] = math.inf
+    roadmap.cost[START], roadmap.before[START] = 0.0, -1
+    size, cuts, spent, cut = _put_lines(roadmap, grid, count, START, 0), 0, 0, -1
+    while size > 0 and cuts < CUTS and spent < LOOKS:
+        line, size = heap.pop(roadmap.priority, roadmap.lines, size)
+        place, other = line // PLACES, line % PLACES
+        if roadmap.cost[other] < math.inf:
+            continue
+        p, q = get_vec(roadmap.places, place, 0), get_vec(roadmap.places, other, 0)
+        by = cutting(scene, triangles, p, q, cut)
+        asked = 1 if by == cut and cut >= 0 else flat
+        cuts += asked
+        if spend(roadmap.clock, asked):
+            return False
+        if by >= 0:
+            cut = by
+            continue
+        seen, looked = in_sight(scene, grid, p, q)
+        spent += looked * looks
+        if spend(roadmap.clock, looked * looks):
+            return False
+        if not seen:
+            continue
+        roadmap.cost[other] = roadmap.cost[place] + norm(sub(q, p)) + TURN_COST * grid.radius
+        roadmap.before[other] = place
+        if other == GOAL:
+            return True
+        size = _put_lines(roadmap, grid, count, other, size)
+    return False
+
+
+@kernel
+def _draw(roadmap: Roadmap, grid: Grid, scene: Scene, query: Query, route: Array) -> int:
+    """Fill `route` (K, 3) with the one that was found; returns how many points it has."""
+    line, count, place = roadmap.spare, 4, roadmap.before[GOAL]
+    while place != START:
+        count, place = count + 1, roadmap.before[place]
+    put_vec(line, 0, 0, query.origin)
+    put_vec(line, count - 1, 0, query.goal)
+    at, place = count - 2, GOAL
+    while at > 0:
+        put_vec(line, at, 0, get_vec(roadmap.places, place, 0))
+        at, place = at - 1, roadmap.before[place]
+    length = span(line, count)
+    spacing = max(FINE * grid.radius, min(COARSE * grid.radius, length / POINTS))
+    wanted = points_wanted(length, spacing, route.shape[0])
+    respace(line, count, route, wanted)
+    tighten(scene, grid, route, roadmap.spare, roadmap.clock, wanted)
+    return wanted
+
+
+@kernel
+def _find(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles: Array, route: Array) -> int:
+    """See `find_by_edges`. Where the route leaves straight for longer than nothing, it is sought again from there."""
+    straight, points = 0.0, 0
+    for _ in range(2):
+        grid = route_grid(query, scene, straight, True)
+        count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
+        if not _search(roadmap, grid, scene, triangles, count):
+            return 0
+        points = _draw(roadmap, grid, scene, query, route)
+        straight = straight_length(query, span(route, points))
+        if straight <= query.free_length:
+            break
+    return points
+
+
+@entry
+def find_by_edges(
+    scene: Array, query: Array, edges: Array, triangles: Array, seconds: float, buffer: Array, route: Array
+) -> int:
+    """Find a route of a ball around the edges of boxes and meshes.
+
+    Parameters
+    ----------
+    scene, query : ndarray
+        Groups, laid out as `sinuous.kernels.tables` says.
+    edges : ndarray (e, 10)
+        Those of meshes, see `places.put_places`.
+    triangles : ndarray (t, 9)
+        Some of which a line may cross, see `sight.cutting`: asked before distances, which are dearer.
+    seconds : float
+        Budget.
+    buffer : ndarray
+        Scratch, see `roadmap_size`.
+    route : ndarray (K, 3)
+        Filled with points from origin to goal, evenly spaced, at most K, in the length unit.
+
+    Returns
+    -------
+    int
+        How many points it has; 0 where none was found, which proves nothing.
+    """
+    roadmap = _carve(buffer, route.shape[0])
+    begin(roadmap.clock)
+    allow(roadmap.clock, seconds)
+    return _find(roadmap, read_scene(scene), read_query(query), edges, triangles, route)

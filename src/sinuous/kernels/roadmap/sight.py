@@ -1,0 +1,103 @@
+"""Whether a ball can be moved straight from one place to another."""
+
+import math
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import Scene, closest
+from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.freespace.grid import Grid, behind
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_mat, get_vec, norm, sub, vec_mat
+from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, KIND, SIGN
+
+KEPT = 0.85
+"""Distance from the obstacles that a straight line keeps, in radii of the body: where it is less, a band that is drawn
+along it still finds more."""
+
+FINEST = 0.15
+"""Shortest step along a line, in radii of the body."""
+
+AROUND = 0.25
+"""Longest step near an end, in units of the turn that a body needs there."""
+
+
+@kernel
+def _within(low: float, high: float, p: float, line: float, half: float) -> tuple[float, float]:
+    """The part from `low` to `high` of a line that is within a slab, given its origin and its direction across it."""
+    if line == 0.0:
+        return (low, high) if abs(p) < half else (low, -math.inf)
+    one, other = (-half - p) / line, (half - p) / line
+    return max(low, min(one, other)), min(high, max(one, other))
+
+
+@kernel
+def _cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
+    """Whether box `i` cuts the straight line from `a` on."""
+    axes = get_mat(scene.table, i, AXES)
+    p, way = vec_mat(sub(a, get_vec(scene.table, i, CENTER)), axes), vec_mat(line, axes)
+    half = get_vec(scene.table, i, HALF_EXTENTS)
+    low, high = _within(0.0, 1.0, p[0], way[0], half[0])
+    low, high = _within(low, high, p[1], way[1], half[1])
+    low, high = _within(low, high, p[2], way[2], half[2])
+    return low < high
+
+
+@kernel
+def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
+    """Whether the straight line from `a` on crosses triangle `i` (Moeller & Trumbore 1997)."""
+    u, v = get_vec(triangles, i, 3), get_vec(triangles, i, 6)
+    across = cross(line, v)
+    size = dot(u, across)
+    if size == 0.0:
+        return False
+    off = sub(a, get_vec(triangles, i, 0))
+    s, along = dot(off, across) / size, cross(off, u)
+    t = dot(line, along) / size
+    return s >= 0.0 and t >= 0.0 and s + t <= 1.0 and 0.0 <= dot(v, along) / size <= 1.0
+
+
+@kernel
+def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, guess: int) -> int:
+    """Say what cuts the straight line from `a` to `b`: a box, or one of `triangles`; -1: nothing. `guess` comes first.
+
+    Boxes have their numbers among the obstacles, triangles (t, 9) the numbers after those of all obstacles; each is a
+    corner, and the ways from there to both others.
+    """
+    line, obstacles = sub(b, a), scene.table.shape[0]
+    if guess >= obstacles and _crossed(triangles, guess - obstacles, a, line):
+        return guess
+    if 0 <= guess < obstacles and _cut_by(scene, guess, a, line):
+        return guess
+    for i in range(obstacles):
+        if scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0 and _cut_by(scene, i, a, line):
+            return i
+    for i in range(triangles.shape[0]):
+        if _crossed(triangles, i, a, line):
+            return obstacles + i
+    return -1
+
+
+@kernel
+def _step_about(grid: Grid, p: Vec, place: Vec) -> float:
+    """Longest step from `p` that passes over nothing behind an end."""
+    return max(norm(sub(p, place)) - grid.turn, AROUND * grid.turn)
+
+
+@kernel
+def in_sight(scene: Scene, grid: Grid, a: Vec, b: Vec) -> tuple[bool, int]:
+    """Whether a ball can be moved straight from `a` to `b`, but not behind an end; and how many looks that took."""
+    line, clear = sub(b, a), KEPT * grid.radius
+    length = norm(line)
+    gone, looks = 0.0, 0
+    while gone < length:
+        p = add_scaled(a, gone / length, line)
+        if behind(grid, p, grid.start, grid.axis, 0.0) > 0 or behind(grid, p, grid.goal, grid.back, 0.0) > 0:
+            return False, looks
+        d, _ = closest(scene, p, clear + length - gone, STEP)
+        looks += 1
+        if d < clear:
+            return False, looks
+        step = max(d - clear, FINEST * grid.radius)
+        if grid.turn > 0.0:
+            step = min(step, _step_about(grid, p, grid.start), _step_about(grid, p, grid.goal))
+        gone += step
+    return True, looks

@@ -67,6 +67,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "Save and load":
             assert names["again"].equals(names["job"])
             assert names["same"].to_dict() == solution.to_dict()
+        case "From here to there, clear all the way":
+            assert names["motion"].solved
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
         case _:

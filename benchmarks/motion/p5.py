@@ -74,7 +74,17 @@ def lines_of(what: str, trials: list[Trial], limit: float, share: float) -> Iter
         if others:
             found = sum(solved for _, solved in others)
             spent = Times.of([seconds for seconds, _ in others])
-            yield Line(OTHERS, f"{name} of OMPL, {what}", 100.0 * found / len(others), "%", None, spent)
+            note = "goes on to shorten the way until the time is over" if name == peers.OPTIMAL else ""
+            yield Line(
+                OTHERS,
+                f"{name} of OMPL, {what}",
+                100.0 * found / len(others),
+                "%",
+                None,
+                spent,
+                (found, len(others)),
+                note,
+            )
 
 
 def _false(what: str, trials: list[Trial]) -> Line:

@@ -13,7 +13,9 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.solving.between import Prover
 
-PLANNERS = ("RRTConnect", "BITstar")
+OPTIMAL = "BITstar"
+PLANNERS = ("RRTConnect", OPTIMAL)
+"""Those to compare with; one of them looks for the shortest way."""
 
 
 def installed() -> bool:

@@ -9,6 +9,7 @@ from benchmarks.motion.judged import collides
 from benchmarks.motion.pairs import Pair, draw
 from sinuous.motion.plan import Planner
 from sinuous.problem.target import Target
+from sinuous.solving.solver import Solver
 
 CONFIGURATION, TARGET = "configuration", "target"
 """What may be asked for: the goal itself, or the pose of its tip."""
@@ -66,6 +67,7 @@ def _target(pair: Pair) -> Target:
 def _load(segments: int) -> None:
     """Load the kernels in this process, so that no measured plan does."""
     pair = draw(segments, 1, 0, 2**30)
+    Solver(pair.robot, pair.scene)  # with the search for routes, which a planner leaves until a target needs it
     planner = Planner(pair.robot, pair.scene)
     planner.plan(pair.start, pair.goal)
     planner.plan(pair.start, _target(pair))

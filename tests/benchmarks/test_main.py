@@ -92,19 +92,23 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
     [
         (
             ["nothing"],
-            "NAME: expected one of speed, clutter, wild, worlds, table1, tracking, segments, methods, got 'nothing'\n",
+            "NAME: expected one of speed, clutter, wild, motion, worlds, table1, tracking, segments, methods, "
+            "got 'nothing'\n",
         ),
         (["speed", "--method", "dls"], "--method: expected nothing with speed, got ['dls'] (is for table1, tracking, "),
         (["clutter", "--method", "dls"], "--method: expected nothing with clutter, got ['dls'] (is for table1, "),
         (["table1", "--family", "p3"], "--family: expected nothing with table1, got ['p3'] (is for clutter)"),
-        (["table1", "--rounds", "2"], "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild)"),
+        (
+            ["table1", "--rounds", "2"],
+            "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild, motion)",
+        ),
         (
             ["table1", "--against", "a.json"],
-            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter, wild)",
+            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, motion)",
         ),
         (
             ["table1", "--save-baseline", "a.json"],
-            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter, wild)",
+            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, motion)",
         ),
         (["speed", "--rounds", "0"], "--rounds"),
         (

@@ -287,9 +287,9 @@ BAD = {
     "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
     ROBOT + "scene: [{grid: {file: a.npz, scale: 1}}]": "scene[0].grid.scale: "
     "expected one of file, name, got 1 (unknown key)",
-    ROBOT: "target: expected one of target, targets, path, got ['robot'] (missing)",
+    ROBOT: "target: expected one of target, targets, path, goal, got ['robot'] (missing)",
     ROBOT + TARGET + "path: tips.csv": "target: "
-    "expected one of target, targets, path, got {'position': [0, 0, 3]} (stands beside path)",
+    "expected one of target, targets, path, goal, got {'position': [0, 0, 3]} (stands beside path)",
     ROBOT
     + "target: {}": "target.position: expected position, direction or rotation ... (nothing is asked of the target)",
     ROBOT + "target: [0, 0, 1]": "target: "
@@ -314,6 +314,7 @@ BAD = {
     ROBOT
     + TARGET
     + "start: {status: solved}": "start.q: expected a result of an earlier solve, got {'status': 'solved'} (missing)",
+    ROBOT + "goal: [[0, 0, 1]]": "goal: expected 2 rows of 3 finite numbers, got [[0, 0, 1]] (shape (1, 3))",
     ROBOT + TARGET + "start: missing.json": "start: "
     "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
     ROBOT
@@ -321,15 +322,16 @@ BAD = {
     + "prefer: {bend: 1}": "prefer.bend: expected perhaps bends (or one of start, clearance), got 1 (unknown key)",
     ROBOT + TARGET + "tagret: 1": "tagret: expected perhaps target ... (unknown key)",
     ROBOT + TARGET + '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': "
-    "expected one of robot, scene, target, targets, path, tolerance ... (unknown key)",
-    "": "file: expected a mapping with robot, scene, target, targets, path, tolerance ... None",
-    "just a text": "file: expected a mapping with robot, scene, target, targets, path, tolerance ... 'just a text'",
+    "expected one of robot, scene, target, targets, path, goal, tolerance ... (unknown key)",
+    "": "file: expected a mapping with robot, scene, target, targets, path, goal, tolerance ... None",
+    "just a text": "file: expected a mapping with robot, scene, target, targets, path, goal ... 'just a text'",
 }
 
 
 @pytest.mark.parametrize(("text", "refusal"), BAD.items(), ids=range(len(BAD)))
 def test_bad_input_is_one_line_that_says_where_and_why(tmp_path: Path, text: str, refusal: str) -> None:
-    if text.startswith("robot") and "target" not in text and "path" not in text and text != ROBOT:
+    asks = any(key in text for key in ("target", "path", "goal"))
+    if text.startswith("robot") and not asks and text != ROBOT:
         text += "\n" + TARGET
     file = _write(tmp_path, text)
     began = time.perf_counter()

@@ -20,6 +20,7 @@ from sinuous.methods.registry import Choice
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
+from sinuous.motion.start import check_goal
 from sinuous.motion.track import read_deviation, wish
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
@@ -81,6 +82,11 @@ def plan_files(files: list[str], options: Options, shortcuts: int = 0) -> int:
         _refuse(problem, "path")
         if problem.start is None:
             raise InputError("start", "missing", None, "where the motion begins", problem.file)
+        if problem.goal is not None:
+            try:
+                check_goal(problem.robot, problem.goal)
+            except InputError as error:
+                raise error.in_file(problem.file) from None
     return _answer_all(read, options, _plan, partial(Planner, shortcuts=shortcuts))
 
 

@@ -17,7 +17,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.planning.goals import FixedGoal, Goals
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.ways import find_way
-from sinuous.motion.start import blocked_by
+from sinuous.motion.start import blocked_by, check_goal, overlap_at
 from sinuous.motion.times import spread_times
 from sinuous.motion.told import Told
 from sinuous.problem.problem import check_sizes
@@ -28,7 +28,6 @@ from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solution.verification import Worst
 from sinuous.solving.between import Prover, Steps, load_motions
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.planning.trees import Way, load_trees
@@ -41,8 +40,6 @@ MOST_SHORTCUTS = 1_000_000
 
 Goal = Targets | Initial
 """Where a plan may end: at a target, at several that are met at once, or at a configuration."""
-
-LIMITS = ("length", "bend", "curvature", "actuator")
 
 
 Made = Callable[..., Motion]
@@ -133,7 +130,7 @@ class Planner:
         if worst is not None:
             return made(scene, ended=Status.START_BLOCKED, blocking=worst)
         if isinstance(end, np.ndarray):
-            worst = self._blocked_at_the_end(end, prover)
+            worst = overlap_at(self._robot, end, prover)
             if worst is not None:
                 return made(scene, ended=Status.TARGET_BLOCKED, blocking=worst)
             goals: FixedGoal | Goals = FixedGoal(end)
@@ -180,14 +177,9 @@ class Planner:
             return [goal]
         if isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal):
             return list(target_list("goal", goal))
-        return self._configuration("goal", cast(Initial, goal))
-
-    def _blocked_at_the_end(self, end: Floats, prover: Prover) -> Worst | None:
-        """Where a configuration as goal overlaps; a limit that it violates is refused."""
-        worst = blocked_by(self._robot, end, prover)
-        if worst is not None and worst.constraint in LIMITS:
-            raise InputError("goal", str(worst), end.tolist(), "a configuration within all limits")
-        return worst
+        end = self._configuration("goal", cast(Initial, goal))
+        check_goal(self._robot, end)
+        return end
 
 
 class Watch:

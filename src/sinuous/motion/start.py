@@ -3,6 +3,7 @@
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.robot.robot import Robot
@@ -13,15 +14,37 @@ SLACK = 1e-9
 """By how much a start may exceed limits, in robot lengths or rad: rounding."""
 
 
+def violated_by(robot: Robot, q: Floats) -> Worst | None:
+    """Return the limit that a configuration (n, 3) violates most; `None` when it is within all of them."""
+    beyond = [found for found in robot.violations(q) if found[2] > SLACK * max(1.0, robot.mean_length)]
+    if not beyond:
+        return None
+    limit, segment, amount = max(beyond, key=lambda found: found[2])
+    return Worst(limit, segment, None, amount)
+
+
+def check_goal(robot: Robot, q: Floats) -> None:
+    """Refuse a goal (n, 3) that violates a limit.
+
+    Raises
+    ------
+    InputError
+    """
+    violated = violated_by(robot, q)
+    if violated is not None:
+        raise InputError("goal", str(violated), q.tolist(), "a configuration within all limits")
+
+
 def blocked_by(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
     """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself.
 
     `None` when it is within all limits and proved clear.
     """
-    beyond = [found for found in robot.violations(q) if found[2] > SLACK * max(1.0, robot.mean_length)]
-    if beyond:
-        limit, segment, amount = max(beyond, key=lambda found: found[2])
-        return Worst(limit, segment, None, amount)
+    return violated_by(robot, q) or overlap_at(robot, q, prover)
+
+
+def overlap_at(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
+    """Return where a configuration (n, 3) overlaps an obstacle or itself; `None` when it is proved clear."""
     if prover.prove(np.stack([q, q]), slack=1.0)[0, VERDICT] == CLEAR:
         return None
     return find_overlap(robot, prover.scene, q)

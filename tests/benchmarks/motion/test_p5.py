@@ -15,9 +15,14 @@ RIGHT = Trial(0, 1e-4, "solved", "", 1, {})
 
 
 def test_a_quick_section_holds() -> None:
+    """All is planned; whether that is in time is the machine's affair."""
     for goal in (CONFIGURATION, TARGET):
         lines = {line.section: line for line in p5.measure(Plan(quick=True), 3, 1, goal)}
-        assert lines[p5.PLANNED].reached == 100.0
+        planned = lines[p5.PLANNED]
+        assert planned.solved is not None
+        assert planned.solved[1] == 4
+        late = planned.note
+        assert late.count("(") == late.count("(solved)")
         assert lines[p5.FALSE].reached == 0
 
 

@@ -6,16 +6,21 @@ import numpy as np
 
 from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import ANSWER_WIDTH
+from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.between.sweep import sweep_size
+from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.between import Prover
 
 MOST_NODES, MOST_NUMBERS = 20_000, 8_000_000
 """Nodes of a tree, and numbers of all nodes."""
 
 MOST_KNOTS = 4_000
+
+LOOSE_SECONDS = 0.5
+"""Time for the proof of a step that is only to be clear, without a tight bound."""
 
 
 class Way(NamedTuple):
@@ -31,6 +36,7 @@ class Trees:
     def __init__(self, robot: Robot, scene: Snapshot) -> None:
         n = len(robot)
         nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
+        self._prover = Prover(robot, scene)
         self._robot, self._groups = robot, (packing.robot_group(robot), scene._kernel_group)
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
@@ -43,7 +49,13 @@ class Trees:
         asked = float(self._robot.mount), self._robot.mean_length, seconds, seed, *draws, shortcuts
         work = self._scratch, self._workspace, self._q, self._answers
         count, _, _ = plan(*self._groups, ends, asked, *work)
-        return Way(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
+        return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
+
+    def _proved(self, q: Floats, answers: Floats) -> Way:
+        """Prove again, less exactly, what took too long to prove with a tight bound: among clouds and meshes."""
+        for i in np.flatnonzero(answers[:, VERDICT] != CLEAR).tolist():
+            answers[i] = self._prover.prove(q[i : i + 2], slack=1.0, seconds=LOOSE_SECONDS)[0]
+        return Way(q, answers)
 
     @property
     def reached(self) -> Floats:

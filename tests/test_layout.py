@@ -46,6 +46,7 @@ KERNEL_FLOORS = {
     "planning": 6,
     "step": 3,
     "between": 3,
+    "velocity": 4,
     "body": 2,
     "freespace": 2,
     "problem": 2,

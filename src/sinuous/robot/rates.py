@@ -127,6 +127,18 @@ class Rates(Frozen):
         """
         return (self * 1.0).spread(robot)
 
+    def check(self, robot: "Robot") -> None:
+        """Refuse rates and accelerations that are not as many as a robot has segments and actuators.
+
+        Raises
+        ------
+        InputError
+        """
+        self.spread(robot)
+        if self.acceleration is not None:
+            with checks.inside("acceleration"):
+                self.acceleration.spread(robot)
+
 
 def _most(key: str, value: Any) -> float | Floats | None:
     """Check a number greater than 0, or several."""

@@ -132,8 +132,10 @@ def test_mirrored_questions_have_mirrored_answers(seed: int) -> None:
     balls = [sn.Sphere((30.0 * i - 60.0, 80.0, 40.0 * i), 20.0) for i in range(5)]
     mirrored = [sn.Sphere(ball.center * [1, -1, 1], 20.0) for ball in balls]
     robot = ROBOT.changed(segments=[sn.Segment((45, 70), 2.4, radius=4)] * N)
-    one = sn.Solver(robot, balls).step(q, asked, 0.01, rates=rates)
-    other = sn.Solver(robot, mirrored).step(q * [1, -1, 1], asked * [-1, 1, -1, 1, -1, 1], 0.01, rates=rates)
+    one = sn.Solver(robot, balls, routes=False).step(q, asked, 0.01, rates=rates)
+    other = sn.Solver(robot, mirrored, routes=False).step(
+        q * [1, -1, 1], asked * [-1, 1, -1, 1, -1, 1], 0.01, rates=rates
+    )
     np.testing.assert_allclose(other.q * [1, -1, 1], one.q, atol=1e-6)
 
 
@@ -170,7 +172,7 @@ def test_near_a_singular_shape_steps_depend_on_it_continuously() -> None:
 
 def test_a_wall_is_not_passed_and_is_slid_along() -> None:
     wall = sn.Box((0.0, 120.0, 200.0), (400.0, 40.0, 400.0), name="wall")
-    ik, dt = sn.Solver(ROBOT, [wall]), 0.01
+    ik, dt = sn.Solver(ROBOT, [wall], routes=False), 0.01
     q = np.tile([0.0, 0.05, 57.5], (N, 1))
     began = ROBOT.tip(q)[:3, 3]
     for _ in range(80):
@@ -188,7 +190,7 @@ def test_a_wall_is_not_passed_and_is_slid_along() -> None:
 
 def test_clearance_is_a_wish_that_comes_first() -> None:
     ball = sn.Sphere((0.0, 45.0, 150.0), 30.0)
-    ik = sn.Solver(ROBOT, [ball])
+    ik = sn.Solver(ROBOT, [ball], routes=False)
     step = ik.step(np.tile([0.0, 0.0, 57.5], (N, 1)), np.zeros(6), 0.01, rates=sn.Rates(bend=1.0), clearance=15.0)
     for _ in range(100):
         step = ik.step(step, np.zeros(6), 0.01, rates=sn.Rates(bend=1.0), clearance=15.0)
@@ -197,7 +199,7 @@ def test_clearance_is_a_wish_that_comes_first() -> None:
 
 def test_a_start_in_contact_is_left_and_said_plainly() -> None:
     ball = sn.Sphere((0.0, 30.0, 150.0), 28.0, name="ball")
-    ik, q = sn.Solver(ROBOT, [ball]), np.tile([0.0, 0.0, 57.5], (N, 1))
+    ik, q = sn.Solver(ROBOT, [ball], routes=False), np.tile([0.0, 0.0, 57.5], (N, 1))
     step = ik.step(q, (0.0, 0.0, 0.0), 0.01, rates=sn.Rates(bend=1.0))
     assert (step.status, step.touching, step.proved) == ("touching", True, False)
     assert step.active[0] == sn.Active("clearance", 3, obstacle="ball")

@@ -162,7 +162,7 @@ class Step:
 
         `reached`: what was asked for is reached. `held_back`: limits, rates, obstacles or a singular shape left less.
         `cut_short`: the rest of the step was not proved clear. `touching`: it begins in contact, or too near to one for
-        any proof; nothing is proved, and no gap becomes smaller.
+        any proof, or the time did not suffice for one; nothing is proved, and no gap becomes smaller.
         """
         if self.touching:
             return "touching"
@@ -177,7 +177,7 @@ class Step:
 
     @property
     def touching(self) -> bool:
-        """Whether it begins in contact with an obstacle or itself, or too near to one for any proof."""
+        """Whether it begins in contact with an obstacle or itself, or nothing could be proved of where it begins."""
         return bool(self._answer[t.START] != CLEAR)
 
     @property

@@ -29,6 +29,9 @@ ROUNDS = 30
 """Most steps of a solve within changes."""
 
 STILL: tuple[float, ...] = (0.0,) * 6
+SIZES = 3, 6
+"""Numbers of a velocity, and of a twist."""
+
 NO_TARGETS: Floats = np.empty((0, TARGET_WIDTH))
 
 
@@ -168,9 +171,12 @@ def _rates(rates: Rates | None) -> Rates | None:
 
 def read_twist(twist: Vector, dt: float) -> tuple[int, tuple[float, ...]]:
     """Check a twist (6,) or a velocity (3,), and return what is asked for: its kind, and the motion in `dt` seconds."""
-    expected = "6 finite numbers (omega, v), or 3 (v)"
-    numbers = checks.array("twist", twist, (None,), expected)
-    if len(numbers) not in (3, 6):
-        raise InputError("twist", "", twist, expected)
-    kind = POSITION if len(numbers) == 3 else POSE
-    return kind, (*STILL[len(numbers) :], *(dt * numbers).tolist())
+    numbers: Any = twist.tolist() if type(twist) is np.ndarray and twist.dtype == np.float64 else twist
+    plain = isinstance(numbers, tuple | list) and len(numbers) in SIZES and set(map(type, numbers)) <= {int, float}
+    if not (plain and math.isfinite(sum(numbers))):  # the quick way out of what is right already
+        expected = "6 finite numbers (omega, v), or 3 (v)"
+        numbers = checks.array("twist", twist, (None,), expected).tolist()
+        if len(numbers) not in SIZES:
+            raise InputError("twist", "", twist, expected)
+    kind = POSITION if len(numbers) == SIZES[0] else POSE
+    return kind, (*STILL[len(numbers) :], *[dt * each for each in numbers])

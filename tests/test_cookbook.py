@@ -54,6 +54,12 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "From a table of points to a table of motors":
             assert names["track"].solved
             assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") == len(names["points"]) + 1
+        case "A velocity, within limits, rates and obstacles":
+            assert names["step"].proved
+            assert {each.obstacle for each in names["step"].active} == {"ball"}
+        case "Obstacles that move at the arm":
+            assert names["step"].proved
+            assert names["step"].clearance > 10.0
         case "Stay near":
             plain = sn.solve(names["robot"], sn.Target(names["near"]), initial=names["now"])
             far, farther = (np.linalg.norm((q - names["now"]) / [1.0, 1.0, 57.5]) for q in (solution.q, plain.q))

@@ -47,6 +47,7 @@ KERNEL_FLOORS = {
     "roadmap": 3,
     "step": 3,
     "between": 3,
+    "velocity": 4,
     "body": 2,
     "freespace": 2,
     "problem": 2,

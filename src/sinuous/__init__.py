@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from sinuous.robot.coupled import Actuators as Actuators
     from sinuous.robot.parameters import arc_parameters as arc_parameters
     from sinuous.robot.parameters import from_arc_parameters as from_arc_parameters
+    from sinuous.robot.rates import Changes as Changes
+    from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
     from sinuous.scene.clouds.point_cloud import PointCloud as PointCloud
@@ -55,6 +57,8 @@ if TYPE_CHECKING:
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.solutions import Solutions as Solutions
     from sinuous.solution.status import Status as Status
+    from sinuous.solution.step import Active as Active
+    from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
     from sinuous.solving.solver import Solver as Solver
@@ -81,6 +85,7 @@ _HOMES = {
     "problem.suspicions": ("SuspiciousInput",),
     "problem.tolerance": ("Tolerance",),
     "robot.parameters": ("arc_parameters", "from_arc_parameters"),
+    "robot.rates": ("Changes", "Rates"),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment",),
     "scene.grids.field": ("Field",),
@@ -94,6 +99,7 @@ _HOMES = {
     "solution.solution": ("Solution",),
     "solution.solutions": ("Solutions",),
     "solution.status": ("Status",),
+    "solution.step": ("Active", "Step"),
     "solution.verification": ("Verification", "Verifications"),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),

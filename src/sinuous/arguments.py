@@ -83,5 +83,22 @@ LimitKind = Literal["length", "bend", "curvature", "actuator"]
 Constraint = Literal["length", "bend", "curvature", "actuator", "clearance", "self_clearance"]
 """What may hold a configuration back."""
 
+StepConstraint = Literal[
+    "length",
+    "bend",
+    "curvature",
+    "actuator",
+    "clearance",
+    "self_clearance",
+    "length_rate",
+    "bend_rate",
+    "actuator_rate",
+    "acceleration",
+]
+"""What may hold a step of a control loop back."""
+
+StepStatus = Literal["reached", "held_back", "cut_short", "touching"]
+"""How such a step ended."""
+
 BoundName = Literal["length", "near", "aside", "behind", "turning", "target", "base", "route"]
 """What may prove that there is no solution."""

@@ -10,6 +10,7 @@ import pytest
 from sinuous.errors import InputError
 from sinuous.files.problem_file import read_problem
 from sinuous.poses import pose
+from sinuous.robot.rates import Rates
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
@@ -46,6 +47,7 @@ targets:
 tolerance: {position: 1e-3, angle: 0.01}
 start: [[0, 0, 1], [0.1, 0, 1], [0.1, 0, 1], [0, 0.5, 1]]
 prefer: {start: 1, bends: 0.5, clearance: 0.1}
+rates: {bend: 1.5, length: [1, 2, 3, 4], acceleration: {bend: 10}}
 """
 
 
@@ -75,6 +77,8 @@ def test_every_key_arrives(tmp_path: Path) -> None:
     assert [target.segment for target in problem.waypoints[0]] == [None, 1]
     assert (problem.tolerance.position, problem.tolerance.angle) == (1e-3, 0.01)
     assert (problem.prefer.start, problem.prefer.bends, problem.prefer.clearance) == (1.0, 0.5, 0.1)
+    acceleration = Rates(bend=10)
+    assert problem.rates.equals(Rates(bend=1.5, length=(1, 2, 3, 4), acceleration=acceleration))
     assert problem.start is not None
     assert problem.start.shape == (4, 3)
 
@@ -320,6 +324,13 @@ BAD = {
     ROBOT
     + TARGET
     + "prefer: {bend: 1}": "prefer.bend: expected perhaps bends (or one of start, clearance), got 1 (unknown key)",
+    ROBOT + TARGET + "rates: {bend: 0}": "rates.bend: expected a number greater than 0, got 0",
+    ROBOT + TARGET + "rates: {length: [1, 2, 3]}": "rates.length: expected one number, or 2, got [1.0, 2.0, 3.0]",
+    ROBOT + TARGET + "rates: {speed: 1}": "rates.speed: "
+    "expected one of bend, length, actuator, acceleration, got 1 (unknown key)",
+    ROBOT
+    + TARGET
+    + "rates: {acceleration: {bend: -1}}": "rates.acceleration.bend: expected a number greater than 0, got -1",
     ROBOT + TARGET + "tagret: 1": "tagret: expected perhaps target ... (unknown key)",
     ROBOT + TARGET + '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': "
     "expected one of robot, scene, target, targets, path, goal, tolerance ... (unknown key)",

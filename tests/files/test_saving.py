@@ -66,6 +66,7 @@ def test_problems_of_all_kinds(
         tolerance=data.draw(st.sampled_from([None, sn.Tolerance(0.1), sn.Tolerance(angle=1e-7)])),
         start=data.draw(st.none() | st.just(np.full((len(robot), 3), 1 / 3))),
         prefer=data.draw(st.sampled_from([None, sn.Preferences(bends=0.1)])),
+        rates=data.draw(st.sampled_from([None, sn.Rates(bend=0.1, acceleration=sn.Rates(length=2.5))])),
         **question,
     )
     found = again(problem)

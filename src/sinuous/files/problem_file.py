@@ -24,6 +24,7 @@ from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
@@ -31,7 +32,7 @@ from sinuous.writing.documents import write_document
 from sinuous.writing.plain import described
 
 QUESTIONS = ("target", "targets", "path", "goal")
-KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer")
+KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates")
 
 
 class ProblemFile(Frozen):
@@ -51,6 +52,8 @@ class ProblemFile(Frozen):
     start : array_like (n, 3), optional
         Where the first solve, or a motion, begins.
     prefer : Preferences, optional
+    rates : Rates, optional
+        How fast the robot may move.
     file : str
         Its name, as it was given; empty when it is not from a file.
 
@@ -75,6 +78,7 @@ class ProblemFile(Frozen):
     tolerance: Tolerance
     start: Floats | None
     prefer: Preferences
+    rates: Rates
     file: str
 
     def __init__(
@@ -88,6 +92,7 @@ class ProblemFile(Frozen):
         tolerance: Tolerance | None = None,
         start: Rows | None = None,
         prefer: Preferences | None = None,
+        rates: Rates | None = None,
         file: str = "",
     ) -> None:
         if not isinstance(robot, Robot):
@@ -98,6 +103,11 @@ class ProblemFile(Frozen):
             raise InputError("target", what, target, "one of target, path, goal")
         if not (prefer is None or isinstance(prefer, Preferences)):
             raise InputError("prefer", "", prefer, "Preferences")
+        if not (rates is None or isinstance(rates, Rates)):
+            raise InputError("rates", "", rates, "Rates")
+        if rates is not None:
+            with checks.inside("rates"):
+                rates.check(robot)
         place = as_scene(scene)
         check_sizes(robot, place)
         self._set(
@@ -109,6 +119,7 @@ class ProblemFile(Frozen):
             tolerance=as_tolerance(tolerance),
             start=None if start is None else checks.array("start", start, (len(robot), 3)),
             prefer=prefer or Preferences(),
+            rates=Rates() if rates is None else rates,
             file=file,
         )
 
@@ -166,6 +177,7 @@ class ProblemFile(Frozen):
             "tolerance": described(self.tolerance),
             "start": None if self.start is None else self.start.tolist(),
             "prefer": described(self.prefer),
+            "rates": described(self.rates),
         }
         return {key: value for key, value in parts.items() if value}
 
@@ -226,9 +238,16 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
         tolerance=_made(entries, "tolerance", Tolerance),
         start=None if entries.get("start") is None else read_start("start", entries["start"], robot, folder),
         prefer=_made(entries, "prefer", Preferences),
+        rates=_rates(entries),
         file=file,
         **question,
     )
+
+
+def _rates(entries: dict[str, Any]) -> Rates:
+    with checks.inside("rates"):
+        own = {} if entries.get("rates") is None else entries["rates"]
+        return make(Rates, own, {"acceleration": lambda value: make(Rates, value)})
 
 
 def _made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:

@@ -171,8 +171,8 @@ there is none for any body of this radius, whatever its tangents."""
 
 # --- the outcome -----------------------------------------------------------------------------------------------------
 
-SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE = range(8)
-"""How a search ended. From OUT_OF_REACH on: proved impossible."""
+SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE, RATE_BOUND = range(9)
+"""How a search ended. From OUT_OF_REACH to NO_ROUTE: proved impossible. RATE_BOUND: out of reach in one tick."""
 
 GIVEN, ARC, RANDOM, ROUTE = range(4)
 """Sources of starts."""

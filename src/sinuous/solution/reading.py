@@ -20,6 +20,7 @@ _CODES = {
     Status.TARGET_BLOCKED: t.TARGET_BLOCKED,
     Status.BASE_BLOCKED: t.BASE_BLOCKED,
     Status.NO_ROUTE: t.NO_ROUTE,
+    Status.RATE_BOUND: t.RATE_BOUND,
 }
 """Codes of statuses; all others are FAILED, for different reasons."""
 

@@ -15,6 +15,7 @@ from sinuous.kernels.tables import (
     LATE,
     NO_ROUTE,
     OUT_OF_REACH,
+    RATE_BOUND,
     SELF_CLEARANCE,
     SOLVED,
     TARGET_BLOCKED,
@@ -35,6 +36,7 @@ class Status(StrEnum):
     UNPROVED = "unproved"
     BLOCKED = "blocked"
     LIMIT_BOUND = "limit_bound"
+    RATE_BOUND = "rate_bound"
     STALLED = "stalled"
     TIME_LIMIT = "time_limit"
 
@@ -54,6 +56,7 @@ _SENTENCES = {
     Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
     Status.BLOCKED: "not solved: the best found overlaps an obstacle or itself",
     Status.LIMIT_BOUND: "not solved: limits stop the best found",
+    Status.RATE_BOUND: "not solved: as near as the changes that are allowed lead",
     Status.STALLED: "not solved: no progress from any start",
     Status.TIME_LIMIT: "not solved within the time budget",
 }
@@ -66,6 +69,7 @@ _OF_CODES = {
     TARGET_BLOCKED: Status.TARGET_BLOCKED,
     BASE_BLOCKED: Status.BASE_BLOCKED,
     NO_ROUTE: Status.NO_ROUTE,
+    RATE_BOUND: Status.RATE_BOUND,
 }
 
 

@@ -21,6 +21,7 @@ from sinuous.problem.goals import GoalArrays
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
+from sinuous.robot.rates import Changes
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
@@ -35,6 +36,7 @@ from sinuous.solving.routing.routes import Router
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
 from sinuous.solving.sources import Batch, Question
+from sinuous.solving.velocity.stepping import Stepping
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
@@ -43,7 +45,7 @@ Initials = Solution | HasArray | Iterable[Solution | Entry]
 """What many solves may begin from: one for all, or one for each."""
 
 
-class Solver:
+class Solver(Stepping):
     """A robot in a scene, prepared once for many targets; safe to share between threads.
 
     Parameters
@@ -102,7 +104,13 @@ class Solver:
         self._look_at_base()
 
     def solve(
-        self, target: Targets, initial: Initial | None = None, *, time: Number | None = None, **renamed: Never
+        self,
+        target: Targets,
+        initial: Initial | None = None,
+        *,
+        within: Changes | None = None,
+        time: Number | None = None,
+        **renamed: Never,
     ) -> Solution:
         """Find a configuration that meets the target, or several targets at once.
 
@@ -111,6 +119,9 @@ class Solver:
         target : Target or list of Target
         initial : Solution or array_like (n, 3), optional
             The configuration to begin from, before anything else is tried.
+        within : Changes, optional
+            `Rates(...) * dt`: nothing moves farther than that from `initial`, and the motion from there, linear in q,
+            is proved clear. What is nearest to the target then is the answer, `rate_bound` where rates leave it short.
         time : float, optional
             Budget of this solve in seconds, instead of that of the solver.
 
@@ -135,6 +146,8 @@ class Solver:
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given = self._no_initial if initial is None else self._given("initial", initial)
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
+        if within is not None:
+            return self._solve_within(problem, given, within, budget[3])
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
@@ -142,6 +155,15 @@ class Solver:
             if self._router is not None and outcome.code in UNDECIDED:
                 began += self._router.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
+        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
+
+    def _solve_within(self, problem: Problem, given: Floats, within: Changes, seconds: float) -> Solution:
+        began = clock.perf_counter()
+        if not isinstance(within, Changes):
+            raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
+        if not len(given):
+            raise InputError("initial", "missing", None, "where the changes begin")
+        outcome = self._within(problem, given[0], within, seconds)
         return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:

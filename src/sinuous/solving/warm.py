@@ -63,6 +63,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
         Step("classes of routes", Curves(ROBOT, FAR.snapshot()).load),
         Step("motions", _motions),
         Step("plans", _plans),
+        Step("control loops", _loops),
     ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
@@ -73,6 +74,10 @@ def _motions() -> None:
 
 def _plans() -> None:
     load_trees(ROBOT, FAR.snapshot())
+
+
+def _loops() -> None:
+    OneSolve.prepared(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
 
 
 def _kinematics() -> None:

@@ -92,7 +92,7 @@ def _place_for(pairs: Array, count: int, value: float) -> int:
 
 
 @kernel
-def _along(columns: Array, k: int, torque: Vec, force: Vec) -> Vec:
+def pull_along(columns: Array, k: int, torque: Vec, force: Vec) -> Vec:
     """What a force does along the three coordinates of segment `k`, as if it held on to what lies beyond it."""
     return (
         dot(get_vec(columns, k, 0), torque) + dot(get_vec(columns, k, 3), force),
@@ -102,7 +102,7 @@ def _along(columns: Array, k: int, torque: Vec, force: Vec) -> Vec:
 
 
 @kernel
-def _at(shape: Shape, origin: Vec, k: int, s: float, torque: Vec, force: Vec) -> Vec:
+def pull_at(shape: Shape, origin: Vec, k: int, s: float, torque: Vec, force: Vec) -> Vec:
     """What a force at the fraction `s` of segment `k` does along the three coordinates of that segment."""
     x, y, z = body_columns(shape.q, shape.frames, origin, k, s)
     return (
@@ -126,9 +126,9 @@ def _put_weights(shape: Shape, columns: Array, places: Meeting, unit: float, pai
     force = scale(1.0 / (apart * unit), force) if apart > 1e-12 * unit else (0.0, 0.0, 1.0 / unit)
     torque = cross(sub(second, origin), force)
     for k in range(shape.q.shape[0]):
-        weights = _along(columns, k, torque, force) if i <= k < j else ZERO
+        weights = pull_along(columns, k, torque, force) if i <= k < j else ZERO
         if k == i:
-            weights = add_scaled(weights, -1.0, _at(shape, origin, i, s, torque, force))
+            weights = add_scaled(weights, -1.0, pull_at(shape, origin, i, s, torque, force))
         if k == j:
-            weights = add(weights, _at(shape, origin, j, t, torque, force))
+            weights = add(weights, pull_at(shape, origin, j, t, torque, force))
         put_vec(pairs, at, WEIGHTS + 3 * k, weights)

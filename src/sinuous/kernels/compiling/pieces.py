@@ -90,6 +90,7 @@ PIECES = (
     ),
     Piece("motions", 8, ("kernels.between.query.prove_motions",)),
     Piece("plans", 9, ("kernels.planning.query.plan",)),
+    Piece("control loops", 15, ("kernels.velocity.query.tick",)),
     Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
     Piece("the method dls", 4, ("methods.dls.search.search",)),
     Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.search.search",)),

@@ -132,7 +132,8 @@ def direction_vector(tangent: Vec, goal: Vec) -> Vec:
 
 
 @kernel
-def _put(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
+def put_row(rows: Rows, at: int, turn: Vec, move: Vec, value: float) -> int:
+    """Write row `at`, `turn . omega + move . v = value` at the end of a segment; returns the next free row."""
     put_vec(rows.twist, at, 0, turn)
     put_vec(rows.twist, at, 3, move)
     rows.kind[at] = END
@@ -154,18 +155,18 @@ def add_rows(
         inverse = 1.0 / unit
         miss = sub(get_vec(targets, i, TARGET_POSITION), position)
         arm = scale(inverse, sub(position, origin))
-        at = _put(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
-        at = _put(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
-        at = _put(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
+        at = put_row(rows, at, cross(arm, X), scale(inverse, X), inverse * miss[0])
+        at = put_row(rows, at, cross(arm, Y), scale(inverse, Y), inverse * miss[1])
+        at = put_row(rows, at, cross(arm, Z), scale(inverse, Z), inverse * miss[2])
     if targets[i, ORIENTATION] == ROTATION:
         turn = rotation_vector(mat_mat(get_mat(targets, i, GOAL), transpose(rotation)))
-        at = _put(rows, at, X, NONE, turn[0])
-        at = _put(rows, at, Y, NONE, turn[1])
-        at = _put(rows, at, Z, NONE, turn[2])
+        at = put_row(rows, at, X, NONE, turn[0])
+        at = put_row(rows, at, Y, NONE, turn[1])
+        at = put_row(rows, at, Z, NONE, turn[2])
     elif targets[i, ORIENTATION] == DIRECTION:
         tangent = (rotation[0][2], rotation[1][2], rotation[2][2])
         turn = direction_vector(tangent, get_vec(targets, i, GOAL))
         a, b = across(tangent)
-        at = _put(rows, at, a, NONE, dot(turn, a))
-        at = _put(rows, at, b, NONE, dot(turn, b))
+        at = put_row(rows, at, a, NONE, dot(turn, a))
+        at = put_row(rows, at, b, NONE, dot(turn, b))
     return at, norm(miss), norm(turn)

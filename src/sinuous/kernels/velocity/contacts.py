@@ -1,0 +1,195 @@
+"""Where the body may meet obstacles or itself during a tick, as bounds of its motion.
+
+Of every piece of a segment and every obstacle near it the closest place is found: where the gradient of the distance is
+across the tangent, or an end of the piece. Its motion along the gradient must not use up the gap.
+"""
+
+import math
+from collections import namedtuple
+
+from sinuous.kernels.body.pieces import free_part, look_here, near
+from sinuous.kernels.body.self_contacts import MOST_PAIRS, VALUE, WEIGHTS, pull_along, pull_at, self_contacts
+from sinuous.kernels.body.self_pairs import Shape
+from sinuous.kernels.chain.arc import pose
+from sinuous.kernels.chain.kinematics import body_point, frame
+from sinuous.kernels.clock import spend
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.fields.distances import price_of, slope
+from sinuous.kernels.fields.solids import BOUND, EXACT
+from sinuous.kernels.maths.vectors import ZERO, Vec, add, cross, dot, get_vec, mat_vec, put_vec, sub
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.velocity.working import (
+    CLEARANCE,
+    GAP,
+    HIGH,
+    KIND_HIGH,
+    KIND_LOW,
+    LOW,
+    OTHER,
+    SEGMENT,
+    SELF_CLEARANCE,
+    WISHED_HIGH,
+    WISHED_LOW,
+    Tick,
+)
+
+PIECES = 4
+"""Pieces of a segment."""
+
+CLOSELY = 8
+"""Most looks for the closest place of a piece."""
+
+STRAIGHT = 1e-3
+"""Cosine between gradient and tangent at which a place is the closest."""
+
+Look = namedtuple("Look", ["keep", "wish", "ahead"])
+"""The gap that is kept, the one that is wished for, and up to which gap contacts matter."""
+
+
+@kernel
+def put_bound(tick: Tick, at: int, low: float, wish: float, gap: float) -> bool:
+    """Finish the bound in row `at`, whose weights are there, in units of the metric; say whether anything can move it.
+
+    `low`: what its motion must be at least, `wish`: what it is wished to be.
+    """
+    n = tick.q.shape[0]
+    row = tick.bounds[at]
+    size = 0.0
+    for k in range(n):
+        for i in range(3):
+            pull = tick.root[k, 4 * i] * row[3 * k + i]
+            size += pull * pull
+    size = math.sqrt(size)
+    if not size > 1e-12:
+        return False
+    for i in range(3 * n):
+        row[i] /= size
+    own = 3 * n
+    row[own + LOW], row[own + HIGH] = low / size, math.inf
+    row[own + WISHED_LOW], row[own + WISHED_HIGH] = wish / size, math.inf
+    row[own + GAP] = gap
+    return True
+
+
+@kernel
+def _steepness(problem: Problem, tick: Tick, i: int, k: int, s: float) -> tuple[float, float, Vec, Vec]:
+    """Distance of a place to obstacle `i`, how it changes along the backbone, its gradient, and the place."""
+    rotation, position = frame(tick.frames, k)
+    turn, shift = pose(s * tick.q[k, 0], s * tick.q[k, 1], s * tick.q[k, 2])
+    p = add(position, mat_vec(rotation, shift))
+    tangent = mat_vec(rotation, (turn[0][2], turn[1][2], turn[2][2]))
+    d, g = slope(problem.scene, i, p, math.inf, EXACT)
+    return d, dot(g, tangent), g, p
+
+
+@kernel
+def _closest_place(problem: Problem, tick: Tick, i: int, k: int, a: float, b: float) -> tuple[float, float, Vec, Vec]:
+    """Fraction of segment `k` between `a` and `b` where it is closest to obstacle `i`; distance, gradient, place."""
+    d, fa, g, p = _steepness(problem, tick, i, k, a)
+    if fa >= 0.0:
+        return a, d, g, p
+    d, fb, g, p = _steepness(problem, tick, i, k, b)
+    if fb <= 0.0:
+        return b, d, g, p
+    s = b
+    for _ in range(CLOSELY):
+        s = min(max((a * fb - b * fa) / (fb - fa), a), b)
+        d, f, g, p = _steepness(problem, tick, i, k, s)
+        if abs(f) < STRAIGHT:
+            break
+        if f > 0.0:
+            b, fb, fa = s, f, 0.5 * fa  # the Illinois rule: an end that stays counts half
+        else:
+            a, fa, fb = s, f, 0.5 * fb
+    return s, d, g, p
+
+
+@kernel
+def _place_for(tick: Tick, first: int, count: int, most: int, gap: float) -> int:
+    """The next free bound, else that of the contact with the largest gap; -1 where none is larger."""
+    if count < most:
+        return count
+    own, widest = 3 * tick.q.shape[0] + GAP, first
+    for at in range(first + 1, count):
+        if tick.bounds[at, own] > tick.bounds[widest, own]:
+            widest = at
+    return widest if tick.bounds[widest, own] > gap else -1
+
+
+@kernel
+def _put_contact(
+    problem: Problem, tick: Tick, at: int, place: tuple[int, float, Vec], force: Vec, gap: float, look: Look
+) -> bool:
+    k, s, p = place
+    origin = frame(tick.frames, 0)[1]
+    torque = cross(sub(p, origin), force)
+    shape = Shape(problem.limits, tick.q, tick.frames, tick.spans)
+    for j in range(tick.q.shape[0]):
+        weights = pull_along(tick.columns, j, torque, force) if j < k else ZERO
+        if j == k:
+            weights = pull_at(shape, origin, k, s, torque, force)
+        put_vec(tick.bounds, at, 3 * j, weights)
+    return put_bound(tick, at, min(0.0, look.keep - gap), look.wish - gap, gap)
+
+
+@kernel
+def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int) -> tuple[int, float]:
+    """Write a bound for every contact, from row `first` on, none beyond row `most`; of too many the nearest.
+
+    Returns the next free row, and the least gap that was seen (infinite: none is below `look.ahead`).
+    """
+    count, least, mount = first, math.inf, problem.mount
+    own = 3 * tick.q.shape[0]
+    for k in range(tick.q.shape[0]):
+        start, length, radius = free_part(tick.q, k, mount), tick.q[k, 2], problem.limits[k, RADIUS]
+        mount -= length
+        part = 1.0 - start
+        if part <= 0.0 or spend(tick.sweep.clock, problem.scene.table.shape[0]):
+            continue
+        middle = body_point(tick.q, tick.frames, k, start + 0.5 * part)
+        those, _ = near(problem.scene, middle, 0.5 * length * part + radius + look.ahead, tick.near)
+        for piece in range(PIECES if those > 0 else 0):
+            a, b = start + part * piece / PIECES, start + part * (piece + 1) / PIECES
+            reach = 0.5 * length * (b - a) + radius + look.ahead
+            middle = body_point(tick.q, tick.frames, k, 0.5 * (a + b))
+            for e in range(those):
+                i = tick.near[e]
+                if look_here(problem.scene, i, middle, reach, BOUND)[0] >= reach:
+                    continue
+                spend(tick.sweep.clock, 4 * price_of(problem.scene, i))
+                s, d, g, p = _closest_place(problem, tick, i, k, a, b)
+                gap = d - radius
+                least = min(least, gap)
+                at = _place_for(tick, first, count, most, gap) if gap < look.ahead else -1
+                if at >= 0 and _put_contact(problem, tick, at, (k, s, p), g, gap, look):
+                    row = tick.bounds[at]
+                    row[own + KIND_LOW] = row[own + KIND_HIGH] = CLEARANCE
+                    row[own + SEGMENT], row[own + OTHER] = k, i
+                    count = max(count, at + 1)
+    return count, least
+
+
+@kernel
+def add_self_contacts(problem: Problem, tick: Tick, look: Look, first: int) -> tuple[int, float]:
+    """The same for the body and itself; `look.wish` is of obstacles alone."""
+    if not problem.avoids_itself:
+        return first, math.inf
+    shape = Shape(problem.limits, tick.q, tick.frames, tick.spans)
+    found, least = self_contacts(shape, tick.columns, look.ahead, problem.unit, tick.pairs)
+    own, at = 3 * tick.q.shape[0], first
+    for a in range(min(found, MOST_PAIRS)):
+        gap = look.ahead - tick.pairs[a, VALUE] * problem.unit
+        low = high = -1
+        for k in range(tick.q.shape[0]):
+            weights = get_vec(tick.pairs, a, WEIGHTS + 3 * k)
+            put_vec(tick.bounds, at, 3 * k, weights)
+            if dot(weights, weights) > 0.0:
+                low, high = k if low < 0 else low, k
+        value = (look.keep - gap) / problem.unit
+        if put_bound(tick, at, min(0.0, value), value, gap):
+            row = tick.bounds[at]
+            row[own + KIND_LOW] = row[own + KIND_HIGH] = SELF_CLEARANCE
+            row[own + SEGMENT], row[own + OTHER] = low, high
+            at += 1
+    return at, least

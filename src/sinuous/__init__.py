@@ -11,6 +11,8 @@ __version__ = "0.2.0.dev0"
 if TYPE_CHECKING:
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.export.chain import JointChain as JointChain
+    from sinuous.measures.following import Deviation as Deviation
     from sinuous.methods.dls.options import Dls as Dls
     from sinuous.methods.fabrik.fabrikc import Fabrikc as Fabrikc
     from sinuous.methods.fabrik.fabrikx import Fabrikx as Fabrikx
@@ -21,12 +23,17 @@ if TYPE_CHECKING:
     from sinuous.methods.slinki.options import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
+    from sinuous.motion.leader.leader import follow_the_leader as follow_the_leader
+    from sinuous.motion.leader.stage import on_stage as on_stage
     from sinuous.motion.motion import Motion as Motion
     from sinuous.motion.plan import Planner as Planner
     from sinuous.motion.plan import plan as plan
+    from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
     from sinuous.poses import pose as pose
+    from sinuous.problem.curve import Curve as Curve
+    from sinuous.problem.path import Path as Path
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
     from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
@@ -38,6 +45,7 @@ if TYPE_CHECKING:
     from sinuous.robot.coupled import Actuators as Actuators
     from sinuous.robot.parameters import arc_parameters as arc_parameters
     from sinuous.robot.parameters import from_arc_parameters as from_arc_parameters
+    from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
     from sinuous.scene.clouds.point_cloud import PointCloud as PointCloud
@@ -66,6 +74,8 @@ _HOMES = {
     "robot.actuators": ("Chambers", "Tendons"),
     "robot.coupled": ("Actuators",),
     "errors": ("InputError", "NotSolvedError"),
+    "export.chain": ("JointChain",),
+    "measures.following": ("Deviation",),
     "methods.dls.options": ("Dls",),
     "methods.fabrik_avoid.options": ("FabrikAvoid",),
     "methods.fabrik.fabrikc": ("Fabrikc",),
@@ -76,11 +86,14 @@ _HOMES = {
     "methods.slinki.options": ("Slinki",),
     "pictures.plot": ("plot_solution",),
     "poses": ("pose",),
+    "problem.curve": ("Curve",),
+    "problem.path": ("Path",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
     "problem.suspicions": ("SuspiciousInput",),
     "problem.tolerance": ("Tolerance",),
     "robot.parameters": ("arc_parameters", "from_arc_parameters"),
+    "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment",),
     "scene.grids.field": ("Field",),
@@ -97,6 +110,9 @@ _HOMES = {
     "solution.verification": ("Verification", "Verifications"),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
+    "motion.leader.leader": ("follow_the_leader",),
+    "motion.leader.stage": ("on_stage",),
+    "motion.timing.trajectory": ("Trajectory",),
     "motion.job": ("Job", "load"),
     "motion.motion": ("Motion",),
     "motion.plan": ("Planner", "plan"),

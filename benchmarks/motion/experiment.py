@@ -6,9 +6,9 @@ from functools import partial
 from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.motion import letters, p5, tracks
+from benchmarks.motion import leader, letters, p5, tracks
 
-SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {**p5.PARTS, **tracks.PARTS, **letters.PARTS}
+SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {**p5.PARTS, **tracks.PARTS, **letters.PARTS, **leader.PARTS}
 """One piece each, by name."""
 
 

@@ -287,9 +287,9 @@ BAD = {
     "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
     ROBOT + "scene: [{grid: {file: a.npz, scale: 1}}]": "scene[0].grid.scale: "
     "expected one of file, name, got 1 (unknown key)",
-    ROBOT: "target: expected one of target, targets, path, got ['robot'] (missing)",
+    ROBOT: "target: expected one of target, targets, path, goal, got ['robot'] (missing)",
     ROBOT + TARGET + "path: tips.csv": "target: "
-    "expected one of target, targets, path, got {'position': [0, 0, 3]} (stands beside path)",
+    "expected one of target, targets, path, goal, got {'position': [0, 0, 3]} (stands beside path)",
     ROBOT
     + "target: {}": "target.position: expected position, direction or rotation ... (nothing is asked of the target)",
     ROBOT + "target: [0, 0, 1]": "target: "
@@ -321,9 +321,9 @@ BAD = {
     + "prefer: {bend: 1}": "prefer.bend: expected perhaps bends (or one of start, clearance), got 1 (unknown key)",
     ROBOT + TARGET + "tagret: 1": "tagret: expected perhaps target ... (unknown key)",
     ROBOT + TARGET + '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': "
-    "expected one of robot, scene, target, targets, path, tolerance ... (unknown key)",
-    "": "file: expected a mapping with robot, scene, target, targets, path, tolerance ... None",
-    "just a text": "file: expected a mapping with robot, scene, target, targets, path, tolerance ... 'just a text'",
+    "expected one of robot, scene, target, targets, path, goal, tolerance ... (unknown key)",
+    "": "file: expected a mapping with robot, scene, target, targets, path, goal, tolerance ... None",
+    "just a text": "file: expected a mapping with robot, scene, target, targets, path, goal, ... 'just a text'",
 }
 
 

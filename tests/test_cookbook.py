@@ -52,8 +52,12 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         np.testing.assert_allclose(names["shape"], solution.q, atol=1e-9)
     match job:
         case "From a table of points to a table of motors":
-            assert names["track"].solved
-            assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") == len(names["points"]) + 1
+            assert names["motion"].solved
+            assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") == len(names["motion"].q) + 1
+        case "Through poses, at times" | "Into a hole, along a curve" | "In RViz, MuJoCo and PyBullet":
+            assert names["motion"].solved
+        case "As fast as the motors allow":
+            assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") > 100 * names["timed"].duration
         case "A velocity, within limits, rates and obstacles":
             assert names["step"].proved
             assert {each.obstacle for each in names["step"].active} == {"ball"}

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import sinuous as sn
 from sinuous.frozen import Frozen
@@ -70,6 +71,9 @@ NOUNS: dict[str, Callable[[], Any]] = {
     "job": lambda: sn.Job(ROBOT, TARGET, [LAMP]),
     "problems": lambda: sn.Problem(ROBOT, [TARGET, sn.Target((0, 0, 1), segment=1)]),
     "solution": solution,
+    "curve": lambda: sn.Curve(np.eye(3), start=(3, 0, 0)),
+    "path": lambda: sn.Path([0, 1, 2], positions=np.eye(3)),
+    "chain": lambda: sn.JointChain(ROBOT, 2),
 }
 
 
@@ -100,6 +104,8 @@ def assert_equal(a: Any, b: Any) -> None:
         np.testing.assert_array_equal(a, b)
         assert a.dtype == b.dtype
         assert a.flags.writeable == b.flags.writeable
+    elif isinstance(a, CubicSpline):
+        assert_equal((a.c, a.x), (b.c, b.x))
     elif isinstance(a, Part):
         assert_equal(vars(a), vars(b))
     elif isinstance(a, dict):

@@ -22,6 +22,7 @@ FLOORS = {
     "solution": 2,
     "measures": 2,
     "files": 2,
+    "export": 1,
     "robot": 1,
     "scene": 1,
     "poses": 1,

@@ -6,12 +6,13 @@ from functools import partial
 from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.motion import into, letters, loops, p5, tracks
+from benchmarks.motion import into, leader, letters, loops, p5, tracks
 
 SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {
     **p5.PARTS,
     **tracks.PARTS,
     **letters.PARTS,
+    **leader.PARTS,
     **loops.PARTS,
     **into.PARTS,
 }

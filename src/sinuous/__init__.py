@@ -11,6 +11,8 @@ __version__ = "0.2.0.dev0"
 if TYPE_CHECKING:
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.export.chain import JointChain as JointChain
+    from sinuous.measures.following import Deviation as Deviation
     from sinuous.methods.dls.options import Dls as Dls
     from sinuous.methods.fabrik.fabrikc import Fabrikc as Fabrikc
     from sinuous.methods.fabrik.fabrikx import Fabrikx as Fabrikx
@@ -21,12 +23,17 @@ if TYPE_CHECKING:
     from sinuous.methods.slinki.options import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
+    from sinuous.motion.leader.leader import follow_the_leader as follow_the_leader
+    from sinuous.motion.leader.stage import on_stage as on_stage
     from sinuous.motion.motion import Motion as Motion
     from sinuous.motion.plan import Planner as Planner
     from sinuous.motion.plan import plan as plan
+    from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
     from sinuous.poses import pose as pose
+    from sinuous.problem.curve import Curve as Curve
+    from sinuous.problem.path import Path as Path
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
     from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
@@ -70,6 +77,8 @@ _HOMES = {
     "robot.actuators": ("Chambers", "Tendons"),
     "robot.coupled": ("Actuators",),
     "errors": ("InputError", "NotSolvedError"),
+    "export.chain": ("JointChain",),
+    "measures.following": ("Deviation",),
     "methods.dls.options": ("Dls",),
     "methods.fabrik_avoid.options": ("FabrikAvoid",),
     "methods.fabrik.fabrikc": ("Fabrikc",),
@@ -80,6 +89,8 @@ _HOMES = {
     "methods.slinki.options": ("Slinki",),
     "pictures.plot": ("plot_solution",),
     "poses": ("pose",),
+    "problem.curve": ("Curve",),
+    "problem.path": ("Path",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
     "problem.suspicions": ("SuspiciousInput",),
@@ -103,6 +114,9 @@ _HOMES = {
     "solution.verification": ("Verification", "Verifications"),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
+    "motion.leader.leader": ("follow_the_leader",),
+    "motion.leader.stage": ("on_stage",),
+    "motion.timing.trajectory": ("Trajectory",),
     "motion.job": ("Job", "load"),
     "motion.motion": ("Motion",),
     "motion.plan": ("Planner", "plan"),

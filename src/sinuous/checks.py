@@ -205,6 +205,16 @@ def interval(key: str, value: Any, *, low: float = -math.inf) -> tuple[float, fl
     return pair
 
 
+def increasing(key: str, value: Any, count: int | None) -> Floats:
+    """Check finite numbers, so many where that is known, each greater than the one before."""
+    result = array(key, value, (count,))
+    early = np.flatnonzero(np.diff(result) <= 0.0)
+    if len(early):
+        i = int(early[0]) + 1
+        raise InputError(f"{key}[{i}]", f"{key} must increase", float(result[i]), f"more than {result[i - 1]:g}")
+    return result
+
+
 def points(key: str, value: Any) -> Floats:
     """Check rows of three finite numbers, at least one; a refusal names the first bad row. Returns a new array."""
     expected = "rows of 3 finite numbers"

@@ -6,10 +6,11 @@ import pytest
 from sinuous.errors import InputError
 from sinuous.files import path_csv
 from sinuous.files.path_csv import parse_path
+from sinuous.problem.target import Target
 
 
 def test_quaternions_are_wxyz() -> None:
-    (target,) = parse_path("x,y,z,qw,qx,qy,qz\n1,2,3,0,2,0,0\n")
+    ((target,), _) = parse_path("x,y,z,qw,qx,qy,qz\n1,2,3,0,2,0,0\n")
     np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
 
 
@@ -19,15 +20,28 @@ def test_rows_read_together_are_those_read_one_by_one(header: tuple[str, ...]) -
     text = ",".join(header) + "\n" + "\n".join(" , ".join(map(repr, row)) for row in numbers.tolist())
     rows = list(path_csv._rows(text))[1:]
     together = path_csv._together(header, [cells for _, cells in rows])
-    assert parse_path(text) != ()
+    assert parse_path(text).targets != ()
     assert len(together) == 50
     for target, single in zip(together, path_csv._one_by_one(header, rows), strict=True):
         np.testing.assert_array_equal(target.table, single.table)
 
 
 def test_the_columns_name_the_order() -> None:
-    (target,) = parse_path("x,y,z,qx,qy,qz,qw\n1,2,3,2,0,0,0\n")
+    ((target,), _) = parse_path("x,y,z,qx,qy,qz,qw\n1,2,3,2,0,0,0\n")
     np.testing.assert_array_equal(target.rotation, np.diag([1.0, -1.0, -1.0]))
+
+
+def test_a_column_in_front_has_times() -> None:
+    targets, times = parse_path("t,x,y,z,dx,dy,dz\n0.5,1,2,3,0,0,2\n2,4,5,6,0,1,0\n")
+    assert times is not None
+    assert times.tolist() == [0.5, 2.0]
+    assert [
+        target.equals(wanted)
+        for target, wanted in zip(
+            targets, [Target((1, 2, 3), direction=(0, 0, 1)), Target((4, 5, 6), direction=(0, 1, 0))], strict=True
+        )
+    ] == [True] * 2
+    assert parse_path("x,y,z\n1,2,3\n").times is None
 
 
 @pytest.mark.parametrize(
@@ -46,6 +60,10 @@ def test_the_columns_name_the_order() -> None:
         ("x,y,z,dx,dy,dz\n1,2,3,0,0,0\n", "line 2.direction", "expected a vector that is not zero"),
         ("x,y,z\n" + "1,2,3\n" * 1000 + "1,2,x\n", "line 1002.z", "expected a finite number, got 'x'"),
         ('x,y,z\n"1,2,3\n', "line", "unexpected end"),
+        ("t,x,y\n1,2,3\n", "line 1", "perhaps with t in front"),
+        ("t,x,y,z\n0,1,2,3\n1,1,2,3\n1,4,5,6\n", "line 4.t", "expected more than 1, got 1.0 (times must increase)"),
+        ("t,x,y,z\nsoon,1,2,3\n", "line 2.t", "expected a finite number, got 'soon'"),
+        ("t,x,y,z\n0,1,2\n", "line 2", "wrong number of cells"),
     ],
 )
 def test_refusals_name_the_line(text: str, key: str, problem: str) -> None:

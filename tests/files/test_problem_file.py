@@ -335,7 +335,7 @@ BAD = {
     ROBOT + TARGET + '"a b\\n\\e[31m": 1': "'a b\\n\\x1b[31m': "
     "expected one of robot, scene, target, targets, path, goal, tolerance ... (unknown key)",
     "": "file: expected a mapping with robot, scene, target, targets, path, goal, tolerance ... None",
-    "just a text": "file: expected a mapping with robot, scene, target, targets, path, goal ... 'just a text'",
+    "just a text": "file: expected a mapping with robot, scene, target, targets, path, goal, ... 'just a text'",
 }
 
 

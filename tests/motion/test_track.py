@@ -170,3 +170,19 @@ def test_progress_sees_every_solution() -> None:
 def test_what_is_no_path_is_refused(targets: object) -> None:
     with pytest.raises(sn.InputError, match="targets"):
         sn.track(ROBOT, targets)  # type: ignore[arg-type]
+
+
+def test_waypoints_are_reached_at_their_times() -> None:
+    times = np.cumsum(np.linspace(1.0, 2.0, 5))
+    path = sn.Path(times, positions=[target.position for target in CIRCLE[:5] if target.position is not None])
+    timed, told = sn.track(ROBOT, path), sn.track(ROBOT, CIRCLE[:5], times=times)
+    started = sn.track(ROBOT, path, start=timed.q[-1])
+    for motion in (timed, told, started):
+        reached = [motion.times[knot] for knot in motion.waypoint_knots if knot is not None]
+        np.testing.assert_allclose(reached, times.tolist())
+    assert started.times[0] == pytest.approx(times[0] - (times[1] - times[0]))
+
+
+def test_times_that_do_not_increase_are_refused() -> None:
+    with pytest.raises(sn.InputError, match=r"times\[1\]: expected more than 1, got 1.0 \(times must increase\)"):
+        sn.track(ROBOT, CIRCLE[:2], times=[1.0, 1.0])

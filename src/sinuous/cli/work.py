@@ -180,4 +180,4 @@ def _track(deviation: float | None, solver: Solver, problem: ProblemFile, bar: B
     except KeyboardInterrupt:
         if not done:
             raise
-    return tracker.motion(len(problem.waypoints) - done)
+    return tracker.motion(len(problem.waypoints) - done, problem.times)

@@ -1,17 +1,22 @@
-"""A path of targets as a table: one row a waypoint, columns `x,y,z` and perhaps a direction or a quaternion."""
+"""A path of targets as a table: one row a waypoint, columns `x,y,z` and perhaps a direction or a quaternion.
+
+A column `t` in front of these has the times of the waypoints.
+"""
 
 import csv
 import io
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sinuous import checks
+from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.text import NUMBER
 from sinuous.problem.target import Target
 
+TIME = "t"
 POSITION = ("x", "y", "z")
 ORIENTATIONS = {
     "direction": ("dx", "dy", "dz"),
@@ -22,21 +27,46 @@ HEADERS = {POSITION: None} | {(*POSITION, *columns): name for name, columns in O
 """What an allowed header says beside the position."""
 
 
-def parse_path(text: str) -> tuple[Target, ...]:
-    """Read the targets of a CSV file with a header.
+class Table(NamedTuple):
+    """What a file says: targets, and their times (m,) where it has some."""
+
+    targets: tuple[Target, ...]
+    times: Floats | None
+
+
+def parse_path(text: str) -> Table:
+    """Read the targets of a CSV file with a header, and their times.
 
     Raises
     ------
     InputError
-        With the number of the line, when the header is another one, or a row has not one finite number for each column.
+        With the number of the line, when the header is another one, a row has not one finite number for each column, or
+        times do not increase.
     """
     (line, names), *rows = list(_rows(text)) or [(1, [])]
     header = tuple(name.strip() for name in names)
-    if header not in HEADERS:
-        raise InputError(f"line {line}", "", ",".join(names), " or ".join(",".join(h) for h in HEADERS))
+    timed = header[:1] == (TIME,)
+    if header[timed:] not in HEADERS:
+        expected = " or ".join(",".join(h) for h in HEADERS) + ", perhaps with t in front"
+        raise InputError(f"line {line}", "", ",".join(names), expected)
     if not rows:
         raise InputError(f"line {line}", "", text, "at least one target")
-    return _together(header, [cells for _, cells in rows]) or tuple(_one_by_one(header, rows))
+    times = _times(rows) if timed else None
+    poses = [(number, cells[timed:]) for number, cells in rows]
+    own = header[timed:]
+    return Table(_together(own, [cells for _, cells in poses]) or tuple(_one_by_one(own, poses)), times)
+
+
+def _times(rows: list[tuple[int, list[str]]]) -> Floats:
+    """Take the first cells of all rows, which must increase."""
+    times: list[float] = []
+    for line, cells in rows:
+        with checks.inside(f"line {line}"):
+            time = _number(TIME, cells[0].strip())
+            if times and time <= times[-1]:
+                raise InputError(TIME, "times must increase", time, f"more than {times[-1]:g}")
+            times.append(time)
+    return np.array(times)
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, NamedTuple, Self, TypeVar
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Rows
+from sinuous.arguments import Rows, Vector
 from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -29,10 +29,17 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.writing.documents import write_document
-from sinuous.writing.plain import described
+from sinuous.writing.plain import described, plain
 
 QUESTIONS = ("target", "targets", "path", "goal")
-KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates")
+KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times")
+
+
+class Waypoints(NamedTuple):
+    """Targets to be met one after the other, and the times of a file of them."""
+
+    targets: tuple[tuple[Target, ...], ...]
+    times: Floats | None
 
 
 class ProblemFile(Frozen):
@@ -48,6 +55,8 @@ class ProblemFile(Frozen):
         Waypoints to be met one after the other, instead of `target`.
     goal : array_like (n, 3), optional
         The configuration where a plan ends, instead of `target`.
+    times : array_like (m,), optional
+        Of all waypoints of a path, increasing.
     tolerance : Tolerance, optional
     start : array_like (n, 3), optional
         Where the first solve, or a motion, begins.
@@ -61,6 +70,7 @@ class ProblemFile(Frozen):
     ----------
     waypoints : tuple of tuple of Target
         One after the other; the targets of one waypoint are met at once. None where a configuration is the goal.
+    times : ndarray (m,) or None
     is_path : bool
         Whether it speaks of a path; otherwise there is one waypoint, or a goal.
 
@@ -73,6 +83,7 @@ class ProblemFile(Frozen):
     robot: Robot
     scene: Scene
     waypoints: tuple[tuple[Target, ...], ...]
+    times: Floats | None
     is_path: bool
     goal: Floats | None
     tolerance: Tolerance
@@ -89,6 +100,7 @@ class ProblemFile(Frozen):
         *,
         path: Iterable[Targets] | None = None,
         goal: Rows | None = None,
+        times: Vector | None = None,
         tolerance: Tolerance | None = None,
         start: Rows | None = None,
         prefer: Preferences | None = None,
@@ -110,10 +122,14 @@ class ProblemFile(Frozen):
                 rates.check(robot)
         place = as_scene(scene)
         check_sizes(robot, place)
+        waypoints = () if goal is not None else _listed(robot, [target] if path is None else path, asked[0])
+        if times is not None and path is None:
+            raise InputError("times", f"stand beside {asked[0]}", times, "those of a path")
         self._set(
             robot=robot,
             scene=place,
-            waypoints=() if goal is not None else _listed(robot, [target] if path is None else path, asked[0]),
+            waypoints=waypoints,
+            times=None if times is None else checks.increasing("times", times, len(waypoints)),
             is_path=path is not None,
             goal=None if goal is None else checks.array("goal", goal, (len(robot), 3)),
             tolerance=as_tolerance(tolerance),
@@ -186,7 +202,8 @@ class ProblemFile(Frozen):
             return {"goal": self.goal.tolist()}
         listed = [[described(target) for target in targets] for targets in self.waypoints]
         if self.is_path:
-            return {"path": [targets[0] if len(targets) == 1 else targets for targets in listed]}
+            path = [targets[0] if len(targets) == 1 else targets for targets in listed]
+            return {"path": path} | ({} if self.times is None else {"times": plain(self.times)})
         return {"target": listed[0][0]} if len(listed[0]) == 1 else {"targets": listed[0]}
 
     def save(self, file: str | Path) -> None:
@@ -280,28 +297,34 @@ def _read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[
     if len(asked) > 1:
         raise InputError(key, f"stands beside {asked[1]}", value, expected)
     if key == "path":
-        return {"path": _read_path(value, robot, folder)}
+        targets, times = _read_path(value, robot, folder)
+        if times is not None and "times" in entries:
+            raise InputError("times", "stand in the file of the path, too", entries["times"], "one of both")
+        return {"path": targets, "times": entries.get("times") if times is None else times}
+    if entries.get("times") is not None:
+        raise InputError("times", f"stand beside {key}", entries["times"], "those of a path")
     if key == "goal":
         return {"goal": read_start("goal", value, robot, folder)}
     with checks.inside(key):
         return {"target": (read_target(value, robot),) if key == "target" else read_targets(value, robot)}
 
 
-def _read_path(value: Any, robot: Robot, folder: Path) -> tuple[tuple[Target, ...], ...]:
+def _read_path(value: Any, robot: Robot, folder: Path) -> Waypoints:
     if isinstance(value, str):
         file = folder / value
         text = read_text(file, "path")
         try:
-            return tuple((target,) for target in parse_path(text))
+            table = parse_path(text)
         except InputError as error:
             raise error.in_file(file) from None
+        return Waypoints(tuple((target,) for target in table.targets), table.times)
     if not isinstance(value, list) or not value:
         raise InputError("path", "", value, "a list of targets or the name of a CSV file")
     together = targets_together(value)
     if together:
-        return tuple((target,) for target in together)
+        return Waypoints(tuple((target,) for target in together), None)
     waypoints = []
     for i, entry in enumerate(value):
         with checks.inside(f"path[{i}]"):
             waypoints.append(read_targets(entry, robot) if isinstance(entry, list) else (read_target(entry, robot),))
-    return tuple(waypoints)
+    return Waypoints(tuple(waypoints), None)

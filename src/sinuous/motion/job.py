@@ -55,7 +55,7 @@ class Job(ProblemFile):
         given = self._options(options)
         if not self.prefer and "prefer" not in options:
             del given["prefer"]
-        return track(self.robot, self.waypoints, self.scene, start=self.start, **given)
+        return track(self.robot, self.waypoints, self.scene, start=self.start, times=self.times, **given)
 
     def plan(self, **options: Unpack[PlanArguments]) -> Motion:
         """Plan a motion from `start` to the target, to several at once, or to the goal. `options` as for `plan`.

@@ -11,10 +11,10 @@ from sinuous import checks
 from sinuous.arguments import Number, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
-from sinuous.frozen import Frozen
-from sinuous.motion import arrays, plain, table, wording
+from sinuous.motion import arrays, plain, wording
 from sinuous.motion.times import even_times
 from sinuous.motion.told import Told
+from sinuous.motion.uses import Uses
 from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
@@ -37,7 +37,7 @@ SLACK = 1e-9
 """By how much knots may exceed limits: rounding."""
 
 
-class Motion(Frozen):
+class Motion(Uses):
     """Configurations at times, linear in q from each to the next; frozen.
 
     `track` and `plan` return one. Made of configurations from elsewhere, it proves what there is to prove.
@@ -112,7 +112,7 @@ class Motion(Frozen):
         for i, knot in enumerate(knots):
             _check_limits(robot, f"q[{i}]", knot)
         place = as_snapshot(scene)
-        when = even_times(len(knots)) if times is None else check_times("times", times, len(knots))
+        when = even_times(len(knots)) if times is None else checks.increasing("times", times, len(knots))
         self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots))
         self._tell(Told())
 
@@ -240,28 +240,6 @@ class Motion(Frozen):
         """Return totals, knots and waypoints as plain values, in the order of the file format."""
         return plain.write(self)
 
-    def to_csv(self, file: str | Path, rate: Number | None = None) -> None:
-        """Write times, configurations and the values of all actuators as CSV.
-
-        Columns: `time`, `bend_x`, `bend_y`, `length` of every segment (`s1.bend_x`), every actuator by its name.
-
-        Parameters
-        ----------
-        file : path
-        rate : float, optional
-            Rows a unit of time (Hz), the last knot included; by default one row a knot.
-
-        Raises
-        ------
-        InputError
-            When the rate is not greater than 0, or the file cannot be written.
-        """
-        times, q = self.times, self.q
-        if rate is not None:
-            times = arrays.samples(self.times, checks.number("rate", rate, above=0.0))
-            q = arrays.interpolate(self.times, self.q, times)
-        table.write_motion(file, self.robot, times, q)
-
     def to_npz(self, file: str | Path) -> None:
         """Write knots, times, actuators and what is proved of the steps as NumPy arrays; see `from_npz`.
 
@@ -315,21 +293,6 @@ class Motion(Frozen):
 
     def __str__(self) -> str:
         return wording.text(self)
-
-
-def check_times(key: str, value: Any, count: int) -> Floats:
-    """Check so many times, each after the one before.
-
-    Raises
-    ------
-    InputError
-    """
-    times = checks.array(key, value, (count,))
-    early = np.flatnonzero(np.diff(times) <= 0.0)
-    if len(early):
-        i = int(early[0]) + 1
-        raise InputError(f"{key}[{i}]", "times must increase", float(times[i]), f"more than {times[i - 1]:g}")
-    return times
 
 
 def _check_limits(robot: Robot, key: str, q: Floats) -> None:

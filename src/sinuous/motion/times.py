@@ -12,6 +12,15 @@ def even_times(count: int) -> Floats:
     return np.arange(float(count))
 
 
+def with_start(times: Floats) -> Floats:
+    """Put the time of the start in front of those of waypoints: as long before the first as the second is after it.
+
+    Before a single waypoint it is 1.
+    """
+    first = times[1] - times[0] if len(times) > 1 else 1.0
+    return np.append(times[0] - first, times)
+
+
 def spread_times(robot: Robot, q: Floats, fixed: NDArray[np.intp], times: Floats) -> Floats:
     """Return the times (T,) of all knots, when those of some are given.
 

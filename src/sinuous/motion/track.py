@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, Unpack
 
 from sinuous import checks
-from sinuous.arguments import Number, Shortest
+from sinuous.arguments import Number, Shortest, Vector
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
 from sinuous.motion.following.tracker import Tracker
@@ -12,6 +12,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.plain import MOST_WAYPOINTS
 from sinuous.problem.asked import read_asked
 from sinuous.problem.goals import KEYS, GoalArrays
+from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Targets
 from sinuous.robot.robot import Robot
@@ -42,6 +43,7 @@ def track(
     start: Initial | None = None,
     deviation: Number | None = None,
     shortest: Shortest | None = None,
+    times: Vector | None = None,
     progress: Callable[[Solution], object] | None = None,
     **options: Unpack[TrackArguments],
 ) -> Motion:
@@ -62,6 +64,9 @@ def track(
     shortest : str, optional
         `configuration` or `actuators`: at last, the whole motion is made shorter in these, all knots together, as far
         as the waypoints and the line between them leave it open. By default it is not.
+    times : array_like (m,), optional
+        When the tip is at each waypoint, increasing; by default those of a `Path`, or 0, 1, 2, ... A start that is
+        given is as long before the first waypoint as the second is after it.
     progress : callable, optional
         Called with the solution of each waypoint as it is found.
     **options
@@ -84,19 +89,21 @@ def track(
     if wanted == "actuators" and not robot.actuators:
         raise InputError("shortest", "the robot has no actuators", shortest, "configuration")
     checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
+    given_times = targets.times if times is None and isinstance(targets, Path) else times
+    when = None if given_times is None else checks.increasing("times", given_times, len(path))
     if given.get("prefer") is None:
         given["prefer"] = wish(robot, given.get("method", "newton"))
     solver = Solver(robot, scene, **given)
     tracker = Tracker(solver, start, read_deviation(solver, deviation))
     if tracker.blocked is not None:
-        return tracker.motion(remaining=len(path))
+        return tracker.motion(len(path), when)
     for i in range(len(path)):
         solution = tracker.go_to(path.targets(i))
         if progress is not None:
             progress(solution)
     if wanted is not None:
         tracker.shorten(wanted)
-    return tracker.motion()
+    return tracker.motion(times=when)
 
 
 def wish(robot: Robot, method: Choice) -> Preferences:

@@ -28,6 +28,9 @@ from sinuous.robot.thickness import curvature_limits, held_back
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
 
+if TYPE_CHECKING:
+    from sinuous.export.chain import JointChain
+
 MOST_SEGMENTS = 10_000
 
 
@@ -233,6 +236,24 @@ class Robot(Frozen):
             When the file cannot be written.
         """
         write_document(file, self.to_dict())
+
+    def to_urdf(self, file: str | Path, joints_per_segment: Whole = 8) -> "JointChain":
+        """Write a chain of joints that stands for the robot as URDF, which RViz, MuJoCo and PyBullet load.
+
+        Its error shrinks with the square of `joints_per_segment`. Returns the chain, whose `values` are the joint
+        values of a configuration.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        from sinuous.export.chain import JointChain  # noqa: PLC0415
+        from sinuous.export.urdf import write_urdf  # noqa: PLC0415
+
+        chain = JointChain(self, joints_per_segment)
+        write_urdf(file, chain)
+        return chain
 
     def configuration(self, key: str, q: Batch) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""

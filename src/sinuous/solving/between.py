@@ -12,7 +12,7 @@ from sinuous import packing
 from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
-from sinuous.kernels.between.sweep import SEEN_WIDTH, sweep_size
+from sinuous.kernels.between.sweep import SEEN_WIDTH, WHEN, sweep_size
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
@@ -64,20 +64,38 @@ class Steps:
         return self.answers[:, UNTIL]
 
     @property
+    def clearances(self) -> Floats:
+        """Proved lower bounds of the clearance in each motion (m,); infinite without obstacles."""
+        return self.answers[:, SEEN]
+
+    @property
+    def self_clearances(self) -> Floats:
+        """Proved lower bounds of the self-clearance in each motion (m,); infinite where it does not matter."""
+        return self.answers[:, SEEN + SEEN_WIDTH]
+
+    @property
     def clearance(self) -> float | None:
         """Proved lower bound of the clearance in all motions; `None` without obstacles or without a proof."""
-        return self._least(SEEN)
+        return self._least(self.clearances)
 
     @property
     def self_clearance(self) -> float | None:
         """Proved lower bound of the self-clearance in all motions; `None` where it is infinite, or without a proof."""
-        return self._least(SEEN + SEEN_WIDTH)
+        return self._least(self.self_clearances)
+
+    def reversed(self) -> "Steps":
+        """Return the same for the motions backwards, in the opposite order."""
+        answers = self.answers[::-1].copy()
+        answers[:, UNTIL] = np.where(answers[:, VERDICT] == CLEAR, 1.0, 0.0)
+        for seen in (SEEN, SEEN + SEEN_WIDTH):
+            answers[:, seen + WHEN] = 1.0 - answers[:, seen + WHEN]
+        return Steps(answers)
 
     def __repr__(self) -> str:
         return call("Steps", [f"{int(self.proved.sum())} of {len(self.proved)} proved clear"])
 
-    def _least(self, column: int) -> float | None:
-        least = float(self.answers[:, column].min(initial=math.inf))
+    def _least(self, bounds: Floats) -> float | None:
+        least = float(bounds.min(initial=math.inf))
         return least if self.proved.all() and math.isfinite(least) else None
 
 

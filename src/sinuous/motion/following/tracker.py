@@ -18,7 +18,7 @@ from sinuous.motion.planning.goals import Goals
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.ways import find_way
 from sinuous.motion.start import blocked_by
-from sinuous.motion.times import spread_times
+from sinuous.motion.times import spread_times, with_start
 from sinuous.motion.told import Told
 from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
@@ -197,8 +197,8 @@ class Tracker:
     def _prove_again(self, knot: Knot, before: Floats) -> Floats | None:
         return self._prove(before, knot.q, knot.way, knot.shares)
 
-    def motion(self, remaining: int = 0) -> Motion:
-        """Return the motion so far; `remaining` waypoints were not tried."""
+    def motion(self, remaining: int = 0, times: Floats | None = None) -> Motion:
+        """Return the motion so far; `remaining` waypoints were not tried, `times` (m,) are those of all waypoints."""
         robot = self._solver.robot
         q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
         answers = [knot.came for knot in self._knots if knot.came is not None]
@@ -214,10 +214,10 @@ class Tracker:
             ended=None if self.blocked is None else Status.START_BLOCKED,
             blocking=self.blocked,
         )
-        return Motion.made(robot, self._prover.scene, q, self._times(q), steps, told)
+        return Motion.made(robot, self._prover.scene, q, self._times(q, times), steps, told)
 
-    def _times(self, q: Floats) -> Floats:
-        """Times of the knots: the first one is at 0, and every waypoint takes 1."""
+    def _times(self, q: Floats, of_waypoints: Floats | None = None) -> Floats:
+        """Times of the knots: the first one is at 0, and every waypoint takes 1, unless they have times."""
         knots = [knot for _, knot in self._tried]
         fixed = [(i + self._approaches, knot) for i, knot in enumerate(knots) if knot is not None]
         if self._approaches:
@@ -225,4 +225,7 @@ class Tracker:
         if not fixed:
             return np.empty(0)
         numbers, given = np.array(fixed).T
-        return spread_times(self._solver.robot, q, given, numbers.astype(np.float64))
+        when = numbers.astype(np.float64)
+        if of_waypoints is not None:
+            when = (with_start(of_waypoints) if self._approaches else of_waypoints)[numbers]
+        return spread_times(self._solver.robot, q, given, when)

@@ -1,0 +1,54 @@
+"""Trajectories of joints as ROS 2 has them: `trajectory_msgs/JointTrajectory` as JSON."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+
+NANO = 1_000_000_000
+
+
+def joint_trajectory(
+    names: Sequence[str], times: Floats, positions: Floats, velocities: Floats | None = None
+) -> dict[str, Any]:
+    """Return the message as plain values; times count from the first.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names of the joints (j,).
+    times : ndarray (T,)
+        Seconds.
+    positions, velocities : ndarray (T, j)
+        A controller of ROS 2 moves along straight lines between positions alone, and along cubic splines where there
+        are velocities.
+    """
+    begin = float(times[0])
+    points = []
+    for i, time in enumerate(times.tolist()):
+        seconds, nanoseconds = divmod(round((time - begin) * NANO), NANO)
+        point: dict[str, Any] = {"positions": positions[i].tolist()}
+        if velocities is not None:
+            point["velocities"] = velocities[i].tolist()
+        points.append(point | {"time_from_start": {"sec": seconds, "nanosec": nanoseconds}})
+    header = {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": "base"}
+    return {"header": header, "joint_names": list(names), "points": points}
+
+
+def write_json(file: str | Path, values: dict[str, Any]) -> None:
+    """Write plain values as JSON.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    try:
+        Path(file).write_text(json.dumps(values, allow_nan=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            "file", f"cannot be written: {error.strerror}", str(file), "a file that can be written"
+        ) from None

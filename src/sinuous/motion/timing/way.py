@@ -1,0 +1,150 @@
+"""The way of a motion: straight pieces in configuration space, and parabolas that round its corners.
+
+A piece is `c0 + c1 s + c2 s^2` for s from 0 to its length. All pieces together have a continuous slope, except in
+corners that are not rounded.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot
+from sinuous.solving.between import Steps
+
+STRAIGHT = 1e-9
+"""Two steps go on in one direction when unit vectors along them differ by no more."""
+
+KEPT = 0.5
+"""Share of the proved clearance that rounding a corner leaves."""
+
+SHORT = 1e-6
+"""A corner is not rounded where that would take less than so great a share of a step."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """Pieces of a way.
+
+    Attributes
+    ----------
+    pieces : ndarray (P, 3, n, 3)
+        Coefficients c0, c1, c2.
+    lengths : ndarray (P,)
+        Greater than 0.
+    stops : ndarray (P + 1,) of bool
+        Whether the slope jumps where a piece begins, or ends; also at both ends of the way.
+    """
+
+    pieces: Floats
+    lengths: Floats
+    stops: np.ndarray
+
+    def at(self, piece: np.ndarray, s: Floats, order: int = 0) -> Floats:
+        """Places (..., n, 3) on pieces (...), or their first or second derivative by s."""
+        c0, c1, c2 = np.moveaxis(self.pieces[piece], -3, 0)
+        along = np.asarray(s)[..., None, None]
+        result: Floats = (c0 + along * (c1 + along * c2), c1 + 2.0 * along * c2, 2.0 * c2)[order]
+        return result
+
+
+@dataclass(frozen=True)
+class Legs:
+    """The straight steps of a way; those that do not move are left out, those in one direction are one.
+
+    Attributes
+    ----------
+    corners : ndarray (L + 1, n, 3)
+    margins : ndarray (L,)
+        How far places of the body may leave a leg, by its proved clearances; 0 where nothing is proved.
+    sizes : ndarray (L,)
+        How far a place of the body moves on a leg at most.
+    """
+
+    corners: Floats
+    margins: Floats
+    sizes: Floats
+
+
+def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
+    """Return the legs of knots (T, n, 3) whose steps are proved so far; without any for a robot that stands still."""
+    levers = _levers(robot, q)
+    moves = np.diff(q, axis=0)
+    sizes = _reach(moves, levers)
+    moving = sizes > 0.0
+    flat = moves[moving].reshape(-1, moves[0].size)
+    units = flat / np.linalg.norm(flat, axis=1, keepdims=True) if len(flat) else flat
+    turns = (
+        np.append(True, np.linalg.norm(np.diff(units, axis=0), axis=1) > STRAIGHT) if len(flat) else np.zeros(0, bool)
+    )
+    first = np.flatnonzero(moving)[turns]
+    margins = np.minimum.reduceat(np.where(moving, steps_margins(robot, steps), np.inf), first) if len(first) else first
+    corners = np.concatenate([q[first], q[-1:]])
+    return Legs(corners, np.asarray(margins, np.float64), _reach(np.diff(corners, axis=0), levers))
+
+
+def steps_margins(robot: Robot, steps: Steps) -> Floats:
+    """How far places of the body may leave each step (m,) and still be clear of obstacles and of the body itself.
+
+    Where all places move by m at most, clearances shrink by m, and gaps of the body by 2 m. Where segments stretch,
+    which places are pi radii apart along the body changes too, by m at most, and with it the gap: 3 m in all. With
+    several radii that holds for fixed lengths alone.
+    """
+    stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
+    shares = 3.0 if len(set(robot.radii)) == 1 else np.inf
+    own = np.where(np.isinf(steps.self_clearances), np.inf, steps.self_clearances / (shares if stretching else 2.0))
+    margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.clearances, own), 0.0)
+    return margins
+
+
+def straight(legs: Legs) -> Way:
+    """Return the way with all its corners, at each of which the robot stops."""
+    pieces = np.zeros((len(legs.sizes), 3, *legs.corners.shape[1:]))
+    pieces[:, 0], pieces[:, 1] = legs.corners[:-1], np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
+    return Way(pieces, legs.sizes, np.ones(len(legs.sizes) + 1, bool))
+
+
+def rounded(robot: Robot, legs: Legs, most: float) -> Way:
+    """Return the way with its corners rounded, so that no place of the body leaves the legs by more than `most`.
+
+    Nor by more than half of what is proved to be free. A parabola lies in the triangle of its corner, so it keeps all
+    limits, which are convex; it is farthest from the legs in its middle, by a quarter of the sum of both arms. Where
+    the way turns by a right angle or more, the robot stops.
+    """
+    slopes = np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
+    bends = np.diff(slopes, axis=0)
+    allowed = np.minimum(most, np.minimum(legs.margins[1:], legs.margins[:-1]))
+    arms = 4.0 * allowed / _reach(bends, _levers(robot, legs.corners))
+    shorter = np.minimum(legs.sizes[1:], legs.sizes[:-1])
+    back = np.einsum("lnk,lnk->l", slopes[1:], slopes[:-1]) <= 0.0
+    arms = np.where(back, 0.0, np.minimum(arms, 0.5 * shorter))
+    arms = np.concatenate([[0.0], np.where(arms < SHORT * shorter, 0.0, arms), [0.0]])
+    pieces, lengths, stops = [], [], [True]
+    for i, slope in enumerate(slopes):
+        rest = legs.sizes[i] - arms[i] - arms[i + 1]
+        if rest > SHORT * legs.sizes[i]:
+            pieces.append([legs.corners[i] + arms[i] * slope, slope, np.zeros_like(slope)])
+            lengths.append(rest)
+            stops.append(bool(arms[i + 1] == 0.0))
+        if arms[i + 1] > 0.0:
+            turn = bends[i] / (4.0 * arms[i + 1])
+            pieces.append([legs.corners[i + 1] - arms[i + 1] * slope, slope, turn])
+            lengths.append(2.0 * arms[i + 1])
+            stops.append(False)
+    return Way(np.array(pieces), np.array(lengths), np.array(stops))
+
+
+def _levers(robot: Robot, q: Floats) -> Floats:
+    """Length (n,) of the body from the beginning of every segment to the tip, and to the tool, at most."""
+    longest = q[..., 2].max(axis=0)
+    tool: Floats = np.cumsum(longest[::-1])[::-1] + float(np.linalg.norm(robot.tool[:3, 3]))
+    return tool
+
+
+def _reach(moves: Floats, levers: Floats) -> Floats:
+    """How far a place of the body moves at most (m,) when configurations change by `moves` (m, n, 3).
+
+    A bend turns what lies beyond it by at most as much as it changes.
+    """
+    far: Floats = np.hypot(moves[..., 0], moves[..., 1]) @ levers + np.abs(moves[..., 2]).sum(axis=-1)
+    return far

@@ -1,0 +1,184 @@
+"""Laws of timing: limits are kept and used, and the way stays the one that was proved."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.checks import Floats
+from sinuous.measures.following import body_places
+
+ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.4, radius=4, tendons=sn.Tendons(3, radius=4))
+FAR = sn.Sphere((0, 0, 400), radius=10)
+FIRST = sn.Rates(bend=1.0, length=30.0, actuator=6.0)
+BOTH = sn.Rates(bend=1.0, length=30.0, actuator=6.0, acceleration=sn.Rates(bend=3.0, length=100.0, actuator=20.0))
+
+
+def smooth(knots: int) -> sn.Motion:
+    t = np.linspace(0.0, 2.0, knots)[:, None, None]
+    phase = np.arange(9.0).reshape(3, 3)
+    q = np.sin(t + phase) * (0.6, 0.6, 8.0) + (0.0, 0.0, 57.0)
+    return sn.Motion(ARM, q, [FAR])
+
+
+MOTION = smooth(12)
+
+
+def rates_of(values: Floats) -> tuple[float, float, float]:
+    """Largest of bends, lengths and actuators (T, ...)."""
+    bends = np.hypot(values[..., 0], values[..., 1]).max()
+    return float(bends), float(np.abs(values[..., 2]).max()), float(np.abs(ARM.to_actuators(values)).max())
+
+
+def off_the_way(motion: sn.Motion, q: Floats) -> float:
+    """Largest distance of configurations (T, n, 3) from the lines between the knots, as vectors."""
+    a, d = motion.q[:-1].reshape(len(motion.q) - 1, -1), np.diff(motion.q, axis=0).reshape(len(motion.q) - 1, -1)
+    p = q.reshape(len(q), 1, -1)
+    share = np.clip(((p - a) * d).sum(-1) / (d * d).sum(-1), 0.0, 1.0)
+    return float(np.linalg.norm(a + share[..., None] * d - p, axis=-1).min(axis=1).max())
+
+
+@pytest.mark.parametrize("blend", [0.0, 0.3, 1e3])
+def test_rates_and_accelerations_are_kept_and_some_is_reached_at_any_time(blend: float) -> None:
+    timed = MOTION.timed(BOTH, blend)
+    t = np.linspace(0.0, timed.duration, 5001)
+    speed, gain = timed.velocity(t), timed.acceleration(t)
+    slack = 1.0 + 1e-6
+    assert (np.array(rates_of(speed)) <= np.array([1.0, 30.0, 6.0]) * slack).all()
+    assert (np.array(rates_of(gain)) <= np.array([3.0, 100.0, 20.0]) * slack).all()
+    used = [max(np.divide(rates_of(v), (1, 30, 6)).max(), np.divide(rates_of(a), (3, 100, 20)).max())
+            for v, a in zip(speed, gain, strict=True)]  # fmt: skip
+    assert np.mean(np.array(used) > 0.95) > 0.95
+
+
+@pytest.mark.parametrize("blend", [0.0, 0.3])
+def test_velocities_and_accelerations_are_derivatives(blend: float) -> None:
+    timed = MOTION.timed(BOTH, blend)
+    inner = 0.5 * (timed.times[1:] + timed.times[:-1])
+    h = 1e-6
+    inner = inner[np.diff(timed.times) > 4 * h]
+    moved = (timed.at(inner + h) - timed.at(inner - h)) / (2 * h)
+    np.testing.assert_allclose(moved, timed.velocity(inner), atol=1e-6)
+    gained = (timed.velocity(inner + h) - timed.velocity(inner - h)) / (2 * h)
+    np.testing.assert_allclose(gained, timed.acceleration(inner), atol=1e-5)
+
+
+def test_without_a_blend_it_stops_in_every_corner_and_stays_on_the_way() -> None:
+    timed = MOTION.timed(BOTH)
+    q = timed.at(np.linspace(0.0, timed.duration, 400))
+    assert off_the_way(MOTION, q) < 1e-12
+    at_knots = [timed.at(timed.times)[np.abs(timed.at(timed.times) - q).max(axis=(1, 2)) < 1e-12] for q in MOTION.q]
+    assert all(len(found) for found in at_knots)
+    np.testing.assert_allclose(timed.at(0.0), MOTION.q[0])
+    np.testing.assert_allclose(timed.at(timed.duration), MOTION.q[-1], atol=1e-12)
+
+
+def test_a_straight_step_takes_the_time_of_a_trapezoid() -> None:
+    q = np.tile([0.0, 0.0, 50.0], (2, 3, 1))
+    q[1, 0, 0] = 1.5
+    motion = sn.Motion(ARM, q)
+    limits = sn.Rates(bend=1.0, acceleration=sn.Rates(bend=2.0))
+    assert motion.timed(limits).duration == pytest.approx(1.5 / 1.0 + 1.0 / 2.0)
+    assert motion.timed(sn.Rates(acceleration=sn.Rates(bend=2.0))).duration == pytest.approx(2.0 * np.sqrt(1.5 / 2.0))
+    assert motion.timed(sn.Rates(bend=1.0)).duration == pytest.approx(1.5)
+    finer = sn.Motion(ARM, np.linspace(q[0], q[1], 7))
+    assert finer.timed(limits).duration == pytest.approx(2.0)
+
+
+def test_rates_alone_need_no_stop() -> None:
+    timed = MOTION.timed(FIRST)
+    t = 0.5 * (timed.times[1:] + timed.times[:-1])
+    assert len(t) == len(MOTION.q) - 1
+    for speed in timed.velocity(t):
+        assert np.divide(rates_of(speed), (1.0, 30.0, 6.0)).max() == pytest.approx(1.0)
+
+
+def test_a_blend_saves_time_and_stays_within_what_is_allowed() -> None:
+    motion = smooth(40)
+    stops, blended = motion.timed(BOTH), motion.timed(BOTH, 0.3)
+    assert blended.duration < 0.6 * stops.duration
+    t = np.linspace(0.0, blended.duration, 2000)
+    body = ARM.backbone(blended.at(t), 6)
+    true = ARM.backbone(motion.at(np.linspace(0, 39, 8_000)), 6)
+    nearest = np.array([np.linalg.norm(true - one, axis=-1).max(axis=1).min() for one in body[::20]])
+    assert nearest.max() <= 0.3
+    assert nearest.max() > 1e-4
+
+
+def test_half_of_what_is_proved_to_be_free_is_left() -> None:
+    q = smooth(12).q
+    places = body_places(ARM, smooth(12).at(np.linspace(0, 11, 200)))
+    beside = places[100, -1, -1] + np.array([0.0, 14.0, 0.0])
+    gap = np.linalg.norm(places - beside, axis=-1).min()
+    ball = sn.Sphere(beside, radius=float(gap) - 4.0 - 0.5)
+    motion = sn.Motion(ARM.changed(self_collision="allow"), q, [ball])
+    assert motion.solved
+    assert motion.clearance is not None
+    timed = motion.timed(BOTH, 1e3)
+    passed = body_places(ARM, timed.at(np.linspace(0.0, timed.duration, 2000)))
+    clearance = np.linalg.norm(passed - ball.center, axis=-1).min() - ball.radius - 4.0
+    assert 0.5 * motion.clearance <= clearance
+    assert off_the_way(motion, timed.at(np.linspace(0.0, timed.duration, 300))) > 1e-3
+
+
+def test_no_corner_is_rounded_where_nothing_is_proved() -> None:
+    q = MOTION.q
+    touching = sn.Motion(ARM, q, [sn.Sphere(ARM.forward(q[5])[-1, :3, 3], radius=5)])
+    assert not touching.solved
+    timed = touching.timed(BOTH, 0.3)
+    at_rest = np.abs(timed.velocity(timed.times)).max(axis=(1, 2)) < 1e-9
+    assert np.abs(timed.at(timed.times)[at_rest] - q[5]).max(axis=(1, 2)).min() < 1e-9
+
+
+def test_files_have_even_times_and_drive_the_joints_of_the_urdf(tmp_path: Path) -> None:
+    timed = MOTION.timed(BOTH)
+    timed.to_csv(tmp_path / "way.csv", rate=50)
+    rows = (tmp_path / "way.csv").read_text().splitlines()
+    assert rows[0].startswith("time,s1.bend_x")
+    assert len(rows) == 2 + int(np.ceil(50 * timed.duration))
+    timed.to_ros(tmp_path / "way.json", joints_per_segment=2)
+    message = json.loads((tmp_path / "way.json").read_text())
+    chain = sn.JointChain(ARM, 2)
+    assert message["joint_names"] == list(chain.names)
+    np.testing.assert_allclose([p["positions"] for p in message["points"]], chain.values(timed.at(timed.times)))
+    np.testing.assert_allclose(
+        [p["velocities"] for p in message["points"]][3], chain.values(timed.velocity(timed.times[3]))
+    )
+    timed.to_ros(tmp_path / "way.json", rate=20, of="actuators")
+    message = json.loads((tmp_path / "way.json").read_text())
+    assert message["joint_names"] == [actuator.name for actuator in ARM.actuators]
+
+
+def test_resampled_it_is_a_motion_that_is_proved_anew() -> None:
+    timed = MOTION.timed(BOTH, 0.3)
+    motion = timed.resampled(50)
+    assert motion.solved
+    np.testing.assert_allclose(np.diff(motion.times)[:-1], 0.02)
+    np.testing.assert_allclose(motion.q, timed.at(motion.times))
+
+
+@pytest.mark.parametrize(
+    ("rates", "blend", "message"),
+    [
+        (sn.Rates(), 0.0, "rates: expected"),
+        (sn.Rates(bend=[1.0]), 0.0, "bend: expected"),
+        (FIRST, 0.1, r"blend: expected 0, got 0.1 \(rates have no acceleration"),
+        (BOTH, -1.0, "blend: expected a number of at least 0"),
+        (7.0, 0.0, "rates: expected Rates, got 7.0"),
+    ],
+)
+def test_what_is_no_limit_is_refused(rates: Any, blend: float, message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        MOTION.timed(rates, blend)
+
+
+def test_what_nothing_limits_and_what_stands_still_is_refused() -> None:
+    with pytest.raises(sn.InputError, match="nothing limits leg 1"):
+        sn.Motion(ARM, np.stack([MOTION.q[0], MOTION.q[0] + (0, 0, 1)])).timed(sn.Rates(bend=1.0))
+    with pytest.raises(sn.InputError, match="stands still"):
+        sn.Motion(ARM, MOTION.q[[0, 0]]).timed(FIRST)
+    with pytest.raises(sn.InputError, match="t: expected times from 0 to"):
+        MOTION.timed(FIRST).at(-1.0)

@@ -1,0 +1,97 @@
+"""Paths of poses: splines, functions of time, and what is refused."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+import sinuous as sn
+
+RNG = np.random.default_rng(4)
+POINTS = RNG.normal(size=(6, 3))
+TIMES = np.array([0.0, 1.0, 1.5, 3.0, 4.0, 6.0])
+
+
+def test_a_spline_goes_through_all_poses() -> None:
+    directions = RNG.normal(size=(6, 3))
+    path = sn.Path.spline(POINTS, directions=directions, between=4)
+    assert len(path) == 26
+    assert path.positions is not None
+    assert path.directions is not None
+    np.testing.assert_allclose(path.positions[::5], POINTS, atol=1e-12)
+    units = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+    np.testing.assert_allclose(path.directions[::5], units, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(path.directions, axis=1), 1.0, atol=1e-12)
+
+
+def test_positions_and_times_are_those_of_the_cubic_spline() -> None:
+    path = sn.Path.spline(POINTS, times=TIMES, between=9)
+    assert path.positions is not None
+    assert path.times is not None
+    np.testing.assert_allclose(path.times[::10], TIMES)
+    np.testing.assert_allclose(path.positions, CubicSpline(TIMES, POINTS)(path.times))
+
+
+def test_rotations_turn_evenly_between_two_and_smoothly_between_many() -> None:
+    two = Rotation.from_rotvec([[0, 0, 0], [0.3, 0.4, 0]])
+    path = sn.Path.spline(POINTS[:2], rotations=two, between=9)
+    assert path.rotations is not None
+    turned = Rotation.from_matrix(path.rotations).as_rotvec()
+    np.testing.assert_allclose(turned, np.linspace(0, 1, 11)[:, None] * [0.3, 0.4, 0], atol=1e-9)
+    many = sn.Path.spline(POINTS, times=range(6), rotations=Rotation.random(6, random_state=1), between=999)
+    steps = Rotation.from_matrix(many.rotations[:-1]).inv() * Rotation.from_matrix(many.rotations[1:])  # type: ignore[index]
+    bends = np.linalg.norm(np.diff(steps.as_rotvec(), axis=0), axis=1)
+    assert bends.max() < 0.01 * steps.magnitude().max()
+
+
+def test_directions_take_the_great_circle_between_two() -> None:
+    path = sn.Path.spline([[0, 0, 0], [1, 0, 0]], directions=[[0, 0, 1], [1, 0, 0]], between=1)
+    assert path.directions is not None
+    np.testing.assert_allclose(path.directions[1], (np.sqrt(0.5), 0, np.sqrt(0.5)), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda t: (np.cos(t), np.sin(t), t),
+        lambda t: (np.cos(t), np.sin(t), t, 0, 0, 1),
+        lambda t: sn.pose((np.cos(t), np.sin(t), t)),
+    ],
+)
+def test_a_function_of_time_is_asked_at_all_times(function: Any) -> None:
+    path = sn.Path.of(function, TIMES)
+    assert path.positions is not None
+    np.testing.assert_allclose(path.positions, np.stack([np.cos(TIMES), np.sin(TIMES), TIMES], axis=1))
+    assert path.times is not None
+    assert path.times.tolist() == TIMES.tolist()
+
+
+def test_a_path_is_a_sequence_of_targets() -> None:
+    path = sn.Path(positions=POINTS, times=TIMES)
+    assert [target.position.tolist() for target in path if target.position is not None] == POINTS.tolist()
+    assert path[2].equals(sn.Target(POINTS[2]))
+    assert len(path[1:3]) == 2
+    assert path.length == pytest.approx(np.linalg.norm(np.diff(POINTS, axis=0), axis=1).sum())
+    assert repr(path) == f"Path(6 points, length {path.length:g}, times 0 to 6)"
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: sn.Path(positions=POINTS[:1]), "path: expected at least two points, got 1"),
+        (lambda: sn.Path.spline(POINTS[:1]), "path: expected at least two points, got 1"),
+        (lambda: sn.Path([0, 1, 1], positions=POINTS[:3]), r"times\[2\]: expected more than 1, got 1.0 \(times must"),
+        (lambda: sn.Path.spline(POINTS[[0, 1, 1]]), r"positions\[2\]: expected another point"),
+        (
+            lambda: sn.Path.spline(POINTS[:2], directions=[(0, 0, 1), (0, 0, -1)]),
+            r"directions\[1\]: expected less than half a turn",
+        ),
+        (lambda: sn.Path.of(lambda t: (1, 2), TIMES), r"function: expected arrays \(3,\), \(6,\) or \(4, 4\)"),
+        (lambda: sn.Path.of(lambda t: (1, 2, 3), [1, 0]), r"times\[1\]: expected more than 1, got 0.0"),
+    ],
+)
+def test_what_is_no_path_is_refused(make: Any, message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        make()

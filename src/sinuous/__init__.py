@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
+    from sinuous.batch.batch import Batch as Batch
+    from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.errors import UnfinishedError as UnfinishedError
     from sinuous.methods.dls.options import Dls as Dls
     from sinuous.methods.fabrik.fabrikc import Fabrikc as Fabrikc
     from sinuous.methods.fabrik.fabrikx import Fabrikx as Fabrikx
@@ -62,10 +65,12 @@ if TYPE_CHECKING:
     from sinuous.solving.solver import solve_all as solve_all
 
 _HOMES = {
+    "batch.batch": ("Batch",),
+    "batch.solve": ("solve_batch",),
     "robot.actuation": ("Actuator",),
     "robot.actuators": ("Chambers", "Tendons"),
     "robot.coupled": ("Actuators",),
-    "errors": ("InputError", "NotSolvedError"),
+    "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
     "methods.dls.options": ("Dls",),
     "methods.fabrik_avoid.options": ("FabrikAvoid",),
     "methods.fabrik.fabrikc": ("Fabrikc",),

@@ -85,6 +85,26 @@ Methods = Annotated[
     typer.Option("--method", help="Only what this method needs; may be repeated.", autocompletion=_methods),
 ]
 
+Problem = Annotated[
+    str, typer.Argument(metavar="FILE", help="A problem file, whose targets are left alone.", show_default=False)
+]
+Targets = Annotated[
+    Path, typer.Option(metavar="TABLE", help="Targets, a row each: .csv, .npz or .parquet.", show_default=False)
+]
+Results = Annotated[
+    Path, typer.Option("--out", metavar="TABLE", help="Results, of the same kinds.", show_default=False)
+]
+Chunk = Annotated[int, typer.Option(metavar="ROWS", help="What is solved, and written, together.")]
+EngineName = Annotated[str, typer.Option("--engine", help="threads or processes.")]
+Dask = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine.")
+]
+Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or processes; by default one a core.")]
+Shard = Annotated[
+    str | None, typer.Option(metavar="I/N", help="Only this part of the chunks; without it, all parts are joined.")
+]
+Warm = Annotated[bool, typer.Option("--warm", help="Begin from solutions of near targets.")]
+
 
 @app.command()
 def solve(
@@ -152,6 +172,32 @@ def plan(
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
     raise typer.Exit(plan_files(files, options, shortcuts))
+
+
+@app.command()
+def batch(
+    file: Problem,
+    targets: Targets,
+    out: Results,
+    chunk: Chunk = 10_000,
+    engine: EngineName = "threads",
+    dask: Dask = None,
+    workers: Workers = None,
+    shard: Shard = None,
+    warm: Warm = False,
+    method: Method = "newton",
+    option: Option = None,
+    time: Time = 1.0,
+    max_starts: MaxStarts = 1000,
+    routes: Routes = True,
+    seed: Seed = 0,
+    json: Json = False,
+) -> None:
+    """Solve the targets of a table, any number; interrupted, the same command goes on."""
+    from sinuous.cli.batch import Run, batch_file  # noqa: PLC0415
+
+    run = Run(targets, out, chunk, engine, dask, workers, shard, warm)
+    raise typer.Exit(batch_file(file, run, Options(method, tuple(option or ()), time, max_starts, routes, seed, json)))
 
 
 @app.command()

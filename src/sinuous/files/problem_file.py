@@ -223,15 +223,16 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
     return kind(
         robot,
         scene=scene,
-        tolerance=_made(entries, "tolerance", Tolerance),
+        tolerance=made(entries, "tolerance", Tolerance),
         start=None if entries.get("start") is None else read_start("start", entries["start"], robot, folder),
-        prefer=_made(entries, "prefer", Preferences),
+        prefer=made(entries, "prefer", Preferences),
         file=file,
         **question,
     )
 
 
-def _made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:
+def made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:
+    """Make what stands under `key`; without it, what it is by default."""
     with checks.inside(key):
         return make(noun, {} if entries.get(key) is None else entries[key])
 

@@ -16,6 +16,7 @@ FLOORS = {
     "cli": 6,
     "pictures": 6,
     "batch": 5,
+    "workspace": 5,
     "motion": 5,
     "solving": 4,
     "methods": 3,

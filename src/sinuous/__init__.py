@@ -63,6 +63,9 @@ if TYPE_CHECKING:
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
+    from sinuous.workspace.find import reach as reach
+    from sinuous.workspace.reach import Reach as Reach
+    from sinuous.workspace.verdicts import Verdict as Verdict
 
 _HOMES = {
     "batch.batch": ("Batch",),
@@ -102,6 +105,9 @@ _HOMES = {
     "solution.verification": ("Verification", "Verifications"),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "problem.target": ("Target",),
+    "workspace.find": ("reach",),
+    "workspace.reach": ("Reach",),
+    "workspace.verdicts": ("Verdict",),
     "motion.job": ("Job", "load"),
     "motion.motion": ("Motion",),
     "motion.plan": ("Planner", "plan"),

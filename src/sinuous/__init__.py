@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from sinuous.motion.plan import plan as plan
     from sinuous.motion.track import track as track
     from sinuous.pictures.plot import plot_solution as plot_solution
+    from sinuous.pictures.workspace import plot_reach as plot_reach
     from sinuous.poses import pose as pose
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
@@ -83,6 +84,7 @@ _HOMES = {
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
     "pictures.plot": ("plot_solution",),
+    "pictures.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),

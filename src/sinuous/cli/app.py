@@ -103,6 +103,12 @@ Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or p
 Shard = Annotated[
     str | None, typer.Option(metavar="I/N", help="Only this part of the chunks; without it, all parts are joined.")
 ]
+Spacing = Annotated[
+    float | None, typer.Option(help="Edge of a voxel; by default a 35th of the reach.", show_default=False)
+]
+Directions = Annotated[int, typer.Option(metavar="COUNT", help="Of the tangent, in each voxel.")]
+MapOut = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the map as NPZ.")]
+MapPlot = Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the map; .html is a page.")]
 Warm = Annotated[bool, typer.Option("--warm", help="Begin from solutions of near targets.")]
 
 
@@ -198,6 +204,29 @@ def batch(
 
     run = Run(targets, out, chunk, engine, dask, workers, shard, warm)
     raise typer.Exit(batch_file(file, run, Options(method, tuple(option or ()), time, max_starts, routes, seed, json)))
+
+
+@app.command()
+def reach(
+    file: Problem,
+    spacing: Spacing = None,
+    directions: Directions = 26,
+    workers: Workers = None,
+    method: Method = "newton",
+    option: Option = None,
+    time: Time = 1.0,
+    max_starts: MaxStarts = 1,
+    routes: Routes = False,
+    seed: Seed = 0,
+    json: Json = False,
+    plot: MapPlot = None,
+    out: MapOut = None,
+) -> None:
+    """Map what the robot reaches, with its obstacles and without, and why not more."""
+    from sinuous.cli.reach import Map, reach_file  # noqa: PLC0415
+
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out)
+    raise typer.Exit(reach_file(file, Map(spacing, directions, workers), options))
 
 
 @app.command()

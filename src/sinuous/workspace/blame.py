@@ -19,7 +19,7 @@ def nearest(scene: Snapshot, points: Floats) -> NDArray[np.int16]:
 
 
 def deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
-    """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, looked at in some places of each segment."""
+    """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some places of each segment."""
     found = np.empty(len(q), np.int16)
     radii = np.repeat(np.array(robot.radii), SAMPLES)
     for first in range(0, len(q), TOGETHER):

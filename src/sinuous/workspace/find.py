@@ -12,7 +12,7 @@ from sinuous.bar import Bar
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene, SceneLike, as_scene
+from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.many import read_workers
 from sinuous.solving.options import SolveArguments
@@ -65,7 +65,7 @@ def reach(
     spacing : float, optional
         Edge of a voxel; by default a 35th of the robot's reach.
     directions : int or array_like (d, 3)
-        Of the tangent at the tip: 26 to the neighbours of a cube, another number along a spiral on the sphere, or these.
+        Of the tangent at the tip: 26 to the neighbours of a cube, another number along a spiral on a sphere, or these.
     low, high : array_like (3,), optional
         Corners of what is looked at; by default all that the robot may reach. Equal entries make a slice.
     workers : int, optional
@@ -155,7 +155,8 @@ def _blocked_places(work: _Work, solver: Solver) -> NDArray[np.int64]:
     if not len(near):
         return near
     found = solver.solve_many(positions=work.places[near], workers=work.workers)
-    return near[verdicts_of(found) == Verdict.TARGET_BLOCKED]
+    blocked: NDArray[np.int64] = near[verdicts_of(found) == Verdict.TARGET_BLOCKED]
+    return blocked
 
 
 def _blame(work: _Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:

@@ -67,7 +67,8 @@ class Voxels(Frozen):
     @property
     def middles(self) -> Floats:
         """Middles (x, y, z, 3) of all voxels."""
-        return self.first + self.spacing * np.stack(np.indices(self.shape), axis=-1)
+        middles: Floats = self.first + self.spacing * np.moveaxis(np.indices(self.shape), 0, -1)
+        return middles
 
     @property
     def volume(self) -> float:
@@ -94,7 +95,7 @@ def directions_of(value: Any) -> Floats:
     count = checks.integer("directions", value, 1, MOST_DIRECTIONS)
     if count == NEIGHBOURS:
         steps = np.array([step for step in product((-1.0, 0.0, 1.0), repeat=3) if any(step)])
-        return steps / np.linalg.norm(steps, axis=1, keepdims=True)
+        return np.asarray(steps / np.linalg.norm(steps, axis=1, keepdims=True))
     k = np.arange(count) + 0.5
     z, turn = 1.0 - 2.0 * k / count, k * math.pi * (3.0 - math.sqrt(5.0))
     across = np.sqrt(1.0 - z * z)

@@ -19,6 +19,9 @@ Truths = NDArray[np.bool_]
 
 FORMAT = 1
 
+ARRAYS = "directions", "verdicts", "free", "obstacles", "base"
+"""What a file of a map holds under the name of the attribute."""
+
 
 class Volume(NamedTuple):
     """A volume on a grid.
@@ -96,7 +99,7 @@ class Reach(Frozen):
     @property
     def dexterous(self) -> Truths:
         """Which voxels are reached in all directions (x, y, z)."""
-        return self.share == 1.0
+        return np.asarray(self.share == 1.0)
 
     @cached_property
     def reasons(self) -> Codes:
@@ -150,9 +153,12 @@ class Reach(Frozen):
         InputError
             When the file cannot be written.
         """
-        own = {name: getattr(self, name) for name in ("directions", "verdicts", "free", "obstacles", "base")}
-        grid = {"first": self.voxels.first, "spacing": self.voxels.spacing}
-        words = {"names": np.array(self.names, np.str_), "codes": np.array([code.name.lower() for code in Verdict])}
+        own: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
+        grid: dict[str, Any] = {"first": self.voxels.first, "spacing": self.voxels.spacing}
+        words: dict[str, Any] = {
+            "names": np.array(self.names, np.str_),
+            "codes": np.array([code.name.lower() for code in Verdict]),
+        }
         try:
             with Path(file).open("wb") as out:
                 np.savez_compressed(out, reach=FORMAT, seconds=self.seconds, **own, **grid, **words)
@@ -173,7 +179,7 @@ class Reach(Frozen):
             with np.load(file) as data:
                 if int(data["reach"]) != FORMAT:
                     raise InputError("reach", "of another version", int(data["reach"]), str(FORMAT), str(file))
-                own = {name: data[name] for name in ("directions", "verdicts", "free", "obstacles", "base")}
+                own = {name: data[name] for name in ARRAYS}
                 shape = own["verdicts"].shape[:3]
                 voxels = Voxels(data["first"], float(data["spacing"]), shape)
                 names = tuple(map(str, data["names"].tolist()))

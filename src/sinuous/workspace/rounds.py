@@ -108,9 +108,7 @@ class Rounds:
         place, direction = np.divmod(asked, len(self._directions))
         given = None if initial is None else initial.astype(np.float64)
         goals = self._places[place], self._directions[direction]
-        found = self._solver.solve_many(
-            positions=goals[0], directions=goals[1], initial=given, workers=self._workers
-        )
+        found = self._solver.solve_many(positions=goals[0], directions=goals[1], initial=given, workers=self._workers)
         self._keep(asked, found)
 
     def _keep(self, asked: Whole, found: Solutions) -> None:

@@ -26,6 +26,7 @@ ABOUT = {
     "speed": "every speed and success figure of the README (10 minutes)",
     "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
     "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
+    "many": "batches through files, engines, a batch that is killed, and a map of the workspace",
     "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
     "motion": "motions, planned among random spheres: what is found, how quickly, and whether it is clear all the way",
     "table1": "the paper's four poses, every method, beside what the paper publishes",
@@ -35,7 +36,7 @@ ABOUT = {
 }
 """What each one measures."""
 
-OF_LINES = ("speed", "clutter", "wild", "motion")
+OF_LINES = ("speed", "clutter", "wild", "many", "motion")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
 OF_METHODS = ("table1", "tracking", "segments", "methods")
@@ -201,6 +202,10 @@ class Chosen:
             from benchmarks.wild.experiment import Wild  # noqa: PLC0415
 
             return Wild(plan)
+        if self.name == "many":
+            from benchmarks.many.experiment import Many  # noqa: PLC0415
+
+            return Many(plan)
         if self.name == "motion":
             from benchmarks.motion.experiment import Motions  # noqa: PLC0415
 

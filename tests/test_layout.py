@@ -15,6 +15,7 @@ ROOT = PACKAGE.parents[1]
 FLOORS = {
     "cli": 6,
     "pictures": 6,
+    "assessing": 5,
     "batch": 5,
     "workspace": 5,
     "motion": 5,

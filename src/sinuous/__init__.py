@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
+    from sinuous.assessing.assess import assess as assess
+    from sinuous.assessing.assessment import Assessment as Assessment
+    from sinuous.assessing.sweep import sweep as sweep
+    from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.batch import Batch as Batch
     from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.errors import InputError as InputError
@@ -28,6 +32,7 @@ if TYPE_CHECKING:
     from sinuous.motion.plan import Planner as Planner
     from sinuous.motion.plan import plan as plan
     from sinuous.motion.track import track as track
+    from sinuous.pictures.assessment import plot_assessment as plot_assessment
     from sinuous.pictures.plot import plot_solution as plot_solution
     from sinuous.pictures.workspace import plot_reach as plot_reach
     from sinuous.poses import pose as pose
@@ -69,6 +74,10 @@ if TYPE_CHECKING:
     from sinuous.workspace.verdicts import Verdict as Verdict
 
 _HOMES = {
+    "assessing.assess": ("assess",),
+    "assessing.assessment": ("Assessment",),
+    "assessing.sweep": ("sweep",),
+    "assessing.tasks": ("Follow",),
     "batch.batch": ("Batch",),
     "batch.solve": ("solve_batch",),
     "robot.actuation": ("Actuator",),
@@ -83,6 +92,7 @@ _HOMES = {
     "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
+    "pictures.assessment": ("plot_assessment",),
     "pictures.plot": ("plot_solution",),
     "pictures.workspace": ("plot_reach",),
     "poses": ("pose",),

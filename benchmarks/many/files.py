@@ -9,7 +9,9 @@ from benchmarks.harness.plan import Plan
 from benchmarks.many.child import run
 from benchmarks.many.questions import table
 
-SECTION = "batches from NPZ to NPZ, 5 segments, 2 threads, chunks of 50,000, end to end"
+SECTION = (
+    "batches from NPZ to NPZ, 5 segments, 2 threads, chunks of 50,000, at most 16 starts (6 among spheres), end to end"
+)
 
 KINDS = {
     "free poses (position and direction)": (10_000_000, True, False, 350_000.0),
@@ -27,7 +29,7 @@ def measure(plan: Plan) -> Iterator[Line]:
             count = plan.count(full, 2_000)
             targets = table(Path(folder) / "in.npz", count, plan.rng(32), directions)
             settings = {"targets": str(targets), "out": f"{folder}/out.npz", "seed": plan.seed if obstacles else None}
-            options = {"chunk": 50_000, "workers": 2, "routes": not obstacles}
+            options = {"chunk": 50_000, "workers": 2, "routes": False, "max_starts": 6 if obstacles else 16}
             ran = run(**settings, options=options)
         solved = ran.counts.get("solved", 0), count
         note = f"{count:,} rows"

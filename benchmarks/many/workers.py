@@ -27,7 +27,7 @@ def measure(plan: Plan) -> Iterator[Line]:
             some = count if scene is None else count // 4
             if scene is not None:
                 targets = table(Path(folder) / "among.npz", some, plan.rng(34), directions=False)
-            best = _best(partial(solve_batch, ROBOT, targets, scene, time=0.05, routes=False))
+            best = _best(partial(solve_batch, ROBOT, targets, scene, max_starts=6, routes=False))
             yield Line(SECTION, f"{what}, one thread", some / best["one"], "/s")
             two = Goal(1.9, at_most=False)
             yield Line(SECTION, f"{what}, two threads over one", best["one"] / best["two"], "x", two)

@@ -9,9 +9,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.many.child import run
 from benchmarks.many.questions import table
 
-SECTION = (
-    "batches from NPZ to NPZ, 5 segments, 2 threads, chunks of 50,000, at most 16 starts (6 among spheres), end to end"
-)
+SECTION = "batches from NPZ to NPZ, 5 segments, 2 threads, end to end; at most 16 starts, among spheres 6"
 
 KINDS = {
     "free poses (position and direction)": (10_000_000, True, False, 350_000.0),

@@ -1,5 +1,6 @@
 """Tasks: a target, several at once, a path; and how each is done."""
 
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
@@ -9,7 +10,8 @@ from sinuous.arguments import Rows
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.motion.motion import Motion
-from sinuous.motion.tracker import Tracker
+from sinuous.motion.track import track
+from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
 from sinuous.solution.binding.binding import Binding, nearest_limits
@@ -111,12 +113,10 @@ class Follow(Frozen):
 
     def do(self, solver: Solver) -> Done:
         """Follow it."""
-        tracker = Tracker(solver, self.start)
-        if tracker.blocked is None:
-            for targets in self.targets:
-                tracker.go_to(targets)
-            return done_of(tracker.motion(), len(self.targets))
-        return done_of(tracker.motion(remaining=len(self.targets)), len(self.targets))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
+            motion = track(solver.robot, self.targets, solver.scene, start=self.start, **vars(solver.options))
+        return done_of(motion, len(self.targets))
 
 
 def done_of(motion: Motion, count: int) -> Done:

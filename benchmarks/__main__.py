@@ -44,6 +44,13 @@ OF_METHODS = ("table1", "tracking", "segments", "methods")
 
 BENCHMARKS = (*OF_LINES, "worlds", *OF_METHODS)
 
+HOMES = {
+    "many": ("many.experiment", "Many"),
+    "motion": ("motion.experiment", "Motions"),
+    "worlds": ("clutter.worlds", "Worlds"),
+}
+"""Where those are that take a plan and nothing else."""
+
 INTERRUPTED = 130
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None)
@@ -202,18 +209,10 @@ class Chosen:
             from benchmarks.wild.experiment import Wild  # noqa: PLC0415
 
             return Wild(plan)
-        if self.name == "many":
-            from benchmarks.many.experiment import Many  # noqa: PLC0415
-
-            return Many(plan)
-        if self.name == "motion":
-            from benchmarks.motion.experiment import Motions  # noqa: PLC0415
-
-            return Motions(plan)
-        if self.name == "worlds":
-            from benchmarks.clutter.worlds import Worlds  # noqa: PLC0415
-
-            return Worlds(plan)
+        if self.name in HOMES:
+            home, kind = HOMES[self.name]
+            plain: Experiment = getattr(import_module(f"benchmarks.{home}"), kind)(plan)
+            return plain
         made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
             plan, self.methods
         )

@@ -26,7 +26,8 @@ ABOUT = {
     "speed": "every speed and success figure of the README (10 minutes)",
     "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
     "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
-    "motion": "motions, planned among random spheres: what is found, how quickly, and whether it is clear all the way",
+    "many": "batches through files, engines, a batch that is killed, and a map of the workspace",
+    "motion": "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
     "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
     "table1": "the paper's four poses, every method, beside what the paper publishes",
     "tracking": "a path of 180 points behind random spheres, every method",
@@ -35,13 +36,20 @@ ABOUT = {
 }
 """What each one measures."""
 
-OF_LINES = ("speed", "clutter", "wild", "motion")
+OF_LINES = ("speed", "clutter", "wild", "many", "motion")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
 OF_METHODS = ("table1", "tracking", "segments", "methods")
 """Those in which methods can be chosen."""
 
 BENCHMARKS = (*OF_LINES, "worlds", *OF_METHODS)
+
+HOMES = {
+    "many": ("many.experiment", "Many"),
+    "motion": ("motion.experiment", "Motions"),
+    "worlds": ("clutter.worlds", "Worlds"),
+}
+"""Where those are that take a plan and nothing else."""
 
 INTERRUPTED = 130
 
@@ -201,14 +209,10 @@ class Chosen:
             from benchmarks.wild.experiment import Wild  # noqa: PLC0415
 
             return Wild(plan)
-        if self.name == "motion":
-            from benchmarks.motion.experiment import Motions  # noqa: PLC0415
-
-            return Motions(plan)
-        if self.name == "worlds":
-            from benchmarks.clutter.worlds import Worlds  # noqa: PLC0415
-
-            return Worlds(plan)
+        if self.name in HOMES:
+            home, kind = HOMES[self.name]
+            plain: Experiment = getattr(import_module(f"benchmarks.{home}"), kind)(plan)
+            return plain
         made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
             plan, self.methods
         )

@@ -74,6 +74,15 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "A batch of 100,000":
             assert len(names["many"]) == FEWER
             assert names["many"].solved.mean() > 0.9
+        case "Ten million targets, through files":
+            assert names["q"].shape == (FEWER, 5, 3)
+            assert names["batch"].counts["solved"] > 0.9 * FEWER
+        case "What can it reach?":
+            assert 0.0 < names["workspace"].volume().found < names["workspace"].volume(free=True).at_most
+            assert sn.Reach.load(tmp_path / "map.npz").equals(names["workspace"])
+        case "Which robot should it be?":
+            assert len(names["found"].totals) == 4
+            assert names["found"].best().done == 3
         case "Save and load":
             assert names["again"].equals(names["job"])
             assert names["same"].to_dict() == solution.to_dict()

@@ -15,6 +15,9 @@ ROOT = PACKAGE.parents[1]
 FLOORS = {
     "cli": 6,
     "pictures": 6,
+    "assessing": 5,
+    "batch": 5,
+    "workspace": 5,
     "motion": 5,
     "solving": 4,
     "methods": 3,

@@ -16,7 +16,14 @@ from sinuous.files.results import json_line
 
 INTERRUPTED = 130
 
-NEEDED = {"casadi": "casadi", "fcl": "python-fcl", "igl": "libigl", "matplotlib": "matplotlib", "trimesh": "trimesh"}
+NEEDED = {
+    "casadi": "casadi",
+    "distributed": "distributed",
+    "fcl": "python-fcl",
+    "igl": "libigl",
+    "matplotlib": "matplotlib",
+    "trimesh": "trimesh",
+}
 """Modules that a plain installation does not bring, and the packages that do."""
 
 DOUBTS = 2

@@ -9,8 +9,15 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
+    from sinuous.assessing.assess import assess as assess
+    from sinuous.assessing.assessment import Assessment as Assessment
+    from sinuous.assessing.sweep import sweep as sweep
+    from sinuous.assessing.tasks import Follow as Follow
+    from sinuous.batch.batch import Batch as Batch
+    from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.errors import UnfinishedError as UnfinishedError
     from sinuous.export.chain import JointChain as JointChain
     from sinuous.measures.following import Deviation as Deviation
     from sinuous.methods.dls.options import Dls as Dls
@@ -30,7 +37,9 @@ if TYPE_CHECKING:
     from sinuous.motion.plan import plan as plan
     from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
+    from sinuous.pictures.assessment import plot_assessment as plot_assessment
     from sinuous.pictures.plot import plot_solution as plot_solution
+    from sinuous.pictures.workspace import plot_reach as plot_reach
     from sinuous.poses import pose as pose
     from sinuous.problem.curve import Curve as Curve
     from sinuous.problem.path import Path as Path
@@ -71,12 +80,21 @@ if TYPE_CHECKING:
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
+    from sinuous.workspace.find import reach as reach
+    from sinuous.workspace.reach import Reach as Reach
+    from sinuous.workspace.verdicts import Verdict as Verdict
 
 _HOMES = {
+    "assessing.assess": ("assess",),
+    "assessing.assessment": ("Assessment",),
+    "assessing.sweep": ("sweep",),
+    "assessing.tasks": ("Follow",),
+    "batch.batch": ("Batch",),
+    "batch.solve": ("solve_batch",),
     "robot.actuation": ("Actuator",),
     "robot.actuators": ("Chambers", "Tendons"),
     "robot.coupled": ("Actuators",),
-    "errors": ("InputError", "NotSolvedError"),
+    "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
     "export.chain": ("JointChain",),
     "measures.following": ("Deviation",),
     "methods.dls.options": ("Dls",),
@@ -87,7 +105,9 @@ _HOMES = {
     "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
+    "pictures.assessment": ("plot_assessment",),
     "pictures.plot": ("plot_solution",),
+    "pictures.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.curve": ("Curve",),
     "problem.path": ("Path",),
@@ -117,6 +137,9 @@ _HOMES = {
     "motion.leader.leader": ("follow_the_leader",),
     "motion.leader.stage": ("on_stage",),
     "motion.timing.trajectory": ("Trajectory",),
+    "workspace.find": ("reach",),
+    "workspace.reach": ("Reach",),
+    "workspace.verdicts": ("Verdict",),
     "motion.job": ("Job", "load"),
     "motion.motion": ("Motion",),
     "motion.plan": ("Planner", "plan"),

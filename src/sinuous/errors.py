@@ -73,3 +73,7 @@ class NotSolvedError(RuntimeError):
     def __init__(self, message: str, solution: "Solution | Motion") -> None:
         super().__init__(message)
         self.solution = solution
+
+
+class UnfinishedError(RuntimeError):
+    """Raised when a batch cannot go on; its text is one line that says what happened, and what is kept."""

@@ -85,6 +85,32 @@ Methods = Annotated[
     typer.Option("--method", help="Only what this method needs; may be repeated.", autocompletion=_methods),
 ]
 
+Problem = Annotated[
+    str, typer.Argument(metavar="FILE", help="A problem file, whose targets are left alone.", show_default=False)
+]
+Targets = Annotated[
+    Path, typer.Option(metavar="TABLE", help="Targets, a row each: .csv, .npz or .parquet.", show_default=False)
+]
+Results = Annotated[
+    Path, typer.Option("--out", metavar="TABLE", help="Results, of the same kinds.", show_default=False)
+]
+Chunk = Annotated[int, typer.Option(metavar="ROWS", help="What is solved, and written, together.")]
+EngineName = Annotated[str, typer.Option("--engine", help="threads or processes.")]
+Dask = Annotated[
+    str | None, typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine.")
+]
+Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or processes; by default one a core.")]
+Shard = Annotated[
+    str | None, typer.Option(metavar="I/N", help="Only this part of the chunks; without it, all parts are joined.")
+]
+Spacing = Annotated[
+    float | None, typer.Option(help="Edge of a voxel; by default a 35th of the reach.", show_default=False)
+]
+Directions = Annotated[int, typer.Option(metavar="COUNT", help="Of the tangent, in each voxel.")]
+MapOut = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the map as NPZ.")]
+MapPlot = Annotated[Path | None, typer.Option("--plot", metavar="FILE", help="Draw the map; .html is a page.")]
+Warm = Annotated[bool, typer.Option("--warm", help="Begin from solutions of near targets.")]
+
 
 @app.command()
 def solve(
@@ -152,6 +178,55 @@ def plan(
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
     raise typer.Exit(plan_files(files, options, shortcuts))
+
+
+@app.command()
+def batch(
+    file: Problem,
+    targets: Targets,
+    out: Results,
+    chunk: Chunk = 10_000,
+    engine: EngineName = "threads",
+    dask: Dask = None,
+    workers: Workers = None,
+    shard: Shard = None,
+    warm: Warm = False,
+    method: Method = "newton",
+    option: Option = None,
+    time: Time = 1.0,
+    max_starts: MaxStarts = 1000,
+    routes: Routes = True,
+    seed: Seed = 0,
+    json: Json = False,
+) -> None:
+    """Solve the targets of a table, any number; interrupted, the same command goes on."""
+    from sinuous.cli.batch import Run, batch_file  # noqa: PLC0415
+
+    run = Run(targets, out, chunk, engine, dask, workers, shard, warm)
+    raise typer.Exit(batch_file(file, run, Options(method, tuple(option or ()), time, max_starts, routes, seed, json)))
+
+
+@app.command()
+def reach(
+    file: Problem,
+    spacing: Spacing = None,
+    directions: Directions = 26,
+    workers: Workers = None,
+    method: Method = "newton",
+    option: Option = None,
+    time: Time = 1.0,
+    max_starts: MaxStarts = 1,
+    routes: Routes = False,
+    seed: Seed = 0,
+    json: Json = False,
+    plot: MapPlot = None,
+    out: MapOut = None,
+) -> None:
+    """Map what the robot reaches, with its obstacles and without, and why not more."""
+    from sinuous.cli.reach import Map, reach_file  # noqa: PLC0415
+
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out)
+    raise typer.Exit(reach_file(file, Map(spacing, directions, workers), options))
 
 
 @app.command()

@@ -252,9 +252,9 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
     return kind(
         robot,
         scene=scene,
-        tolerance=_made(entries, "tolerance", Tolerance),
+        tolerance=made(entries, "tolerance", Tolerance),
         start=None if entries.get("start") is None else read_start("start", entries["start"], robot, folder),
-        prefer=_made(entries, "prefer", Preferences),
+        prefer=made(entries, "prefer", Preferences),
         rates=_rates(entries),
         file=file,
         **question,
@@ -267,7 +267,8 @@ def _rates(entries: dict[str, Any]) -> Rates:
         return make(Rates, own, {"acceleration": lambda value: make(Rates, value)})
 
 
-def _made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:
+def made(entries: dict[str, Any], key: str, noun: type[Any]) -> Any:
+    """Make what stands under `key`; without it, what it is by default."""
     with checks.inside(key):
         return make(noun, {} if entries.get(key) is None else entries[key])
 

@@ -1,0 +1,1 @@
+"""Many targets at once: files, workers, deaths, and maps of the workspace."""

@@ -1,0 +1,180 @@
+"""Tasks: a target, several at once, a path; and how each is done."""
+
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple, Protocol
+
+from sinuous import checks
+from sinuous.arguments import Rows
+from sinuous.errors import InputError
+from sinuous.frozen import Frozen
+from sinuous.motion.motion import Motion
+from sinuous.motion.track import track
+from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.problem.target import Target, Targets, target_list, target_table
+from sinuous.robot.robot import Robot
+from sinuous.solution.binding.binding import Binding, nearest_limits
+from sinuous.solution.solution import Solution
+from sinuous.solving.solver import Solver
+
+
+class Done(NamedTuple):
+    """What became of a task.
+
+    Attributes
+    ----------
+    status : str
+    share : float
+        Of its targets that are met: 0 or 1 where there is one.
+    clearance, self_clearance : float or None
+        Least proved.
+    seconds : float
+        Of computing.
+    duration : float or None
+        How long the motion takes; of a target nothing.
+    binds : str or None
+        What holds it back, or, where it is done, the limit of which least is left.
+    """
+
+    status: str
+    share: float
+    clearance: float | None
+    self_clearance: float | None
+    seconds: float
+    duration: float | None
+    binds: str | None
+
+
+class Task(Protocol):
+    """Something that a robot may be able to do."""
+
+    kind: str
+
+    def check(self, robot: Robot) -> None:
+        """Refuse what cannot be asked of this robot."""
+        ...
+
+    def do(self, solver: Solver) -> Done:
+        """Try it."""
+        ...
+
+
+class Meet(Frozen):
+    """Targets that are to be met at once."""
+
+    kind = "target"
+    targets: tuple[Target, ...]
+
+    def __init__(self, targets: Targets) -> None:
+        self._set(targets=target_list("target", targets))
+
+    def check(self, robot: Robot) -> None:
+        """Refuse a segment that the robot does not have."""
+        target_table(robot, self.targets)
+
+    def do(self, solver: Solver) -> Done:
+        """Solve it."""
+        found = solver.solve(self.targets)
+        proved = found.clearance, found.self_clearance
+        return Done(str(found.status), float(found.solved), *proved, found.seconds, None, binds_of([found]))
+
+
+class Follow(Frozen):
+    """A path that is to be followed, all of it proved clear.
+
+    Parameters
+    ----------
+    targets : iterable of Target or list of Target
+        The waypoints; the targets of a list are met at once.
+    start : array_like (n, 3), optional
+        The configuration that the robot is in; then it has to have n segments.
+    """
+
+    kind = "path"
+    targets: tuple[tuple[Target, ...], ...]
+    start: Any
+
+    def __init__(self, targets: Iterable[Targets], start: Rows | None = None) -> None:
+        if isinstance(targets, Target | str | bytes | Mapping) or not isinstance(targets, Iterable):
+            raise InputError("targets", "", targets, "a list of targets")
+        listed = tuple(target_list(f"targets[{i}]", each) for i, each in enumerate(targets))
+        if not listed:
+            raise InputError("targets", "", targets, "at least one target")
+        self._set(targets=listed, start=None if start is None else checks.array("start", start, (None, 3)))
+
+    def check(self, robot: Robot) -> None:
+        """Refuse a segment that the robot does not have, and a start of another number of them."""
+        for i, targets in enumerate(self.targets):
+            with checks.inside(f"targets[{i}]"):
+                target_table(robot, targets)
+        if self.start is not None:
+            checks.array("start", self.start, (len(robot), 3))
+
+    def do(self, solver: Solver) -> Done:
+        """Follow it."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuspiciousInput)  # the solver has said it
+            motion = track(solver.robot, self.targets, solver.scene, start=self.start, **vars(solver.options))
+        return done_of(motion, len(self.targets))
+
+
+def done_of(motion: Motion, count: int) -> Done:
+    """What became of a motion with so many waypoints."""
+    share = sum(solution.solved for solution in motion.solutions) / count
+    duration = float(motion.times[-1] - motion.times[0]) if len(motion.times) > 1 else 0.0
+    proved = motion.clearance, motion.self_clearance
+    return Done(str(motion.status), share, *proved, motion.seconds, duration, binds_of(motion.solutions))
+
+
+def binds_of(solutions: Iterable[Solution]) -> str | None:
+    """What holds solutions back most often; where all are solved, the limit that is nearest most often."""
+    listed = list(solutions)
+    failed = [found for found in listed if not found.solved]
+    names: Counter[str] = Counter()
+    for found in failed or listed:
+        near = found.binding[:1] if failed else nearest_limits(found.problem, found.q, 1)
+        names.update(_word(each) for each in near)
+        if failed and not near and found.reason is not None:
+            names.update([found.reason.obstacle or found.reason.bound])
+    return names.most_common(1)[0][0] if names else None
+
+
+def _word(binding: Binding) -> str:
+    """A limit or an obstacle, whatever the number of segments."""
+    if binding.obstacle is not None:
+        return binding.obstacle
+    return {"clearance": "obstacles", "self_clearance": "itself"}.get(binding.constraint, binding.constraint)
+
+
+OF_TYPES: dict[type[Any], Callable[[Any], Task]] = {Target: Meet, list: Meet, tuple: Meet, Meet: lambda t: t}
+"""How what is given becomes a task; a kind of task of its own, like `Follow`, is one already."""
+
+
+def read_tasks(tasks: Any) -> dict[str, Task]:
+    """Check tasks: by name, or listed, when they are called `task 1`, `task 2`, ...
+
+    Raises
+    ------
+    InputError
+        That names the task.
+    """
+    if isinstance(tasks, Mapping):
+        named = {str(name): task for name, task in tasks.items()}
+    elif isinstance(tasks, Iterable) and not isinstance(tasks, str | bytes):
+        named = {f"task {i}": task for i, task in enumerate(tasks, 1)}
+    else:
+        raise InputError("tasks", "", tasks, "a mapping or a list of tasks")
+    if not named:
+        raise InputError("tasks", "", tasks, "at least one task")
+    return {name: _task(name, task) for name, task in named.items()}
+
+
+def _task(name: str, task: Any) -> Task:
+    if hasattr(task, "do") and hasattr(task, "check"):
+        own: Task = task
+        return own
+    if type(task) not in OF_TYPES:
+        raise InputError(f"tasks[{name!r}]", "", task, "a Target, a list of them to be met at once, or Follow(path)")
+    with checks.inside(f"tasks[{name!r}]"):
+        return OF_TYPES[type(task)](task)

@@ -1,0 +1,1 @@
+"""What solves chunks: threads, processes, any executor, Dask. One protocol for all."""

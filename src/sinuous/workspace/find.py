@@ -1,0 +1,180 @@
+"""`reach`: every voxel in every direction, without obstacles and among them."""
+
+import time as clock
+from typing import Any, NamedTuple, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks
+from sinuous.arguments import Number, Rows, Truth, Vector, Whole
+from sinuous.bar import Bar
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import SceneLike, as_scene
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.many import read_workers
+from sinuous.solving.options import SolveArguments
+from sinuous.solving.solver import Solver
+from sinuous.workspace.blame import deepest, nearest
+from sinuous.workspace.grid import Voxels, directions_of
+from sinuous.workspace.reach import Reach
+from sinuous.workspace.rounds import TOGETHER, Answers, Rounds, neighbours_of
+from sinuous.workspace.verdicts import Codes, Verdict, verdicts_of
+
+
+class ReachArguments(SolveArguments, total=False):
+    """Options of `reach` as keyword arguments."""
+
+    low: Vector | None
+    high: Vector | None
+    workers: Whole | None
+    progress: Truth
+
+
+class _Work(NamedTuple):
+    """What all parts of the work share."""
+
+    robot: Robot
+    scene: Snapshot
+    places: Floats
+    neighbours: NDArray[np.int64]
+    directions: Floats
+    workers: int
+    options: dict[str, Any]
+
+
+def reach(
+    robot: Robot,
+    scene: SceneLike | None = None,
+    spacing: Number | None = None,
+    directions: Whole | Rows = 26,
+    **options: Unpack[ReachArguments],
+) -> Reach:
+    """Map what a robot reaches: the share of directions that is solved and proved in each voxel, and why not more.
+
+    First all is solved without obstacles, from the single arc and then from neighbours. What is solved so is solved
+    among obstacles from the free shape, then anew, then from neighbours. What is not solved without obstacles is not
+    tried among them. The answer is the same whatever the number of workers.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene or list of obstacles, optional
+    spacing : float, optional
+        Edge of a voxel; by default a 35th of the robot's reach.
+    directions : int or array_like (d, 3)
+        Of the tangent at the tip: 26 to the neighbours of a cube, another number along a spiral on a sphere, or these.
+    low, high : array_like (3,), optional
+        Corners of what is looked at; by default all that the robot may reach. Equal entries make a slice.
+    workers : int, optional
+        Most threads; by default one a core.
+    progress : bool
+        Whether to show on a terminal how far it is.
+    **options
+        As for `Solver`, but `max_starts` is 1 and `routes` false by default: what more starts find costs much.
+
+    Returns
+    -------
+    Reach
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be, or there would be too many voxels.
+    """
+    began = clock.perf_counter()
+    given: dict[str, Any] = {"max_starts": 1, "routes": False, **options}
+    if not isinstance(robot, Robot):
+        raise InputError("robot", "", robot, "a Robot")
+    workers = read_workers(given.pop("workers", None))
+    shown = checks.truth("progress", given.pop("progress", False))
+    voxels = Voxels.about(robot, spacing, given.pop("low", None), given.pop("high", None))
+    axes, place = directions_of(directions), as_scene(scene)
+    free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
+    taken = _within_reach(free, voxels, workers)
+    points = voxels.middles[taken]
+    work = _Work(robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, workers, given)
+    with Bar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
+        alone = _without_obstacles(work, free, bar)
+        among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
+    verdicts, unhindered = (_whole(codes, taken) for codes in (among, alone.codes))
+    obstacles = np.full(voxels.shape, -1, np.int16)
+    if blamed is not None:
+        obstacles[taken] = blamed
+    return Reach(
+        voxels=voxels,
+        directions=np.array(axes),
+        verdicts=verdicts,
+        free=unhindered,
+        obstacles=obstacles,
+        names=tuple(work.scene.name(i) for i in range(len(work.scene))),
+        base=np.array(robot.base[:3, 3]),
+        seconds=clock.perf_counter() - began,
+    )
+
+
+def _within_reach(free: Solver, voxels: Voxels, workers: int) -> NDArray[np.bool_]:
+    """Which voxels (x, y, z) are not proved to be out of reach, whatever the direction."""
+    points = voxels.middles.reshape(-1, 3)
+    near = []
+    for first in range(0, len(points), TOGETHER):
+        found = free.solve_many(positions=points[first : first + TOGETHER], workers=workers)
+        near.append(verdicts_of(found) != Verdict.OUT_OF_REACH)
+    return np.concatenate(near).reshape(voxels.shape)
+
+
+def _without_obstacles(work: _Work, free: Solver, bar: Bar) -> Answers:
+    rounds = Rounds(free, work.places, work.neighbours, work.directions, work.workers)
+    rounds.begin(np.arange(rounds.answers.codes.size), None, bar)
+    rounds.from_neighbours()
+    return rounds.answers
+
+
+def _among_obstacles(work: _Work, solver: Solver, alone: Answers, bar: Bar) -> tuple[Codes, NDArray[np.int16]]:
+    """Verdicts (m, d), and the obstacle (m,) that takes most directions away, -1 where none does."""
+    rounds = Rounds(solver, work.places, work.neighbours, work.directions, work.workers)
+    codes = rounds.answers.codes
+    free = alone.codes == Verdict.SOLVED
+    rounds.begin(np.flatnonzero(free), alone.q.reshape(-1, *alone.q.shape[2:]), bar)
+    rounds.begin(np.flatnonzero(free & (codes >= Verdict.OBSTACLE)), None, bar)
+    codes[~free] = Verdict.OUT_OF_REACH  # not to be tried, until the free verdict takes its place
+    rounds.from_neighbours()
+    codes[~free] = alone.codes[~free]
+    codes[free & (codes >= Verdict.OBSTACLE)] = Verdict.OBSTACLE
+    blocked = _blocked_places(work, solver)
+    if len(blocked):
+        codes[blocked] = np.where(codes[blocked] == Verdict.OUT_OF_REACH, codes[blocked], Verdict.TARGET_BLOCKED)
+    return codes, _blame(work, codes, alone)
+
+
+def _blocked_places(work: _Work, solver: Solver) -> NDArray[np.int64]:
+    """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
+    near = np.flatnonzero(work.scene.distance(work.places) < max(work.robot.radii))
+    if not len(near):
+        return near
+    found = solver.solve_many(positions=work.places[near], workers=work.workers)
+    blocked: NDArray[np.int64] = near[verdicts_of(found) == Verdict.TARGET_BLOCKED]
+    return blocked
+
+
+def _blame(work: _Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:
+    """Which obstacle takes most directions away from each place."""
+    hit, taken = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
+    at = np.concatenate([hit[0], taken[0]])
+    of_bodies = deepest(work.robot, work.scene, alone.q[hit])
+    which = np.concatenate([of_bodies, nearest(work.scene, work.places[taken[0]])]).astype(np.int64)
+    result = np.full(len(codes), -1, np.int16)
+    pairs, counts = np.unique(at * len(work.scene) + which, return_counts=True)
+    order = np.argsort(counts, kind="stable")  # the most frequent one is written last
+    place, obstacle = np.divmod(pairs[order], len(work.scene))
+    result[place] = obstacle
+    return result
+
+
+def _whole(codes: Codes, taken: NDArray[np.bool_]) -> Codes:
+    """Verdicts (x, y, z, d) of all voxels."""
+    result = np.full((*taken.shape, codes.shape[1]), Verdict.OUT_OF_REACH, np.uint8)
+    result[taken] = codes
+    return result

@@ -1,0 +1,244 @@
+"""A map of the workspace: what is reached in which directions, and why not."""
+
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.frozen import Frozen
+from sinuous.workspace.grid import Voxels
+from sinuous.workspace.verdicts import Codes, Verdict
+
+Truths = NDArray[np.bool_]
+
+FORMAT = 1
+
+ARRAYS = "directions", "verdicts", "free", "obstacles", "base"
+"""What a file of a map holds under the name of the attribute."""
+
+
+class Volume(NamedTuple):
+    """A volume on a grid.
+
+    Attributes
+    ----------
+    found : float
+        Of the voxels that were found.
+    error : float
+        By how much the grid may be wrong: half a voxel for each pair of neighbours of which one is found.
+    at_most : float
+        Of those and of all that nothing is proved of; the true one is between both, but for the error.
+    """
+
+    found: float
+    error: float
+    at_most: float
+
+
+class Reach(Frozen):
+    """What a robot reaches, on a grid of voxels, with obstacles and without.
+
+    Attributes
+    ----------
+    voxels : Voxels
+    directions : ndarray (d, 3)
+        Of the tangent at the tip.
+    verdicts : ndarray (x, y, z, d) of uint8
+        See `Verdict`.
+    free : ndarray (x, y, z, d) of uint8
+        The same without obstacles.
+    obstacles : ndarray (x, y, z) of int16
+        Number of the obstacle that takes most directions away, -1 where none does.
+    names : tuple of str
+        Of the obstacles.
+    base : ndarray (3,)
+    seconds : float
+    """
+
+    voxels: Voxels
+    directions: Floats
+    verdicts: Codes
+    free: Codes
+    obstacles: NDArray[np.int16]
+    names: tuple[str, ...]
+    base: Floats
+    seconds: float
+
+    def __init__(self, **parts: Any) -> None:
+        for part in parts.values():
+            if isinstance(part, np.ndarray):
+                part.flags.writeable = False
+        self._set(**parts)
+
+    @cached_property
+    def share(self) -> Floats:
+        """Share (x, y, z) of the directions that are solved and proved."""
+        return self._share(self.verdicts)
+
+    @cached_property
+    def free_share(self) -> Floats:
+        """The same without obstacles."""
+        return self._share(self.free)
+
+    @property
+    def lost(self) -> Floats:
+        """Share (x, y, z) of the directions that obstacles take away."""
+        return self.free_share - self.share
+
+    @property
+    def reachable(self) -> Truths:
+        """Which voxels are reached in some direction (x, y, z)."""
+        return self.share > 0.0
+
+    @property
+    def dexterous(self) -> Truths:
+        """Which voxels are reached in all directions (x, y, z)."""
+        return np.asarray(self.share == 1.0)
+
+    @cached_property
+    def reasons(self) -> Codes:
+        """What is said most often of the directions that are not solved (x, y, z); `SOLVED` where all are."""
+        counts = np.stack([(self.verdicts == code).sum(axis=-1) for code in Verdict if code != Verdict.SOLVED])
+        return np.where(counts.any(axis=0), 1 + counts.argmax(axis=0), Verdict.SOLVED).astype(np.uint8)
+
+    @cached_property
+    def proved(self) -> Truths:
+        """Which voxels it is certain of (x, y, z): each direction is solved, or proved impossible."""
+        return np.asarray((self.verdicts <= Verdict.BASE_BLOCKED).all(axis=-1))
+
+    def volume(self, dexterous: bool = False, free: bool = False) -> Volume:
+        """Volume of what is reached, in some direction or in all; `free` without obstacles."""
+        codes = self.free if free else self.verdicts
+        some = np.all if dexterous else np.any
+        found = some(codes == Verdict.SOLVED, axis=-1)
+        possible = some((codes == Verdict.SOLVED) | (codes > Verdict.BASE_BLOCKED), axis=-1)
+        padded = np.pad(found, 1)
+        surface = sum(int((np.diff(padded, axis=axis)).sum()) for axis in range(3))
+        unit = self.voxels.volume
+        return Volume(unit * int(found.sum()), 0.5 * unit * surface, unit * int(possible.sum()))
+
+    def why(self, point: Any) -> dict[str, int]:
+        """Count what is said of the directions at the voxel that holds a point (3,), in words; with its obstacle.
+
+        Raises
+        ------
+        InputError
+            When it is outside the map.
+        """
+        at = self._index(point)
+        counts = np.bincount(self.verdicts[at], minlength=len(Verdict))
+        told = {Verdict(code).sentence: int(count) for code, count in enumerate(counts) if count}
+        obstacle = int(self.obstacles[at])
+        if obstacle >= 0:
+            told[f"most in the way: {self.names[obstacle]}"] = int(counts[Verdict.OBSTACLE])
+        return told
+
+    def blame(self) -> dict[str, int]:
+        """In how many voxels each obstacle takes most directions away; the most harmful first."""
+        counts = np.bincount(self.obstacles[self.obstacles >= 0], minlength=len(self.names))
+        order = np.argsort(-counts, kind="stable")
+        return {self.names[i]: int(counts[i]) for i in order.tolist() if counts[i]}
+
+    def save(self, file: str | Path) -> None:
+        """Write it as NPZ.
+
+        Raises
+        ------
+        InputError
+            When the file cannot be written.
+        """
+        own: dict[str, Any] = {name: getattr(self, name) for name in ARRAYS}
+        grid: dict[str, Any] = {"first": self.voxels.first, "spacing": self.voxels.spacing}
+        words: dict[str, Any] = {
+            "names": np.array(self.names, np.str_),
+            "codes": np.array([code.name.lower() for code in Verdict]),
+        }
+        try:
+            with Path(file).open("wb") as out:
+                np.savez_compressed(out, reach=FORMAT, seconds=self.seconds, **own, **grid, **words)
+        except OSError as error:
+            wanted = "a file that can be written"
+            raise InputError("file", f"cannot be written: {error.strerror}", str(file), wanted) from None
+
+    @classmethod
+    def load(cls, file: str | Path) -> "Reach":
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        InputError
+            When it is no such file.
+        """
+        try:
+            with np.load(file) as data:
+                if int(data["reach"]) != FORMAT:
+                    raise InputError("reach", "of another version", int(data["reach"]), str(FORMAT), str(file))
+                own = {name: data[name] for name in ARRAYS}
+                shape = own["verdicts"].shape[:3]
+                voxels = Voxels(data["first"], float(data["spacing"]), shape)
+                names = tuple(map(str, data["names"].tolist()))
+                return cls(voxels=voxels, names=names, seconds=float(data["seconds"]), **own)
+        except OSError as error:
+            raise InputError("file", f"cannot be read: {error}", str(file), "a map of a workspace") from None
+        except (ValueError, KeyError, EOFError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError("file", str(error), str(file), "a map of a workspace") from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return its totals as plain values."""
+        kinds: Mapping[str, dict[str, bool]] = {
+            "reachable": {},
+            "dexterous": {"dexterous": True},
+            "free_reachable": {"free": True},
+            "free_dexterous": {"free": True, "dexterous": True},
+        }
+        return {
+            "voxels": list(self.voxels.shape),
+            "spacing": self.voxels.spacing,
+            "directions": len(self.directions),
+            "volumes": {name: self.volume(**kind)._asdict() for name, kind in kinds.items()},
+            "verdicts": {code.name.lower(): int((self.verdicts == code).sum()) for code in Verdict},
+            "obstacles": self.blame(),
+            "seconds": self.seconds,
+        }
+
+    def _shown(self) -> Iterator[str]:
+        yield "x".join(map(str, self.voxels.shape)) + " voxels"
+        yield f"{len(self.directions)} directions"
+        yield f"volume={self.volume().found:.4g}"
+
+    def __str__(self) -> str:
+        shape = " x ".join(map(str, self.voxels.shape))
+        parts = [f"Reach: {shape} voxels of {self.voxels.spacing:.4g}, {len(self.directions)} directions each"]
+        for label, dexterous in (("reachable", False), ("dexterous", True)):
+            found, free = self.volume(dexterous), self.volume(dexterous, free=True)
+            told = f"{found.found:.4g}, the grid may be off by {found.error:.2g}; at most {found.at_most:.4g}"
+            less = f"; without obstacles {free.found:.4g}" if self.names else ""
+            parts.append(f"  {label:<10} {told}{less}")
+        counts = {code: int((self.verdicts == code).sum()) for code in Verdict}
+        whole = max(1, self.verdicts.size)
+        parts += [f"  {100.0 * n / whole:9.3g} % {code.sentence}" for code, n in counts.items() if n]
+        blame = list(self.blame().items())[:5]
+        if blame:
+            parts.append("  in the way " + ", ".join(f"{name} ({count:,} voxels)" for name, count in blame))
+        return "\n".join(parts)
+
+    def _share(self, codes: Codes) -> Floats:
+        share: Floats = (codes == Verdict.SOLVED).mean(axis=-1)
+        return share
+
+    def _index(self, point: Any) -> tuple[int, int, int]:
+        place = checks.vector("point", point)
+        x, y, z = np.rint((place - self.voxels.first) / self.voxels.spacing).astype(int).tolist()
+        if not all(0 <= k < n for k, n in zip((x, y, z), self.voxels.shape, strict=True)):
+            last = self.voxels.first + self.voxels.spacing * (np.array(self.voxels.shape) - 1)
+            wanted = f"a point between {self.voxels.first.tolist()} and {last.tolist()}"
+            raise InputError("point", "outside the map", place.tolist(), wanted)
+        return x, y, z

@@ -1,0 +1,28 @@
+"""Work with chunks that fail, or kill their worker."""
+
+import os
+import signal
+from pathlib import Path
+
+import sinuous as sn
+from sinuous.batch.tables.blocks import Block
+from sinuous.batch.work import Task, Work
+from tests.batch.questions import BALL, OPTIONS, ROBOT
+
+
+class Poisonous(Work):
+    """Fails in one chunk, kills its worker in another, and in a third one kills the first worker that tries it."""
+
+    def __init__(self, folder: Path, raising: int = -1, killing: int = -1, unlucky: int = -1) -> None:
+        super().__init__(sn.Solver(ROBOT, [BALL], **OPTIONS))
+        self._folder, self._raising, self._killing, self._unlucky = folder, raising, killing, unlucky
+
+    def __call__(self, task: Task) -> Block:
+        with (self._folder / "tried").open("a", encoding="utf-8") as out:
+            out.write(f"{task.number}\n")
+        if task.number == self._raising:
+            raise RuntimeError("as asked")
+        tried = (self._folder / "tried").read_text(encoding="utf-8").split().count(str(task.number))
+        if task.number == self._killing or (task.number == self._unlucky and tried == 1):
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().__call__(task)

@@ -1,0 +1,73 @@
+"""What a map tells: shares, volumes with their error, reasons, and files."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.workspace.grid import Voxels
+from sinuous.workspace.verdicts import Verdict
+
+
+def ball(radius: float, spacing: float) -> sn.Reach:
+    """A map of a ball that is reached in both of two directions, and of a shell of which nothing is known."""
+    count = int(radius / spacing) + 4
+    voxels = Voxels((-count * spacing,) * 3, spacing, (2 * count + 1,) * 3)
+    far = np.linalg.norm(voxels.middles, axis=-1)[..., None] * np.ones(2)
+    inner = np.where(far <= radius + spacing, Verdict.LIMITS, Verdict.OUT_OF_REACH)
+    verdicts = np.where(far <= radius, Verdict.SOLVED, inner).astype(np.uint8)
+    verdicts[..., 1][verdicts[..., 1] == Verdict.LIMITS] = Verdict.OUT_OF_REACH
+    return sn.Reach(
+        voxels=voxels,
+        directions=np.eye(3)[:2],
+        verdicts=verdicts,
+        free=verdicts.copy(),
+        obstacles=np.full(voxels.shape, -1, np.int16),
+        names=(),
+        base=np.zeros(3),
+        seconds=0.0,
+    )
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.5])
+def test_the_volume_of_a_ball_is_within_its_error(spacing: float) -> None:
+    volume = ball(8.0, spacing).volume()
+    true = 4.0 / 3.0 * np.pi * 8.0**3
+    assert abs(volume.found - true) < volume.error < 0.35 * true
+    assert volume.at_most > volume.found
+    dexterous = ball(8.0, spacing).volume(dexterous=True)
+    assert dexterous.found == volume.found == dexterous.at_most
+
+
+def test_shares_reasons_and_proofs_agree(found: sn.Reach) -> None:
+    assert ((found.share == 1.0) == (found.reasons == Verdict.SOLVED)).all()
+    assert (found.reachable >= found.dexterous).all()
+    assert found.volume().found == found.reachable.sum() * 20.0**3
+    assert found.proved[0, 0, 0]
+    assert sum(found.to_dict()["verdicts"].values()) == found.verdicts.size
+    assert json.loads(json.dumps(found.to_dict()))["directions"] == 26
+    assert "reachable" in str(found)
+    assert "of the" not in repr(found)
+
+
+def test_saved_and_loaded_is_equal(found: sn.Reach, tmp_path: Path) -> None:
+    found.save(tmp_path / "map.npz")
+    assert sn.Reach.load(tmp_path / "map.npz").equals(found)
+    for bad in (b"no map", b""):
+        (tmp_path / "bad.npz").write_bytes(bad)
+        with pytest.raises(sn.InputError, match="a map of a workspace"):
+            sn.Reach.load(tmp_path / "bad.npz")
+    np.savez(tmp_path / "other.npz", q=np.zeros(3))
+    with pytest.raises(sn.InputError, match="a map of a workspace"):
+        sn.Reach.load(tmp_path / "other.npz")
+    with pytest.raises(sn.InputError, match="cannot be read"):
+        sn.Reach.load(tmp_path / "no.npz")
+    with pytest.raises(sn.InputError, match="cannot be written"):
+        found.save(tmp_path / "no" / "map.npz")
+
+
+def test_a_point_outside_is_refused(found: sn.Reach) -> None:
+    with pytest.raises(sn.InputError, match=r"^point: .*outside the map"):
+        found.why((1000, 0, 0))

@@ -6,6 +6,8 @@ Names are imported when they are first used, so that `import sinuous` costs next
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from sinuous.notebook import Face
+
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
@@ -25,7 +27,9 @@ if TYPE_CHECKING:
     from sinuous.motion.plan import Planner as Planner
     from sinuous.motion.plan import plan as plan
     from sinuous.motion.track import track as track
-    from sinuous.pictures.plot import plot_solution as plot_solution
+    from sinuous.pictures.animate import animate as animate
+    from sinuous.pictures.diagrams import diagram as diagram
+    from sinuous.pictures.plot import plot as plot
     from sinuous.poses import pose as pose
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
@@ -74,7 +78,9 @@ _HOMES = {
     "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
-    "pictures.plot": ("plot_solution",),
+    "pictures.animate": ("animate",),
+    "pictures.diagrams": ("diagram",),
+    "pictures.plot": ("plot",),
     "poses": ("pose",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
@@ -115,6 +121,14 @@ if not TYPE_CHECKING:  # a checker would take every name for one that is there
         value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
         globals()[name] = value
         return value
+
+
+def _html(noun: Any) -> str:
+    html: str = import_module("sinuous.pictures.html").html(noun)
+    return html
+
+
+Face.html = _html
 
 
 def __dir__() -> list[str]:

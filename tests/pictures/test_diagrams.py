@@ -1,6 +1,5 @@
 """Diagrams show the numbers that independent code gives."""
 
-from collections.abc import Iterator
 from typing import Any, get_args
 
 import numpy as np
@@ -16,12 +15,8 @@ matplotlib = pytest.importorskip("matplotlib")
 
 
 @pytest.fixture(autouse=True)
-def closed() -> Iterator[None]:
-    from matplotlib import pyplot
-
+def agg() -> None:
     matplotlib.use("agg")
-    yield
-    pyplot.close("all")
 
 
 @pytest.fixture(scope="module")
@@ -30,6 +25,8 @@ def track() -> sn.Motion:
 
 
 def test_every_kind_is_of_something(track: sn.Motion) -> None:
+    from matplotlib import pyplot
+
     solved = sn.solve(ROBOT, PATH[0], BALL, method="dls")
     assert {*diagrams_of(track), *diagrams_of(solved)} == set(get_args(Kind))
     for answer in (track, solved):
@@ -39,6 +36,7 @@ def test_every_kind_is_of_something(track: sn.Motion) -> None:
             assert axes.get_title(loc="left")
             assert axes.get_xlabel()
             assert axes.has_data()
+            pyplot.close(axes.figure)
 
 
 def test_clearance_along_the_body(track: sn.Motion) -> None:

@@ -1,7 +1,6 @@
 """Pictures show what they were given, where it is, and touch nothing that the caller has chosen."""
 
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +16,8 @@ matplotlib = pytest.importorskip("matplotlib")
 
 
 @pytest.fixture(autouse=True)
-def agg() -> Iterator[None]:
-    from matplotlib import pyplot
-
-    before = matplotlib.get_backend()
+def agg() -> None:
     matplotlib.use("agg")
-    yield
-    pyplot.close("all")
-    matplotlib.use(before)
 
 
 def pixels(axes: Any) -> Floats:

@@ -150,6 +150,7 @@ def _draw_convergence(axes: Any, answer: Solution | Motion) -> None:
             axes.plot(number, values, color=colour, linewidth=1.8, marker="o", markersize=3.0, label=name)
             axes.axhline(least, color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
     axes.set_yscale("log")
+    axes.xaxis.get_major_locator().set_params(integer=True)
     axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
     tidy(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
 

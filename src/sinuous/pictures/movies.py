@@ -10,9 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.errors import InputError
+from sinuous.pictures.style import ARMS, INK, PATH, ROUTE, TARGET, UNSOLVED
 
-COLOURS = 96
+COLOURS = 128
 """Of a GIF."""
+
+KEPT = ("#ffffff", TARGET, PATH, ROUTE, *ARMS[0], *UNSOLVED, INK)
+"""Colours that every GIF has as they are."""
+
+NEARLY_WHITE = 246
+"""What the mean of white and its neighbours exceeds, of 255: it becomes white."""
 
 HOLD = 1.2
 """Seconds that a GIF stands at its end before it begins anew."""
@@ -38,11 +45,23 @@ def _write_gif(file: Path, frames: Iterable[Pixels], fps: int) -> None:
     from PIL import Image  # noqa: PLC0415
 
     images = [Image.fromarray(frame) for frame in frames]
-    both = Image.fromarray(np.concatenate([np.asarray(images[0]), np.asarray(images[-1])]))
-    palette = both.quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
+    palette = palette_of(Image.fromarray(np.concatenate([np.asarray(images[0]), np.asarray(images[-1])])))
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     durations = [round(1000 / fps)] * (len(flat) - 1) + [round(1000 * HOLD)]
     flat[0].save(file, save_all=True, append_images=flat[1:], duration=durations, loop=0, optimize=True)
+
+
+def palette_of(image: Any, count: int = COLOURS) -> Any:
+    """Return a palette of so many colours: those of an image, and those that all our pictures have."""
+    from matplotlib.colors import to_rgb  # noqa: PLC0415
+    from PIL import Image  # noqa: PLC0415
+
+    kept = [round(255.0 * part) for colour in KEPT for part in to_rgb(colour)]
+    found = np.array(image.quantize(count - len(KEPT), method=Image.Quantize.MEDIANCUT).getpalette()).reshape(-1, 3)
+    found[(found > NEARLY_WHITE).all(axis=-1)] = 255
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*found[: count - len(KEPT)].ravel().tolist(), *kept])
+    return palette
 
 
 def _write_mp4(file: Path, frames: Iterable[Pixels], fps: int) -> None:

@@ -13,7 +13,7 @@ from sinuous.pictures.contents import Asked, Contents, Moving, Things, gather
 from sinuous.pictures.files import need_matplotlib
 from sinuous.pictures.shapes.dots import Dotted, dots
 from sinuous.pictures.shapes.paint import GHOST, add, paint_arm, paint_walls, places_of, tones, walls_of
-from sinuous.pictures.shapes.stage import Stage, extent, fill, set_stage, stage_of
+from sinuous.pictures.shapes.stage import ARROW, Stage, extent, fill, set_stage, stage_of
 from sinuous.pictures.style import DOTS, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, View, X, Y, Z, tidy_space
 from sinuous.solution.solution import Solution
 
@@ -25,9 +25,6 @@ GHOSTS = 7
 
 ALONG_PATH = 400
 """Places of a motion that the path of its tip goes through."""
-
-ARROW = 0.13
-"""Length of arrows, as a share of the picture."""
 
 AREA, EDGE, HEAD = 6.4, 0.1, 0.3
 """Longer side of a picture, what is left free at its sides, and the height of a title, in inches."""
@@ -198,7 +195,8 @@ def caption(contents: Contents) -> str:
     if isinstance(answer, Solution) or not answer.solutions:
         return f"{answer.status.replace('_', ' ')}{clear}, {_time(answer.seconds)}"
     solved = sum(solution.solved for solution in answer.solutions)
-    return f"{solved} of {len(answer.solutions) + answer.remaining} waypoints solved{clear}"
+    begun = "" if answer.solved else f"{answer.status.replace('_', ' ')}: "
+    return f"{begun}{solved} of {len(answer.solutions) + answer.remaining} waypoints solved{clear}"
 
 
 def _time(seconds: float) -> str:

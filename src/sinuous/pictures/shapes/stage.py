@@ -18,6 +18,9 @@ REACH = 0.25
 ROOM = 0.03
 """Between what is shown and the sides of the box, as a share of its longest side."""
 
+ARROW = 0.13
+"""Length of arrows, as a share of what is shown."""
+
 SLENDER = 0.3
 """Least side of the box, as a share of its longest."""
 
@@ -58,6 +61,7 @@ def stage_of(contents: Contents) -> Stage:
     boxes = [box for obstacle in contents.obstacles if (box := _extent(obstacle)) is not None]
     if not len(points):
         points = np.concatenate(boxes) if boxes else np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
+    points = np.concatenate([points, _arrows(contents, ARROW * float(np.ptp(points, axis=0).max()))])
     low, high = points.min(axis=0), points.max(axis=0)
     reach = REACH * max(float((high - low).max()), 1e-9)
     least, most = low - reach, high + reach
@@ -67,6 +71,16 @@ def stage_of(contents: Contents) -> Stage:
     longest = max(float((high - low).max()), 1e-9)
     half = np.maximum(0.5 * (high - low), 0.5 * SLENDER * longest) + ROOM * longest
     return Stage(0.5 * (low + high) - half, 0.5 * (low + high) + half)
+
+
+def _arrows(contents: Contents, size: float) -> Floats:
+    """Ends (m, 3) of the arrows of this size that stand for orientations."""
+    ends = []
+    for target, end in contents.asked:
+        axes = [] if target.direction is None else [target.direction]
+        axes += [] if target.rotation is None else list(target.rotation.T)
+        ends += [end[:3, 3] + size * axis for axis in axes]
+    return np.array(ends).reshape(-1, 3)
 
 
 def _extent(obstacle: Any) -> Floats | None:

@@ -53,7 +53,7 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         np.testing.assert_allclose(names["shape"], solution.q, atol=1e-9)
     match job:
         case "From a table of points to a table of motors":
-            assert names["track"].solved
+            assert names["motion"].solved
             assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") == len(names["points"]) + 1
         case "Stay near":
             plain = sn.solve(names["robot"], sn.Target(names["near"]), initial=names["now"])

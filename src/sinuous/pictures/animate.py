@@ -90,11 +90,13 @@ def _moving(contents: Contents, view: View, count: int, area: float) -> Iterator
     walls = paint_walls(walls_of(contents.obstacles, stage), *bodies, view)
     draw_dots(axes, contents, stage)
     draw_lines(axes, contents, stage, tips=False)
+    paths = [tip_path(moving) for moving in contents.moving]
     for share in np.linspace(0.0, 1.0, count).tolist():
         arms = [*contents.arms, *(moving.at(share) for moving in contents.moving)]
         drawn = [add(axes, walls + _painted(arms, stage, view))]
-        for moving in contents.moving:
-            drawn += axes.plot(*tip_path(moving, share).T, color=TIP_PATH, linewidth=1.6, zorder=4)
+        for path in paths:
+            until = 1 + round(share * (len(path) - 1))
+            drawn += axes.plot(*path[:until].T, color=TIP_PATH, linewidth=1.6, zorder=4)
         yield _pixels(figure)
         for artist in drawn:
             artist.remove()

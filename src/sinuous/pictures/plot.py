@@ -168,9 +168,9 @@ def draw_lines(axes: Any, contents: Contents, stage: Stage, *, tips: bool = True
         axes.plot(*tip_path(moving).T, color=TIP_PATH, linewidth=1.4, zorder=4)
 
 
-def tip_path(moving: Moving, share: float = 1.0) -> Any:
-    """Points (m, 3) that the tip goes through until a share of the time has passed."""
-    arms = [moving.at(share * k / ALONG_PATH).q for k in range(ALONG_PATH + 1)]
+def tip_path(moving: Moving) -> Floats:
+    """Points (m, 3) that the tip goes through, evenly spaced in time."""
+    arms = [moving.at(k / ALONG_PATH).q for k in range(ALONG_PATH + 1)]
     return moving.robot.tip(np.stack(arms))[:, :3, 3]
 
 

@@ -67,8 +67,33 @@ def _quarters(corners: Floats, count: int) -> Floats:
 
 
 def within(facets: Floats, low: Floats, high: Floats) -> Floats:
-    """What of the facets is within a box: those whose middles are, with their corners moved to its sides."""
-    middles = facets.mean(axis=1)
-    inside = ((middles >= low) & (middles <= high)).all(axis=-1)
-    clipped: Floats = np.clip(facets[inside], low, high)
-    return clipped
+    """What of the facets is within a box; those that cross its sides are cut there (Sutherland & Hodgman 1974)."""
+    whole = ((facets >= low) & (facets <= high)).all(axis=(1, 2))
+    beyond = np.any(np.all(facets < low, axis=1) | np.all(facets > high, axis=1), axis=1)
+    parts = [facets[whole]]
+    for corners in facets[~whole & ~beyond]:
+        polygon = corners
+        for axis in range(3):
+            for side, limit in ((1.0, low[axis]), (-1.0, high[axis])):
+                polygon = _above(polygon, side * (polygon[:, axis] - limit))
+        parts += [_fan(polygon)] if len(polygon) > 2 else []
+    return np.concatenate(parts)
+
+
+def _above(polygon: Floats, heights: Floats) -> Floats:
+    """Return the part of a convex polygon (k, 3) whose heights (k,) over a plane are not below 0."""
+    kept = []
+    for k in range(len(polygon)):
+        if heights[k] >= 0.0:
+            kept.append(polygon[k])
+        after = (k + 1) % len(polygon)
+        if heights[k] * heights[after] < 0.0:
+            share = heights[k] / (heights[k] - heights[after])
+            kept.append(polygon[k] + share * (polygon[after] - polygon[k]))
+    return np.array(kept).reshape(-1, 3)
+
+
+def _fan(polygon: Floats) -> Floats:
+    """Facets (m, 4, 3) of a convex polygon (k, 3)."""
+    last = len(polygon) - 1
+    return np.array([polygon[[0, k, min(k + 1, last), min(k + 2, last)]] for k in range(1, last, 2)])

@@ -56,7 +56,7 @@ def walls_of(obstacles: list[Obstacle], stage: Stage) -> list[Walls]:
         if not isinstance(obstacle, Dotted):
             facets = obstacle_surface(obstacle, stage.middle, 2.0 * stage.span, around)
             if (facets < stage.low).any() or (facets > stage.high).any():
-                facets = within(cut(facets, 0.06 * stage.span), stage.low, stage.high)
+                facets = cut(within(facets, stage.low, stage.high), 0.06 * stage.span)
             walls.append(Walls(facets, isinstance(obstacle, Mesh)))
     return walls
 

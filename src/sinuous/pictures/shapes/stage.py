@@ -67,7 +67,12 @@ def stage_of(contents: Contents) -> Stage:
     least, most = low - reach, high + reach
     boxes += [feet for each in contents.obstacles if (feet := _feet(each, low, high, reach)) is not None]
     for box in boxes:
-        low, high = np.minimum(low, np.maximum(box[0], least)), np.maximum(high, np.minimum(box[1], most))
+        middle = box.mean(axis=0)
+        if np.ptp(box, axis=0).max() < 2.0 * reach:  # a small one that is near is seen whole
+            inside = ((middle > least) & (middle < most)).all()
+            low, high = (np.minimum(low, box[0]), np.maximum(high, box[1])) if inside else (low, high)
+        else:
+            low, high = np.minimum(low, np.maximum(box[0], least)), np.maximum(high, np.minimum(box[1], most))
     longest = max(float((high - low).max()), 1e-9)
     half = np.maximum(0.5 * (high - low), 0.5 * SLENDER * longest) + ROOM * longest
     return Stage(0.5 * (low + high) - half, 0.5 * (low + high) + half)

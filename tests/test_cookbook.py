@@ -38,6 +38,7 @@ def test_it_takes_few_lines(job: str) -> None:
 def run(job: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     shutil.copytree(ROOT / "examples", folder / "examples")
     monkeypatch.chdir(folder)
+    pytest.importorskip("matplotlib").use("agg")
     names: dict[str, Any] = {}
     exec(compile(JOBS[job].replace("100_000", str(FEWER)), job, "exec"), names)
     return names
@@ -90,5 +91,9 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["motion"].solved
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
+        case "Pictures and films":
+            assert {"shape.pdf", "motion.gif", "clearance.png"} <= {file.name for file in tmp_path.iterdir()}
+        case "In a notebook":
+            assert "data:image/png" in solution._repr_html_()
         case _:
             assert solution is not None

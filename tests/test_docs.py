@@ -8,19 +8,57 @@ from typing import Any
 import numpy as np
 import pytest
 
+import sinuous as sn
 from benchmarks.paper.entrants import FAITHFUL
 from sinuous.cli.app import main
 from sinuous.methods.capabilities import LIMITS
 from sinuous.methods.registry import METHODS
 
 DOCS = Path(__file__).parent.parent / "docs"
-PAGES = sorted(DOCS.glob("*.md"))
+PAGES = sorted(DOCS.rglob("*.md"))
+LESSONS = [DOCS / "first-steps.md", *sorted((DOCS / "guides").glob("*.md"))]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.name))
 def test_links_and_pictures_are_there(page: Path) -> None:
     for link in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
-        assert link.startswith("https://") or (DOCS / link).exists(), link
+        assert link.startswith("https://") or (page.parent / link).exists(), link
+
+
+@pytest.mark.parametrize("page", LESSONS, ids=lambda page: str(page.stem))
+def test_what_lessons_show_works(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All blocks of a page, one after the other."""
+    pytest.importorskip("matplotlib").use("agg")
+    shutil.copytree(DOCS.parent / "examples", tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    shown = blocks(str(page.relative_to(DOCS)), "python")
+    assert len(shown) >= 3
+    exec(compile("\n".join(shown), page.name, "exec"), names)
+    assert names["solution"].solved if "solution" in names else names["now"].solved
+    for text in blocks(str(page.relative_to(DOCS)), "yaml"):
+        Path("problem.yaml").write_text(text, encoding="utf-8")
+        assert main(["solve", "problem.yaml"]) == 0
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    listed = re.findall(
+        r"^\.\. auto(?:class|function):: (\w+)$",
+        "".join(page.read_text(encoding="utf-8") for page in (DOCS / "reference").glob("*.md")),
+        re.MULTILINE,
+    )
+    assert sorted(listed) == sorted(name for name in sn.__all__ if name != "__version__")
+
+
+def test_pictures_are_made_by_one_command() -> None:
+    """Those of experiments are made by these; every other one by `docs/figures.py`, and is shown somewhere."""
+    source = (DOCS / "figures.py").read_text(encoding="utf-8")
+    pages = "".join(page.read_text(encoding="utf-8") for page in [*PAGES, DOCS.parent / "README.md"])
+    experiments = ("methods_", "segments_", "table1_", "tracking_", "places")
+    for image in (DOCS / "images").iterdir():
+        assert image.name in pages, image.name
+        assert image.stat().st_size < 1_500_000
+        assert image.stem in source or image.stem.startswith(experiments), image.name
 
 
 def blocks(page: str, language: str) -> list[str]:

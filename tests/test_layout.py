@@ -40,6 +40,7 @@ FLOORS = {
     "brief": 0,
     "frozen": 0,
     "garbage": 0,
+    "notebook": 0,
     "writing": 0,
 }
 

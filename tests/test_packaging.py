@@ -16,7 +16,7 @@ import sinuous
 ROOT = Path(__file__).parent.parent
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = PYPROJECT["project"]
-PAGES = ["README.md", "CONTRIBUTING.md", *(f"docs/{page.name}" for page in (ROOT / "docs").glob("*.md"))]
+PAGES = ["README.md", "CONTRIBUTING.md", *(str(page.relative_to(ROOT)) for page in (ROOT / "docs").rglob("*.md"))]
 PYTHONS = [
     found[1] for line in PROJECT["classifiers"] if (found := re.fullmatch(r".*Python :: (\d\.\d+)", line)) is not None
 ]
@@ -88,7 +88,7 @@ def test_what_the_archives_hold_is_there() -> None:
 
 def test_continuous_integration_installs_the_wheel_with_every_extra() -> None:
     """But those for work on the package itself."""
-    extras = [extra for extra in PROJECT["optional-dependencies"] if extra not in ("test", "dev")]
+    extras = [extra for extra in PROJECT["optional-dependencies"] if extra not in ("test", "dev", "docs")]
     assert f"for extra in {' '.join(extras)}; do" in text(".github/workflows/ci.yml")
 
 
@@ -101,5 +101,11 @@ def test_continuous_integration_runs_what_contributors_run() -> None:
     ]
     for command in ("ruff check .", "ruff format --check .", "mypy", "python -m pytest", "python -m build"):
         assert command in commands
-    for command in ("ruff check .", "ruff format --check .", "mypy"):
+    for command in (
+        "ruff check .",
+        "ruff format --check .",
+        "mypy",
+        "python -m sphinx -q -W --keep-going docs build/docs",
+    ):
+        assert command in commands
         assert f"\n{command}\n" in text(".ci/run")

@@ -5,13 +5,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 import typer
 
+from benchmarks.pictures.style import INK
 from benchmarks.places import make
 from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
-from sinuous.pictures.plot import check_picture, draw_shape
+from sinuous.pictures.contents import gather
+from sinuous.pictures.files import check_picture
+from sinuous.pictures.plot import caption, draw_contents, new_figure
+from sinuous.pictures.shapes.stage import best_view, fill, stage_of
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
 
@@ -32,7 +35,6 @@ SHOWN = {
 """Families, and the seed of the place that stands for each."""
 
 COLUMNS = 4
-ZOOM = 1.2
 
 
 def solved(family: str, seed: int) -> Solution:
@@ -52,21 +54,20 @@ def draw(file: Path, shown: dict[str, int] = SHOWN) -> None:
         When Matplotlib is missing, or does not know the kind of file.
     """
     check_picture("FILE", file)
-    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
-    from matplotlib.figure import Figure  # noqa: PLC0415
-
-    rows = -(-len(shown) // COLUMNS)
-    figure = Figure(figsize=(4.2 * COLUMNS, 4.2 * rows), dpi=80, layout="constrained")
-    FigureCanvasAgg(figure)
+    rows, panels = -(-len(shown) // COLUMNS), []
+    figure = new_figure(figsize=(4.2 * COLUMNS, 4.2 * rows), dpi=80, layout="constrained")
     for i, (family, seed) in enumerate(shown.items()):
         axes = figure.add_subplot(rows, COLUMNS, i + 1, projection="3d", computed_zorder=False)
-        solution = solved(family, seed)
-        draw_shape(axes, (solution,))
+        contents = gather([solved(family, seed)])
+        stage = stage_of(contents)
+        draw_contents(axes, contents, stage, best_view(contents))
         axes.set_axis_off()
-        axes.set_box_aspect(
-            [np.ptp(limits) for limits in (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())], zoom=ZOOM
-        )
-        axes.set_title(f"{family}\n{axes.get_title()}", fontsize=10, color="#333333")
+        panels.append((axes, stage))
+        axes.set_title(f"{family}\n{caption(contents)}", fontsize=10, color=INK)
+    figure.canvas.draw()  # puts the panels in their places
+    figure.set_layout_engine("none")
+    for axes, stage in panels:
+        fill(axes, stage)
     figure.savefig(file)
 
 

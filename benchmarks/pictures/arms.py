@@ -1,6 +1,5 @@
 """Arms as lines in space: what several methods made of one target, or of one waypoint among obstacles."""
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,27 +8,26 @@ import numpy as np
 from benchmarks.pictures.style import INK, style
 from benchmarks.problems import ProblemSet
 from sinuous.checks import Floats
-from sinuous.kernels.tables import SOLVED, Outcome
-from sinuous.pictures.plot import TARGET, draw_shape, set_view
-from sinuous.problem.problem import Problem
+from sinuous.pictures.contents import Contents, Moving
+from sinuous.pictures.plot import draw_contents
+from sinuous.pictures.shapes.stage import Stage, best_view, set_stage, stage_of
+from sinuous.pictures.style import TARGET, View, tidy_space
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.solution.solution import Solution
-from sinuous.solving.again import Again
-from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve
 
 ALONG = 24
 """Points of a line, a segment."""
+
+VIEW = View(18.0, -60.0)
 
 
 def draw_arms(axes: Any, robot: Robot, arms: dict[str, Floats], target: Target, title: str) -> None:
     """Draw the backbones of configurations (n, 3), one a method, with the ends of their segments, and the target."""
     place = np.asarray(target.position)
     lines = {label: robot.backbone(q, ALONG) for label, q in arms.items()}
-    points = np.concatenate([*lines.values(), place[None], robot.base[None, :3, 3]])
-    low, high = _roomy(points)
-    set_view(axes, low, high, place - robot.base[:3, 3])
+    low, high = _roomy(np.concatenate([*lines.values(), place[None], robot.base[None, :3, 3]]))
+    tidy_space(axes)
+    set_stage(axes, Stage(low, high), VIEW)
     _closer(axes, 1.15)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_ticklabels([])
@@ -59,20 +57,12 @@ def _closer(axes: Any, zoom: float) -> None:
 
 
 def draw_track(axes: Any, problems: ProblemSet, records: Sequence[dict[str, Any]], title: str) -> None:
-    """Draw the motion that a method found through a scene: its last confirmed shape whole, some before as lines."""
-    solutions = [_as_solution(problems, i, record) for i, record in enumerate(records) if record["right"]]
-    draw_shape(axes, tuple(solutions))
+    """Draw the motion that a method found through a scene: its last confirmed shape whole, some before as ghosts."""
+    right = [i for i, record in enumerate(records) if record["right"]]
+    q = np.array([records[i]["q"] for i in right])
+    places = [place for i in right if (place := problems.targets[i].position) is not None]
+    moving = Moving(problems.robot, q, np.arange(len(right), dtype=np.float64), True)
+    contents = Contents(moving=[moving], obstacles=list(problems.scene.obstacles), paths=[np.stack(places)])
+    draw_contents(axes, contents, stage_of(contents), best_view(contents))
     _closer(axes, 1.2)
     axes.set_title(title, fontsize=11, color=INK)
-
-
-def _as_solution(problems: ProblemSet, number: int, record: dict[str, Any]) -> Solution:
-    """Return a kept answer as it once was, as far as a picture shows it."""
-    problem = Problem(problems.robot, problems.targets[number], problems.scene, problems.tolerance)
-    errors = record["position"], record["angle"], record["clearance"]
-    outcome = Outcome(
-        np.array(record["q"]), SOLVED, record["iterations"], record["starts"], 0, *errors, math.inf, False, 0.0, 0.0
-    )
-    return Solution(
-        problem, outcome, record["seconds"], Again(OneSolve.prepared, SolveOptions()), np.empty((0, *outcome.q.shape))
-    )

@@ -9,7 +9,7 @@ from benchmarks.judges.clearances import least_clearance
 from benchmarks.places.parts.surfaces import Faces
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.checks import Floats
-from sinuous.pictures.surfaces import obstacle_surface
+from sinuous.pictures.shapes.surfaces import obstacle_surface
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
@@ -24,6 +24,9 @@ LATTICE, CELL = 0.25, 0.55
 No place of a surface is then farther from a point than LATTICE / sqrt(3) + CELL * sqrt(3) + NOISE = 1.12, which is
 less than body and point together, 1.15: the middle of the body cannot get through.
 """
+
+AROUND, EDGE = 20, 6
+"""Facets of an obstacle around what is round, and along the edge of a box."""
 
 NOISE = 0.02
 """Most that a point is beside the surface. All in radii of the body."""
@@ -49,7 +52,7 @@ def triangles(obstacle: Obstacle) -> Floats:
     if isinstance(obstacle, Mesh):
         corners: Floats = obstacle.vertices[obstacle.faces]
         return corners
-    facets = obstacle_surface(obstacle, np.zeros(3), 0.0)
+    facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE)
     return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
 
 

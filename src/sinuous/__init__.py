@@ -6,6 +6,8 @@ Names are imported when they are first used, so that `import sinuous` costs next
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from sinuous.notebook import Face
+
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
@@ -37,9 +39,11 @@ if TYPE_CHECKING:
     from sinuous.motion.plan import plan as plan
     from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
-    from sinuous.pictures.assessment import plot_assessment as plot_assessment
-    from sinuous.pictures.plot import plot_solution as plot_solution
-    from sinuous.pictures.workspace import plot_reach as plot_reach
+    from sinuous.pictures.animate import animate as animate
+    from sinuous.pictures.diagrams import diagram as diagram
+    from sinuous.pictures.plot import plot as plot
+    from sinuous.pictures.surveys.assessment import plot_assessment as plot_assessment
+    from sinuous.pictures.surveys.workspace import plot_reach as plot_reach
     from sinuous.poses import pose as pose
     from sinuous.problem.curve import Curve as Curve
     from sinuous.problem.path import Path as Path
@@ -105,9 +109,11 @@ _HOMES = {
     "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
-    "pictures.assessment": ("plot_assessment",),
-    "pictures.plot": ("plot_solution",),
-    "pictures.workspace": ("plot_reach",),
+    "pictures.animate": ("animate",),
+    "pictures.surveys.assessment": ("plot_assessment",),
+    "pictures.diagrams": ("diagram",),
+    "pictures.plot": ("plot",),
+    "pictures.surveys.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.curve": ("Curve",),
     "problem.path": ("Path",),
@@ -158,6 +164,14 @@ if not TYPE_CHECKING:  # a checker would take every name for one that is there
         value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
         globals()[name] = value
         return value
+
+
+def _html(noun: Any) -> str:
+    html: str = import_module("sinuous.pictures.html").html(noun)
+    return html
+
+
+Face.html = _html
 
 
 def __dir__() -> list[str]:

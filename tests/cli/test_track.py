@@ -159,3 +159,35 @@ def test_how_far_the_tip_may_leave_the_line(problem: Write, capsys: pytest.Captu
     assert counts[0] == 2 < counts[1]
     assert main(["track", str(file), "--deviation", "0"]) == 2
     assert capsys.readouterr().err.startswith("--deviation: expected a number greater than 0, got 0.0")
+
+
+@pytest.mark.parametrize("name", ["path.yaml", "half.yaml", "easy.yaml", "far.yaml"])
+def test_pictures_of_motions_solved_or_not(problem: Write, tmp_path: Path, name: str) -> None:
+    pytest.importorskip("matplotlib")
+    file = tmp_path / "motion.png"
+    assert main(["track", problem(name), "--plot", str(file)]) == (name in ("half.yaml", "far.yaml"))
+    assert file.stat().st_size > 10_000
+
+
+def test_a_path_moves(problem: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("matplotlib")
+    from PIL import Image
+
+    from sinuous.pictures import report
+
+    monkeypatch.setattr(report, "animate", partial(sn.animate, seconds=0.4))
+    file = tmp_path / "motion.gif"
+    assert main(["track", problem("path.yaml"), "--plot", str(file)]) == 0
+    with Image.open(file) as image:
+        assert image.n_frames == 6  # type: ignore[attr-defined]
+
+
+def test_a_film_needs_ffmpeg(
+    capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("shutil.which", lambda _: None)
+    assert main(["track", problem("path.yaml"), "--plot", str(tmp_path / "motion.mp4")]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("--plot: expected ffmpeg installed, or a name that ends in .gif, got ")
+    assert said.count("\n") == 1

@@ -50,7 +50,8 @@ Seed = Annotated[int, typer.Option(help="Of the random starts; the same seed giv
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
 Why = Annotated[bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")]
 Plot = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Draw robot, scene and targets; several files are numbered.")
+    Path | None,
+    typer.Option(metavar="FILE", help="Draw it (.png, .svg, .pdf; .gif, .mp4 move); several files are numbered."),
 ]
 Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the results as JSON lines.")]
 Csv = Annotated[

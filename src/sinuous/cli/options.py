@@ -67,7 +67,7 @@ class Options:
             if file is not None:
                 check_writable(option, file, files)
         if self.plot is not None:
-            from sinuous.pictures.plot import check_picture  # noqa: PLC0415
+            from sinuous.pictures.files import check_picture  # noqa: PLC0415
 
             check_picture("--plot", self.plot)
 

@@ -17,6 +17,10 @@ from sinuous.solution.solution import Solution
 Answer = Solution | Motion | Alternatives
 
 
+MOST_DRAWN = 8
+"""Of several solutions, how many a picture has: the best ones."""
+
+
 class Output:
     """Writes each answer as soon as it is there, so that an interrupt loses none."""
 
@@ -53,12 +57,10 @@ class Output:
             _write_table(table, answer)
         picture = numbered(self._options.plot, self._done, self._files)
         if picture is not None:
-            from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
+            from sinuous.pictures.report import write_picture  # noqa: PLC0415
 
-            if isinstance(answer, Alternatives):
-                plot_solution(answer.best, picture, answer.solutions[1:])
-            else:
-                plot_solution(answer, picture)
+            drawn = (answer.solutions[:MOST_DRAWN] or answer.best) if isinstance(answer, Alternatives) else answer
+            write_picture(picture, drawn)
 
 
 def _write_table(file: Path, answer: Answer) -> None:

@@ -15,6 +15,7 @@ from sinuous.motion import arrays, plain, wording
 from sinuous.motion.times import even_times
 from sinuous.motion.told import Told
 from sinuous.motion.uses import Uses
+from sinuous.notebook import Shown
 from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
@@ -37,7 +38,7 @@ SLACK = 1e-9
 """By how much knots may exceed limits: rounding."""
 
 
-class Motion(Uses):
+class Motion(Shown, Uses):
     """Configurations at times, linear in q from each to the next; frozen.
 
     `track` and `plan` return one. Made of configurations from elsewhere, it proves what there is to prove.

@@ -14,6 +14,7 @@ from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.notebook import Shown
 from sinuous.poses import as_pose
 from sinuous.robot import limits
 from sinuous.robot.actuation import Actuation, Actuator
@@ -63,7 +64,7 @@ REPLACED = {
 """Methods of before, and what does their work now."""
 
 
-class Robot(Frozen):
+class Robot(Shown, Frozen):
     """A continuum robot: segments from base to tip, where it stands, and what it carries.
 
     A configuration `q` is an array (..., n, 3) with `bend_x`, `bend_y` (rad) and `length` of every segment.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sinuous.arguments import Number, Rows, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.notebook import Shown
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.snapshot import Snapshot
@@ -18,7 +19,7 @@ from sinuous.scene.sources import entries_of
 from sinuous.writing.documents import write_document
 
 
-class Scene:
+class Scene(Shown):
     """A union of obstacles. Distances are positive outside, negative inside, in the length unit.
 
     Nothing of it changes but by `update`; `snapshot` gives what is there now, frozen. A copy goes on by itself.

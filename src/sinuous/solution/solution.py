@@ -13,6 +13,7 @@ from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.notebook import Shown
 from sinuous.solution.again import Elsewhere
 from sinuous.solution.binding.binding import Binding, find_binding
 from sinuous.solution.binding.wording import in_words
@@ -34,7 +35,7 @@ _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET
 """Statuses of which clearance is the reason."""
 
 
-class Solution:
+class Solution(Shown):
     """What a solve found; frozen. On failure it holds the best configuration found.
 
     With the method `newton` that one keeps all limits; other methods may violate some, and `worst` says which.

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from sinuous.assessing.assessment import Assessment
-from sinuous.pictures.plot import FAILED, SEGMENTS, check_picture
+from sinuous.pictures.files import check_picture
+from sinuous.pictures.style import CURVES, UNSOLVED
 
 
 def plot_assessment(found: Assessment, file: str | Path) -> None:
@@ -33,18 +34,18 @@ def plot_assessment(found: Assessment, file: str | Path) -> None:
     figure = Figure(figsize=(13.0, 1.6 + 0.32 * len(totals)), dpi=110, layout="constrained")
     FigureCanvasAgg(figure)
     done, clear, time = figure.subplots(1, 3, sharey=True)
-    done.barh(places, [100.0 * total.done / total.tasks for total in totals], color=SEGMENTS[0])
-    done.plot([100.0 * total.share for total in totals], places, "o", color=SEGMENTS[1])
+    done.barh(places, [100.0 * total.done / total.tasks for total in totals], color=CURVES[0])
+    done.plot([100.0 * total.share for total in totals], places, "o", color=CURVES[1])
     done.set(xlabel="tasks done, % (dots: targets met)", xlim=(0.0, 105.0))
     done.set_yticks(places, names)
     done.invert_yaxis()
-    clear.barh(places, [total.clearance or 0.0 for total in totals], color=SEGMENTS[0])
+    clear.barh(places, [total.clearance or 0.0 for total in totals], color=CURVES[0])
     clear.set(xlabel="least proved clearance")
-    time.barh(places, [1e3 * total.seconds for total in totals], color=SEGMENTS[0])
+    time.barh(places, [1e3 * total.seconds for total in totals], color=CURVES[0])
     time.set(xlabel="longest time of computing, ms; what binds")
     for place, total in zip(places.tolist(), totals, strict=True):
         if total.binds is not None:
-            time.annotate(f" {total.binds}", (0.0, place), va="center", color=FAILED, fontsize=8)
+            time.annotate(f" {total.binds}", (0.0, place), va="center", color=UNSOLVED[0], fontsize=8)
     for axes in (done, clear, time):
         axes.spines[["top", "right"]].set_visible(False)
     figure.savefig(file, bbox_inches="tight", pad_inches=0.15)

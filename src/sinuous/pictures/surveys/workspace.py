@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.pictures.plot import check_picture
+from sinuous.pictures.files import check_picture
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.verdicts import Verdict
 

@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.measures.obstacles import measure
-from sinuous.pictures.dots import MOST, Dotted, dots
+from sinuous.pictures.shapes.dots import MOST, Dotted, dots
 from tests.helpers import Floats
 
 SHAPE = (15, 16, 17)

@@ -1,0 +1,202 @@
+"""Make the pictures of the documentation and the README: `python docs/figures.py`, or with the names of some."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.patches import Circle
+from PIL import Image
+
+import sinuous as sn
+from sinuous.pictures.contents import gather
+from sinuous.pictures.movies import palette_of
+from sinuous.pictures.plot import new_figure
+from sinuous.pictures.report import still, write_picture
+from sinuous.pictures.shapes.stage import best_view
+from sinuous.pictures.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET, tidy
+
+ROOT = Path(__file__).parent.parent
+IMAGES, EXAMPLES = ROOT / "docs" / "images", ROOT / "examples"
+
+COLOURS = 160
+"""Of a picture: what these pictures have, and a third of the bytes."""
+
+DPI = 110
+
+
+def save(figure: Any, name: str) -> None:
+    """Write a figure as a small PNG."""
+    file = IMAGES / f"{name}.png"
+    figure.savefig(file, dpi=DPI)
+    shrink(file)
+
+
+def shrink(file: Path, share: float = 1.0) -> None:
+    """Make a picture smaller, and give it few colours."""
+    with Image.open(file) as opened:
+        image = opened.convert("RGB")
+    image = image.resize((round(image.width * share), round(image.height * share)), Image.Resampling.LANCZOS)
+    image.quantize(palette=palette_of(image, COLOURS), dither=Image.Dither.NONE).save(file, optimize=True)
+
+
+def shape(name: str, *things: Any) -> None:
+    """Draw things as `--plot` does."""
+    save(still(gather(things)), name)
+
+
+def insertion_room() -> None:
+    """An example."""
+    shape("insertion_room", sn.load(EXAMPLES / "insertion_room.yaml").solve())
+
+
+def duct() -> None:
+    """An example."""
+    shape("duct", sn.load(EXAMPLES / "duct.yaml").solve())
+
+
+def duct_scan() -> None:
+    """An example."""
+    shape("duct_scan", sn.load(EXAMPLES / "duct_scan.yaml").solve())
+
+
+def gripper() -> None:
+    """An example."""
+    shape("gripper", sn.load(EXAMPLES / "gripper_and_elbow.yaml").solve())
+
+
+def path_through_spheres() -> None:
+    """An example: the picture of `--plot`, and the animation of the README."""
+    motion = sn.load(EXAMPLES / "path_through_spheres.yaml").track(prefer=sn.Preferences(clearance=0.2))
+    write_picture(IMAGES / "path_through_spheres.png", motion)
+    shrink(IMAGES / "path_through_spheres.png", 0.67)
+    view = best_view(gather([motion]))
+    sn.animate(motion, path=IMAGES / "path_through_spheres.gif", view=view, seconds=6, fps=15)
+
+
+def first_steps() -> None:
+    """The arm of the first steps."""
+    arm = sn.Robot.uniform(5, length=(45, 70), max_bend=2.4, radius=4)
+    scene = [sn.Sphere((0, 80, 120), radius=25), sn.Box((-70, 110, 60), size=(60, 60, 120))]
+    shape("first_steps", sn.solve(arm, sn.Target((-60, 150, 170), direction=(0, 1, -1)), scene))
+
+
+def tendons() -> None:
+    """An arm with spacers: its shape, and what its tendons do on a circle."""
+    section = sn.Segment(80, max_bend=1.6, radius=6, tendons=sn.Tendons(3, radius=5))
+    spacer = sn.Segment(12, max_bend=0, radius=8)
+    arm = sn.Robot([section, spacer, section, spacer, section], name="arm")
+    turn = np.linspace(0.0, 2.0 * np.pi, 61)
+    ring = np.stack([90 * np.cos(turn), 90 * np.sin(turn), np.full(61, 170.0)], axis=-1)
+    motion = sn.track(arm, positions=ring, start=sn.solve(arm, sn.Target(ring[0])))
+    shape("tendons", motion)
+    figure = new_figure(figsize=(6.4, 3.4), layout="constrained")
+    sn.diagram(motion, "actuators", ax=figure.add_subplot())
+    save(figure, "tendons_actuators")
+
+
+def alternatives() -> None:
+    """Two ways past a pillar."""
+    arm = sn.Robot.uniform(5, length=(45, 70), max_bend=2.4, radius=5)
+    pillar = sn.Capsule((0, 75, 0), (0, 75, 240), radius=16, name="pillar")
+    shape("alternatives", sn.solve_all(arm, sn.Target((0, 150, 150)), [pillar], count=2))
+
+
+def unsolved() -> None:
+    """The best shape where there is none."""
+    arm = sn.Robot.uniform(3, length=(45, 70), max_bend=1.2, radius=4)
+    shape("unsolved", sn.solve(arm, sn.Target((120, 0, 190)), [sn.Sphere((60, 10, 120), radius=30)]))
+
+
+def clearance() -> None:
+    """Along the body, and of the body on its way."""
+    room = sn.load(EXAMPLES / "insertion_room.yaml").solve()
+    motion = sn.load(EXAMPLES / "path_through_spheres.yaml").track(prefer=sn.Preferences(clearance=0.2))
+    figure = new_figure(figsize=(10.4, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    sn.diagram(room, "clearance", ax=left)
+    sn.diagram(motion, "clearance map", ax=right)
+    save(figure, "clearance")
+
+
+def convergence() -> None:
+    """How two methods of the literature come to a pose."""
+    arm = sn.Robot.uniform(3, length=80, max_bend=2.4)
+    target = sn.Target((90, 60, 160))
+    figure = new_figure(figsize=(10.4, 3.6), layout="constrained")
+    for axes, method in zip(figure.subplots(1, 2), ("dls", "fabrikc"), strict=True):
+        tight = sn.Tolerance(1e-6)
+        sn.diagram(sn.solve(arm, target, method=method, tolerance=tight), "convergence", ax=axes)
+    save(figure, "convergence")
+
+
+def arcs() -> None:
+    """One segment at several bends and lengths."""
+    segment = sn.Robot.uniform(1, (60, 100), max_bend=np.pi, radius=5)
+    things: list[Any] = []
+    for i, (bend, length) in enumerate([(0.0, 80.0), (0.8, 80.0), (1.6, 80.0), (2.4, 80.0), (1.6, 100.0)]):
+        base = sn.pose((100.0 * i, 0.0, 0.0))
+        things += [segment.changed(base=base), np.array([[bend, 0.0, length]])]
+    save(still(gather(things)), "arcs")
+
+
+def proofs() -> None:
+    """Balls that prove a body clear: each is as large as the distance in its middle says."""
+    arm = sn.Robot.uniform(3, length=80, radius=7)
+    q = np.array([[1.2, 0.0, 80.0], [-1.3, 0.0, 80.0], [-0.9, 0.0, 80.0]])
+    balls = [sn.Sphere((70, 0, 40), 22), sn.Sphere((10, 0, 105), 20), sn.Sphere((105, 0, 160), 18)]
+    scene = sn.Scene(balls)
+    line = arm.backbone(q, 256)
+    figure = new_figure(figsize=(6.4, 5.2), layout="constrained")
+    axes = figure.add_subplot(aspect="equal")
+    for ball in balls:
+        axes.add_patch(Circle((ball.center[0], ball.center[2]), ball.radius, color=OBSTACLE))
+    axes.plot(*line[:, ::2].T, color=ARMS[0][1], linewidth=17, alpha=0.5, solid_capstyle="round")
+    axes.plot(*line[:, ::2].T, color=ARMS[0][0], linewidth=1.5)
+    for begin, end in _proved_pieces(scene, line, 7.0, 0, len(line) - 1):
+        middle = line[(begin + end) // 2]
+        axes.add_patch(Circle(middle[::2], scene.distance(middle), fill=False, color=CURVES[2], linewidth=1.0))
+        axes.plot(*middle[::2], "o", color=TARGET, markersize=3.0)
+    axes.set(xlim=(-60, 150), ylim=(-30, 210))
+    tidy(axes, "", x="x", y="z")
+    axes.grid(color=GRID)
+    axes.set_title(f"{len(_proved_pieces(scene, line, 7.0, 0, len(line) - 1))} balls prove this body clear", color=INK)
+    axes.tick_params(labelcolor=PALE)
+    save(figure, "proofs")
+
+
+def _proved_pieces(scene: sn.Scene, line: Any, radius: float, begin: int, end: int) -> list[tuple[int, int]]:
+    """Halve a piece of the backbone until the distance in the middle is as large as half its length and the radius."""
+    step = float(np.linalg.norm(line[1] - line[0]))
+    middle = (begin + end) // 2
+    if scene.distance(line[middle]) > 0.5 * step * (end - begin) + radius:
+        return [(begin, end)]
+    return [
+        *_proved_pieces(scene, line, radius, begin, middle),
+        *_proved_pieces(scene, line, radius, middle, end),
+    ]
+
+
+FIGURES: dict[str, Callable[[], None]] = {
+    figure.__name__: figure
+    for figure in (
+        insertion_room,
+        duct,
+        duct_scan,
+        gripper,
+        path_through_spheres,
+        first_steps,
+        tendons,
+        alternatives,
+        unsolved,
+        clearance,
+        convergence,
+        arcs,
+        proofs,
+    )
+}
+
+if __name__ == "__main__":
+    for wanted in sys.argv[1:] or FIGURES:
+        FIGURES[wanted]()

@@ -1,0 +1,266 @@
+"""Diagrams of answers: clearance, actuators, bends and lengths, and the time of every waypoint."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.motion.motion import Motion
+from sinuous.pictures.convergence import counts_iterations, errors
+from sinuous.pictures.files import need_matplotlib
+from sinuous.pictures.style import ARMS, CURVES, GRID, INK, PALE, SMALL, TARGET, UNSOLVED, tidy
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Kind = Literal["clearance", "convergence", "clearance map", "actuators", "bends", "lengths", "times"]
+
+ALONG = 40
+"""Places of a segment."""
+
+MOMENTS = 400
+"""Of a motion."""
+
+MOST_NAMED = 12
+"""Curves that a legend has a name for."""
+
+
+def diagram(answer: Solution | Motion, kind: Kind, *, ax: "Axes | None" = None) -> "Axes":
+    """Draw a diagram of a solution or a motion.
+
+    Parameters
+    ----------
+    answer : Solution or Motion
+    kind : str
+        Of a solution: `clearance` of every place of the body from the obstacles, in the length unit, from base to
+        tip; `convergence`, the errors after every iteration, of methods with an option `iterations`.
+        Of a motion: `clearance`, the least one at every moment; `clearance map`, of every place at every moment;
+        `actuators`, `bends` (rad) and `lengths` of all segments; `times` that the waypoints took (ms).
+    ax : Axes, optional
+        By default those of a new figure of pyplot.
+
+    Returns
+    -------
+    Axes
+        What was drawn on.
+
+    Raises
+    ------
+    InputError
+        When there is no such diagram of this answer, or Matplotlib is missing.
+    """
+    need_matplotlib("diagram")
+    if not isinstance(answer, Solution | Motion):
+        raise InputError("answer", "", answer, "a Solution or a Motion")
+    checks.choice("kind", kind, get_args(Kind))
+    known = diagrams_of(answer)
+    if kind not in known:
+        raise InputError("kind", "", kind, f"one that this {type(answer).__name__} has: {', '.join(known) or 'none'}")
+    if ax is None:
+        from matplotlib import pyplot  # noqa: PLC0415
+
+        ax = pyplot.figure(figsize=(6.4, 3.6), dpi=150, layout="constrained").add_subplot()
+    _DRAWN[kind](ax, answer)
+    return ax
+
+
+def diagrams_of(answer: Solution | Motion) -> list[str]:
+    """Return the kinds of diagrams that an answer has."""
+    place = answer.problem if isinstance(answer, Solution) else answer
+    near = ["clearance"] if len(place.scene) else []
+    if isinstance(answer, Solution):
+        return [*near, *(["convergence"] if counts_iterations(answer) else [])]
+    times = ["times"] if answer.solutions else []
+    if len(answer.q) < 2:
+        return times
+    driven = ["actuators"] if answer.robot.actuators else []
+    return [*near, *(["clearance map"] if near else []), *driven, "bends", "lengths", *times]
+
+
+def clearances(robot: Robot, scene: Snapshot, q: Floats) -> tuple[Floats, Floats]:
+    """Distances (..., m) of the surface of the body from obstacles in configurations (..., n, 3), and the places (m,).
+
+    Places are numbers of segments, 0 at the base and n at the tip. Those within the mount are infinite.
+    """
+    places = np.linspace(0.0, len(robot), len(robot) * ALONG + 1)
+    radii = np.array(robot.radii)[np.minimum(places.astype(np.int64), len(robot) - 1)]
+    clearance = scene.distance(robot.backbone(q, ALONG)) - radii
+    return np.where(_along(q) < robot.mount, np.inf, clearance), places
+
+
+def _along(q: Floats) -> Floats:
+    """Length of backbone (..., m) from the base to each place."""
+    steps = np.repeat(q[..., 2] / ALONG, ALONG, axis=-1)
+    return np.concatenate([np.zeros((*steps.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
+
+
+def _moments(motion: Motion) -> tuple[Floats, Floats]:
+    """Times (k,) of the knots and between them, and the configurations (k, n, 3) there."""
+    begin, end = motion.times[0], motion.times[-1]
+    every = np.unique(np.concatenate([np.linspace(begin, end, MOMENTS), motion.times]))
+    return every, motion.at(every)
+
+
+def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
+    if isinstance(answer, Solution):
+        _draw_along(axes, answer)
+        return
+    moments, q = _moments(answer)
+    least = clearances(answer.robot, answer.scene, q)[0].min(axis=-1)
+    axes.plot(moments, least, color=CURVES[0], linewidth=1.8)
+    _mark_least(axes, moments, least)
+    _limit(axes, least)
+    if answer.clearance is not None and answer.between == "proved":
+        axes.axhline(
+            answer.clearance, color=CURVES[2], linewidth=1.2, linestyle=(0, (4, 2)), label="proved all the way"
+        )
+        axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
+    tidy(axes, "least clearance of the body", x="time", y="length unit")
+
+
+def _draw_along(axes: Any, solution: Solution) -> None:
+    """Draw clearance along the body, under the colours that its segments have in pictures."""
+    problem = solution.problem
+    clearance, _ = clearances(problem.robot, problem.scene, solution.q)
+    along = _along(solution.q)
+    tones = ARMS[0] if solution.solved else UNSOLVED
+    for k in range(len(problem.robot)):
+        part = slice(k * ALONG, (k + 1) * ALONG + 1)
+        axes.plot(along[part], clearance[part], color=tones[k % 2], linewidth=2.6, solid_capstyle="butt")
+        axes.axvline(along[part][-1], color=GRID, linewidth=0.8, zorder=0)
+    _mark_least(axes, along, clearance)
+    _limit(axes, clearance)
+    tidy(axes, "clearance along the body", x="length of backbone from the base", y="length unit")
+
+
+def _draw_convergence(axes: Any, answer: Solution | Motion) -> None:
+    assert isinstance(answer, Solution)
+    position, angle = errors(answer)
+    tolerance = answer.problem.tolerance
+    wanted = (("position, length unit", position, tolerance.position), ("angle, rad", angle, tolerance.angle))
+    for colour, (name, values, least) in zip(CURVES, wanted, strict=False):
+        if np.isfinite(values).all():
+            number = np.arange(1, len(values) + 1)
+            axes.plot(number, values, color=colour, linewidth=1.8, marker="o", markersize=3.0, label=name)
+            axes.axhline(least, color=colour, linewidth=1.0, linestyle=(0, (4, 2)))
+    axes.set_yscale("log")
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
+    tidy(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
+
+
+def _mark_least(axes: Any, x: Floats, clearance: Floats) -> None:
+    """Mark the least value, with its number beside it, on the side where there is room."""
+    at = int(clearance.argmin())
+    axes.plot(x[at], clearance[at], "o", color=TARGET, markersize=5, zorder=4)
+    right = x[at] > 0.5 * (x[0] + x[-1])
+    axes.annotate(
+        f"{clearance[at]:.3g}",
+        (x[at], clearance[at]),
+        (-6 if right else 6, 6),
+        textcoords="offset points",
+        ha="right" if right else "left",
+        color=INK,
+        fontsize=SMALL,
+    )
+
+
+def _limit(axes: Any, clearance: Floats) -> None:
+    """Show zero, and what is below it, where something is."""
+    finite = clearance[np.isfinite(clearance)]
+    if finite.min() < 0.0:
+        axes.axhline(0.0, color=TARGET, linewidth=1.0)
+        axes.axhspan(1.1 * float(finite.min()), 0.0, color=TARGET, alpha=0.08, linewidth=0.0)
+    else:
+        axes.set_ylim(0.0, 1.12 * float(finite.max()))
+
+
+def _draw_map(axes: Any, answer: Solution | Motion) -> None:
+    assert isinstance(answer, Motion)
+    moments, q = _moments(answer)
+    clearance, places = clearances(answer.robot, answer.scene, q)
+    known = np.where(np.isfinite(clearance), clearance, np.nan)
+    most = float(np.nanquantile(known, 0.9))
+    drawn = axes.pcolormesh(
+        moments, places, known.T, cmap="cividis", vmin=min(0.0, float(np.nanmin(known))), vmax=most, shading="gouraud"
+    )
+    bar = axes.figure.colorbar(drawn, ax=axes, extend="max", pad=0.02)
+    bar.set_label("clearance, length unit", color=PALE, fontsize=SMALL)
+    bar.ax.tick_params(labelsize=SMALL, labelcolor=PALE, color=GRID)
+    bar.outline.set_visible(False)
+    tidy(axes, "clearance of the body on its way", x="time", y="segment")
+    axes.grid(visible=False)
+    axes.yaxis.get_major_locator().set_params(integer=True)
+
+
+def _draw_actuators(axes: Any, answer: Solution | Motion) -> None:
+    assert isinstance(answer, Motion)
+    robot = answer.robot
+    _draw_curves(axes, answer.times, answer.actuators, [actuator.name for actuator in robot.actuators])
+    tidy(axes, "actuators", x="time", y="length unit" if robot.linear is None else "value")
+
+
+def _draw_bends(axes: Any, answer: Solution | Motion) -> None:
+    assert isinstance(answer, Motion)
+    q = answer.q
+    _draw_curves(axes, answer.times, np.hypot(q[..., 0], q[..., 1]), answer.robot.segment_names)
+    tidy(axes, "bends of the segments", x="time", y="rad")
+
+
+def _draw_lengths(axes: Any, answer: Solution | Motion) -> None:
+    assert isinstance(answer, Motion)
+    _draw_curves(axes, answer.times, answer.q[..., 2], answer.robot.segment_names)
+    tidy(axes, "lengths of the segments", x="time", y="length unit")
+
+
+def _draw_curves(axes: Any, times: Floats, values: Floats, names: Any) -> None:
+    """Draw values (T, m) at times (T,); each has a name in a legend beside the diagram, where they are few."""
+    for k, name in enumerate(names):
+        style = ("-", (0, (4, 1.5)), (0, (1, 1)))[k // len(CURVES) % 3]
+        axes.plot(
+            times,
+            values[:, k],
+            color=CURVES[k % len(CURVES)],
+            linestyle=style,
+            linewidth=1.5,
+            label=name,
+        )
+    if len(names) <= MOST_NAMED:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=SMALL, labelcolor=PALE)
+
+
+def _draw_times(axes: Any, answer: Solution | Motion) -> None:
+    from matplotlib.ticker import LogLocator, NullFormatter  # noqa: PLC0415
+
+    assert isinstance(answer, Motion)
+    times = 1e3 * np.array([solution.seconds for solution in answer.solutions])
+    solved = np.array([solution.solved for solution in answer.solutions])
+    number = np.arange(1, len(times) + 1)
+    axes.plot(number[solved], times[solved], "o", color=ARMS[0][0], markersize=3.2, label="solved")
+    if not solved.all():
+        axes.plot(number[~solved], times[~solved], "x", color=TARGET, markersize=5, label="not solved")
+        axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
+    median = float(np.median(times))
+    axes.axhline(median, color=CURVES[1], linewidth=1.4, zorder=0)
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    tidy(axes, f"time per waypoint (median {median:.3g} ms)", x="waypoint", y="ms")
+
+
+_DRAWN: dict[str, Callable[[Any, Solution | Motion], None]] = {
+    "clearance": _draw_clearance,
+    "clearance map": _draw_map,
+    "convergence": _draw_convergence,
+    "actuators": _draw_actuators,
+    "bends": _draw_bends,
+    "lengths": _draw_lengths,
+    "times": _draw_times,
+}

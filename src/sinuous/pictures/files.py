@@ -1,0 +1,56 @@
+"""Files that pictures go into: which there are, and that they can be written."""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sinuous.errors import InputError
+
+MOVIES = ("gif", "mp4")
+"""Kinds of moving pictures."""
+
+
+def need_matplotlib(key: str, value: object = None) -> None:
+    """Refuse to draw where there is no Matplotlib.
+
+    Raises
+    ------
+    InputError
+        That names the extra to install.
+    """
+    try:
+        import matplotlib.backend_bases  # noqa: F401, PLC0415
+    except ImportError:
+        raise InputError(key, "needs Matplotlib", value, "it installed: pip install sinuous[plot]") from None
+
+
+def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) -> None:
+    """Refuse a picture that cannot be drawn, before anything is solved.
+
+    `kinds` are the endings that may be meant; by default all that there are.
+
+    Raises
+    ------
+    InputError
+        When Matplotlib or ffmpeg is missing, or the kind of file is another.
+    """
+    need_matplotlib(key, str(file))
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+
+    known = sorted({*FigureCanvasBase.filetypes, *MOVIES}) if kinds is None else list(kinds)
+    kind = file.suffix.lower().lstrip(".")
+    if kind not in known:
+        raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))
+    if kind == "mp4" and shutil.which("ffmpeg") is None:
+        raise InputError(key, "needs the program ffmpeg", str(file), "ffmpeg installed, or a name that ends in .gif")
+
+
+@contextmanager
+def written(file: Path) -> Iterator[None]:
+    """Say in a line when a file cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        problem = f"cannot be written: {error.strerror or error}"
+        raise InputError("path", problem, str(file), "a file that can be written") from None

@@ -26,8 +26,9 @@ ABOUT = {
     "speed": "every speed and success figure of the README (10 minutes)",
     "clutter": "intricate places, each known to be possible: what is solved, how quickly, and whether claims are true",
     "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
-    "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
     "motion": "motions, planned among random spheres: what is found, how quickly, and whether it is clear all the way",
+    "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
+    "view": "pages: from an event of the mouse to a new shape, what a browser gets, and pages in files",
     "table1": "the paper's four poses, every method, beside what the paper publishes",
     "tracking": "a path of 180 points behind random spheres, every method",
     "segments": "how the time of an iteration, and of a solve, grows with the number of segments",
@@ -41,7 +42,7 @@ OF_LINES = ("speed", "clutter", "wild", "motion")
 OF_METHODS = ("table1", "tracking", "segments", "methods")
 """Those in which methods can be chosen."""
 
-BENCHMARKS = (*OF_LINES, "worlds", *OF_METHODS)
+BENCHMARKS = (*OF_LINES, "worlds", "view", *OF_METHODS)
 
 INTERRUPTED = 130
 
@@ -197,22 +198,15 @@ class Chosen:
             from benchmarks.clutter.experiment import Clutter  # noqa: PLC0415
 
             return Clutter(plan, self.families)
-        if self.name == "wild":
-            from benchmarks.wild.experiment import Wild  # noqa: PLC0415
-
-            return Wild(plan)
-        if self.name == "motion":
-            from benchmarks.motion.experiment import Motions  # noqa: PLC0415
-
-            return Motions(plan)
-        if self.name == "worlds":
-            from benchmarks.clutter.worlds import Worlds  # noqa: PLC0415
-
-            return Worlds(plan)
-        made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
-            plan, self.methods
-        )
-        return made
+        own = {"wild": "wild.experiment.Wild", "motion": "motion.experiment.Motions"}
+        own |= {"worlds": "clutter.worlds.Worlds", "view": "view.experiment.View"}
+        if self.name in own:
+            home, _, kind = own[self.name].rpartition(".")
+            made: Experiment = getattr(import_module(f"benchmarks.{home}"), kind)(plan)
+            return made
+        of_paper = import_module(f"benchmarks.paper.{self.name}.experiment")
+        chosen: Experiment = getattr(of_paper, self.name.capitalize())(plan, self.methods)
+        return chosen
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -15,6 +15,7 @@ ROOT = PACKAGE.parents[1]
 FLOORS = {
     "cli": 6,
     "pictures": 6,
+    "viewer": 6,
     "motion": 5,
     "solving": 4,
     "methods": 3,

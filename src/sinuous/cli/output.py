@@ -6,7 +6,7 @@ from typing import Any, TextIO
 import typer
 
 from sinuous.cli.alternatives import Alternatives
-from sinuous.cli.options import Options, numbered
+from sinuous.cli.options import Options, is_page, numbered
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
 from sinuous.motion.motion import Motion
@@ -52,7 +52,11 @@ class Output:
         if table is not None:
             _write_table(table, answer)
         picture = numbered(self._options.plot, self._done, self._files)
-        if picture is not None:
+        if picture is not None and is_page(picture):
+            from sinuous.viewer.show import show  # noqa: PLC0415
+
+            show(*(answer.solutions or [answer.best] if isinstance(answer, Alternatives) else [answer]), path=picture)
+        elif picture is not None:
             from sinuous.pictures.plot import plot_solution  # noqa: PLC0415
 
             if isinstance(answer, Alternatives):

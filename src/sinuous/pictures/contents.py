@@ -1,0 +1,217 @@
+"""What is to be drawn: things of all kinds, sorted into robots, obstacles, targets and lines."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.files.problem_file import ProblemFile
+from sinuous.motion.motion import Motion
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.solution.solutions import Solutions
+
+Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | ProblemFile | Solution | Motion | Floats
+Things = Thing | Sequence[Thing | Sequence[Thing]]
+"""What can be drawn."""
+
+MOST_ARMS = 100
+"""Robots in a picture."""
+
+EXPECTED = "a robot, scene, obstacle, target, problem, solution or motion, or a list of them"
+
+
+class Arm(NamedTuple):
+    """A robot in one configuration (n, 3), and whether that is what was asked of it."""
+
+    robot: Robot
+    q: Floats
+    solved: bool = True
+
+
+class Moving(NamedTuple):
+    """A robot on its way through configurations (T, n, 3), linear between them, at `times` (T,), increasing."""
+
+    robot: Robot
+    q: Floats
+    times: Floats
+    solved: bool
+
+    def at(self, share: float) -> Arm:
+        """Where it is after this share of its time."""
+        begin, end = self.times[0], self.times[-1]
+        now = begin + share * (end - begin)
+        i = int(np.clip(np.searchsorted(self.times, now, side="right") - 1, 0, len(self.times) - 2))
+        part = (now - self.times[i]) / (self.times[i + 1] - self.times[i])
+        return Arm(self.robot, (1.0 - part) * self.q[i] + part * self.q[i + 1], self.solved)
+
+
+class Asked(NamedTuple):
+    """A target, and the pose (4, 4) of the end that it is asked of."""
+
+    target: Target
+    end: Floats
+
+
+@dataclass
+class Contents:
+    """What a picture shows."""
+
+    arms: list[Arm] = field(default_factory=list)
+    moving: list[Moving] = field(default_factory=list)
+    obstacles: list[Obstacle] = field(default_factory=list)
+    asked: list[Asked] = field(default_factory=list)
+    routes: list[Floats] = field(default_factory=list)
+    paths: list[Floats] = field(default_factory=list)
+    answers: list[Solution | Motion] = field(default_factory=list)
+
+    def add_obstacles(self, obstacles: Iterable[Obstacle]) -> None:
+        """Take obstacles that are not there yet."""
+        known = {id(obstacle) for obstacle in self.obstacles}
+        self.obstacles += [obstacle for obstacle in obstacles if id(obstacle) not in known]
+
+    def add_target(self, target: Target, arm: Arm | None) -> None:
+        """Take a target that is not there yet; one without a position stands where that end of the arm is."""
+        if any(target is other.target for other in self.asked):
+            return
+        if arm is None:
+            end = np.eye(4)
+        elif target.segment is None or target.segment > len(arm.robot):
+            end = arm.robot.tip(arm.q)
+        else:
+            end = arm.robot.forward(arm.q)[target.segment - 1]
+        if target.position is not None:
+            end[:3, 3] = target.position
+        elif arm is None:
+            raise InputError("things", "has no place", target, "a robot before a target without a position")
+        self.asked.append(Asked(target, end))
+
+    @property
+    def all_arms(self) -> list[Arm]:
+        """Those that stand, and of those that move where they end."""
+        return [*self.arms, *(moving.at(1.0) for moving in self.moving)]
+
+
+def resting(robot: Robot) -> Arm:
+    """A robot that nobody has moved: straight, each segment at its mean length."""
+    q = np.zeros((len(robot), 3))
+    q[:, 2] = [0.5 * sum(segment.length) for segment in robot.segments]
+    return Arm(robot, q)
+
+
+def gather(things: Iterable[Any]) -> Contents:
+    """Sort what was given.
+
+    Raises
+    ------
+    InputError
+        That names the thing that cannot be drawn, or when there is nothing.
+    """
+    contents = Contents()
+    flat = list(_flat(things, "things"))
+    targets: list[Target] = []
+    for i, (key, thing) in enumerate(flat):
+        if isinstance(thing, Target):
+            targets.append(thing)
+        elif isinstance(thing, Robot):
+            if not (i + 1 < len(flat) and _is_array(flat[i + 1][1])):
+                contents.arms.append(resting(thing))
+        elif _is_array(thing):
+            before = flat[i - 1][1] if i else None
+            if not isinstance(before, Robot):
+                raise InputError(key, "has no robot", thing, "an array of configurations right after its robot")
+            q = before.configuration(key, thing).reshape(-1, len(before), 3)
+            contents.arms += [Arm(before, each) for each in q]
+        else:
+            _add(contents, thing, key)
+    for target in targets:
+        contents.add_target(target, next(iter(contents.all_arms), None))
+    checks.integer("len(robots)", len(contents.arms), 0, MOST_ARMS)
+    if not (contents.arms or contents.moving or contents.obstacles or contents.asked):
+        raise InputError("things", "", [thing for _, thing in flat], "something to draw: " + EXPECTED)
+    return contents
+
+
+def _is_array(thing: Any) -> bool:
+    return isinstance(thing, np.ndarray)
+
+
+def _flat(things: Any, key: str) -> Iterable[tuple[str, Any]]:
+    """All that lists hold, each with the name of its place."""
+    for i, thing in enumerate(things):
+        if isinstance(thing, list | tuple | Solutions):
+            checks.integer(f"len({key}[{i}])", len(thing), 0, 100_000)
+            yield from _flat(thing, f"{key}[{i}]")
+        else:
+            yield f"{key}[{i}]", thing
+
+
+def _add(contents: Contents, thing: Any, key: str) -> None:
+    if isinstance(thing, Obstacle):
+        contents.add_obstacles((thing,))
+    elif isinstance(thing, Scene | Snapshot):
+        contents.add_obstacles(thing.obstacles)
+    elif isinstance(thing, Solution):
+        _add_solution(contents, thing)
+    elif isinstance(thing, Motion):
+        _add_motion(contents, thing)
+    elif isinstance(thing, Problem):
+        _add_question(contents, thing.robot, thing.scene, thing.targets)
+    elif isinstance(thing, ProblemFile):
+        _add_question(contents, thing.robot, thing.scene.snapshot(), () if thing.is_path else thing.waypoints[0])
+        if thing.is_path:
+            _add_path(contents, [target for targets in thing.waypoints for target in targets])
+    else:
+        raise InputError(key, "", thing, EXPECTED)
+
+
+def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: Iterable[Target]) -> None:
+    arm = resting(robot)
+    contents.arms.append(arm)
+    contents.add_obstacles(scene.obstacles)
+    for target in targets:
+        contents.add_target(target, arm)
+
+
+def _add_solution(contents: Contents, solution: Solution) -> None:
+    arm = Arm(solution.problem.robot, solution.q, solution.solved)
+    contents.arms.append(arm)
+    contents.answers.append(solution)
+    contents.add_obstacles(solution.problem.scene.obstacles)
+    if solution.route is not None:
+        contents.routes.append(solution.route)
+    for target in solution.problem.targets:
+        contents.add_target(target, arm)
+
+
+def _add_motion(contents: Contents, motion: Motion) -> None:
+    """Take a motion; of one without a way, where it stands, and of one without any knot, the best shape found."""
+    contents.answers.append(motion)
+    contents.add_obstacles(motion.scene.obstacles)
+    if len(motion.q) > 1:
+        contents.moving.append(Moving(motion.robot, motion.q, motion.times, motion.solved))
+    elif motion.solutions:
+        contents.arms.append(Arm(motion.robot, motion.solutions[-1].q, motion.solved))
+    else:
+        contents.arms.append(resting(motion.robot)._replace(solved=motion.solved))
+    _add_path(contents, [target for solution in motion.solutions for target in solution.problem.targets])
+
+
+def _add_path(contents: Contents, targets: list[Target]) -> None:
+    """Take the positions of the waypoints as lines, one for each segment whose end is asked for; one is a target."""
+    for segment in dict.fromkeys(target.segment for target in targets):
+        places = [t.position for t in targets if t.segment == segment and t.position is not None]
+        if len(places) > 1:
+            contents.paths.append(np.stack(places))
+        elif places:
+            asked = next(t for t in targets if t.segment == segment and t.position is not None)
+            contents.add_target(asked, next(iter(contents.all_arms)))

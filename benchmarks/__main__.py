@@ -29,6 +29,7 @@ ABOUT = {
     "many": "batches through files, engines, a batch that is killed, and a map of the workspace",
     "motion": "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
     "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
+    "view": "pages: from an event of the mouse to a new shape, what a browser gets, and pages in files",
     "table1": "the paper's four poses, every method, beside what the paper publishes",
     "tracking": "a path of 180 points behind random spheres, every method",
     "segments": "how the time of an iteration, and of a solve, grows with the number of segments",
@@ -42,11 +43,12 @@ OF_LINES = ("speed", "clutter", "wild", "many", "motion")
 OF_METHODS = ("table1", "tracking", "segments", "methods")
 """Those in which methods can be chosen."""
 
-BENCHMARKS = (*OF_LINES, "worlds", *OF_METHODS)
+BENCHMARKS = (*OF_LINES, "worlds", "view", *OF_METHODS)
 
 HOMES = {
     "many": ("many.experiment", "Many"),
     "motion": ("motion.experiment", "Motions"),
+    "view": ("view.experiment", "View"),
     "worlds": ("clutter.worlds", "Worlds"),
 }
 """Where those are that take a plan and nothing else."""

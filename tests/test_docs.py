@@ -82,6 +82,15 @@ def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytes
         assert main(["solve", "problem.yaml"]) == 0
 
 
+def test_what_the_page_of_pages_shows_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "examples").mkdir()
+    shutil.copy(DOCS.parent / "examples" / "insertion_room.yaml", tmp_path / "examples")
+    monkeypatch.chdir(tmp_path)
+    exec(compile("\n".join(blocks("viewer.md", "python")), "viewer.md", "exec"), {})
+    assert (tmp_path / "room.html").exists()
+    assert (tmp_path / "question.html").exists()
+
+
 def rows_of(page: str) -> dict[str, list[str]]:
     """Cells of the first table of capabilities, by method."""
     lines = (DOCS / page).read_text(encoding="utf-8").split("## What they handle")[1].splitlines()

@@ -18,6 +18,7 @@ FLOORS = {
     "assessing": 5,
     "batch": 5,
     "workspace": 5,
+    "viewer": 6,
     "motion": 5,
     "solving": 4,
     "methods": 3,

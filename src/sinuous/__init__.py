@@ -84,6 +84,7 @@ if TYPE_CHECKING:
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
+    from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
     from sinuous.workspace.verdicts import Verdict as Verdict
@@ -150,6 +151,7 @@ _HOMES = {
     "motion.motion": ("Motion",),
     "motion.plan": ("Planner", "plan"),
     "motion.track": ("track",),
+    "viewer.show": ("show",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

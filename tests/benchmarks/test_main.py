@@ -84,7 +84,7 @@ def test_help_says_what_each_name_measures(capsys: pytest.CaptureFixture[str]) -
 def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
     made = Chosen(name, seed=5).experiment()
     assert (made.name, made.plan.seed) == (name, 5)
-    assert made.divisible is (name in (*OF_LINES, "worlds"))
+    assert made.divisible is (name in (*OF_LINES, "worlds", "view"))
 
 
 @pytest.mark.parametrize(
@@ -92,8 +92,7 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
     [
         (
             ["nothing"],
-            "NAME: expected one of speed, clutter, wild, motion, worlds, table1, tracking, segments, methods, "
-            "got 'nothing'\n",
+            f"NAME: expected one of {', '.join(BENCHMARKS)}, got 'nothing'\n",
         ),
         (["speed", "--method", "dls"], "--method: expected nothing with speed, got ['dls'] (is for table1, tracking, "),
         (["clutter", "--method", "dls"], "--method: expected nothing with clutter, got ['dls'] (is for table1, "),

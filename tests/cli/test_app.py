@@ -20,7 +20,7 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     assert main(["--help"]) == 0
     out = capsys.readouterr().out
-    assert all(out.count(f"\n  {command} ") == 2 for command in ("solve", "track", "check", "new", "warm"))
+    assert all(out.count(f"\n  {command} ") == 2 for command in ("solve", "track", "check", "view", "new", "warm"))
     assert "bench" not in out
 
 
@@ -152,6 +152,6 @@ def test_a_disk_that_fills_up_is_no_traceback(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("sinuous.cli.output.Output.write", full)
+    monkeypatch.setattr("sinuous.cli.answers.output.Output.write", full)
     assert main(["solve", problem("easy.yaml")]) == 1
     assert capsys.readouterr().err.splitlines()[-1] == "sinuous: [Errno 28] No space left on device"

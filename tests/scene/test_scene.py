@@ -25,6 +25,13 @@ OBSTACLES = [
 SCENE = Scene(OBSTACLES)
 
 
+def test_a_scene_becomes_another_of_as_many_obstacles() -> None:
+    scene = Scene([Sphere((0, 0, 0), 1)])
+    scene.become(Scene([Sphere((5, 0, 0), 1)]).snapshot())
+    assert scene.distance((5, 0, 0)) == -1.0
+    refused("snapshot", lambda: scene.become(Scene().snapshot()), "as many obstacles as before: 1")
+
+
 def test_the_union_is_as_far_as_its_nearest() -> None:
     points = 3.0 * np.random.default_rng(0).normal(size=(300, 3))
     each = np.stack([Scene([obstacle]).distance(points) for obstacle in OBSTACLES])

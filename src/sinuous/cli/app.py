@@ -51,7 +51,9 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line
 Why = Annotated[bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")]
 Plot = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Draw it (.png, .svg, .pdf; .gif, .mp4 move); several files are numbered."),
+    typer.Option(
+        metavar="FILE", help="Draw it: .png, .svg, .pdf; .gif, .mp4 move; .html to turn; several files are numbered."
+    ),
 ]
 Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the results as JSON lines.")]
 Csv = Annotated[
@@ -79,6 +81,13 @@ Kind = Annotated[
     str,
     typer.Argument(help="tendon, pneumatic, insertion or inspection.", autocompletion=_kinds, show_default=False),
 ]
+ViewFile = Annotated[str, typer.Argument(metavar="FILE", help="A problem file, YAML or JSON.", show_default=False)]
+Html = Annotated[
+    Path | None, typer.Option(metavar="OUT", help="Write the page, with the answer, into one file instead.")
+]
+Host = Annotated[str, typer.Option(metavar="ADDRESS", help="Address to listen at; of this machine alone by default.")]
+Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to listen at, or the next one that is free.")]
+Browser = Annotated[bool, typer.Option(help="Open the page in the browser.")]
 New = Annotated[Path, typer.Argument(metavar="FILE", help="The file to write.", show_default=False)]
 Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there.")]
 Methods = Annotated[
@@ -236,6 +245,16 @@ def check(files: Files, json: Json = False) -> None:
     from sinuous.cli.check import check_files  # noqa: PLC0415
 
     raise typer.Exit(check_files(files, json=json))
+
+
+@app.command()
+def view(
+    file: ViewFile, html: Html = None, host: Host = "127.0.0.1", port: Port = 8080, browser: Browser = True
+) -> None:
+    """Show a problem in the browser, to be solved by dragging."""
+    from sinuous.cli.view import view_file  # noqa: PLC0415
+
+    raise typer.Exit(view_file(file, html, host, port, browser=browser))
 
 
 @app.command()

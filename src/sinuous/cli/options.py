@@ -66,7 +66,11 @@ class Options:
         for option, file in (("--out", self.out), ("--plot", self.plot), ("--csv", self.csv)):
             if file is not None:
                 check_writable(option, file, files)
-        if self.plot is not None:
+        if self.plot is not None and is_page(self.plot):
+            from sinuous.viewer.show import check_page  # noqa: PLC0415
+
+            check_page("--plot", self.plot)
+        elif self.plot is not None:
             from sinuous.pictures.files import check_picture  # noqa: PLC0415
 
             check_picture("--plot", self.plot)
@@ -108,6 +112,11 @@ class Options:
             return methods.with_options(self.method, self.options)
         except InputError as error:
             raise InputError(f"--option {error.key}".rstrip(), error.problem, error.value, error.expected) from None
+
+
+def is_page(file: Path) -> bool:
+    """Whether a picture is to be a page that can be turned."""
+    return file.suffix.lower() == ".html"
 
 
 def numbered(file: Path | None, number: int, files: int) -> Path | None:

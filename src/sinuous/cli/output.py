@@ -5,8 +5,8 @@ from typing import Any, TextIO
 
 import typer
 
-from sinuous.cli.alternatives import Alternatives
-from sinuous.cli.options import Options, numbered
+from sinuous.cli.answers.alternatives import Alternatives
+from sinuous.cli.options import Options, is_page, numbered
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
 from sinuous.motion.motion import Motion
@@ -56,7 +56,11 @@ class Output:
         if table is not None:
             _write_table(table, answer)
         picture = numbered(self._options.plot, self._done, self._files)
-        if picture is not None:
+        if picture is not None and is_page(picture):
+            from sinuous.viewer.show import show  # noqa: PLC0415
+
+            show(*(answer.solutions or [answer.best] if isinstance(answer, Alternatives) else [answer]), path=picture)
+        elif picture is not None:
             from sinuous.pictures.report import write_picture  # noqa: PLC0415
 
             drawn = (answer.solutions[:MOST_DRAWN] or answer.best) if isinstance(answer, Alternatives) else answer

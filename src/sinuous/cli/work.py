@@ -10,9 +10,9 @@ import typer
 
 from sinuous import checks
 from sinuous.bar import Bar
-from sinuous.cli.alternatives import Alternatives
+from sinuous.cli.answers.alternatives import Alternatives
+from sinuous.cli.answers.output import Answer, Output
 from sinuous.cli.options import Options
-from sinuous.cli.output import Answer, Output
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile

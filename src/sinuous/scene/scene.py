@@ -161,6 +161,21 @@ class Scene(Shown):
             cloud = PointCloud(points, old.radii[0] if radius is None else radius, name=old.name)
             self._snapshot = before.replaced(index, cloud)
 
+    def become(self, snapshot: Snapshot) -> None:
+        """Hold these obstacles from now on, as many as before; a `Solver` made before goes on with them.
+
+        Not for methods that look at the scene once and for all, like `opti_path`.
+
+        Raises
+        ------
+        InputError
+            When there are more or fewer of them.
+        """
+        with self._lock:
+            if len(snapshot) != len(self._snapshot):
+                raise InputError("snapshot", "", len(snapshot), f"as many obstacles as before: {len(self._snapshot)}")
+            self._snapshot = snapshot
+
     def __getstate__(self) -> tuple[Snapshot]:
         return (self._snapshot,)
 

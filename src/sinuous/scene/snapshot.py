@@ -85,6 +85,14 @@ class Snapshot(Frozen):
         parts[index] = unsampled(cloud)
         return Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
 
+    def with_row(self, index: int, obstacle: Obstacle, part: Part, group: Floats) -> "Snapshot":
+        """Return a snapshot with this in the place of an obstacle; `group` is what kernels read of the whole scene."""
+        parts = list(self._parts or ())
+        parts[index] = part
+        snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]))
+        snapshot._set(_parts=parts, _group=group)
+        return snapshot
+
     def beside(self, meshes: Sequence[Mesh]) -> "Snapshot":
         """Return a snapshot with these meshes, too. They are not sampled: only their trees are built."""
         self.prepare()

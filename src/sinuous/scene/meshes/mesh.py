@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -189,6 +190,12 @@ class Mesh(Obstacle):
         yield f"{len(self.vertices)} vertices, {len(self.faces)} triangles, {'solid' if self.watertight else 'shell'}"
         yield from () if self.name is None else (f"name={text(self.name)}",)
 
+    @cached_property
+    def _longest(self) -> float:
+        """The longest side of a triangle."""
+        corners = self.vertices[self.faces]
+        return float(np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=-1).max()))
+
     def check_size(self, length: float) -> None:
         """Refuse a mesh that no robot of this length can be meant to meet: its unit must be another one.
 
@@ -197,8 +204,7 @@ class Mesh(Obstacle):
         InputError
             When a triangle is `ODD` times as long as the robot, or the robot as the whole mesh.
         """
-        corners = self.vertices[self.faces]
-        longest = float(np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=-1).max()))
+        longest = self._longest
         key, value = ("vertices", self.extent) if self.scale is None else ("scale", self.scale)
         expected = f"a mesh in the unit of the robot, which is {length:g} long"
         if longest > ODD * length:

@@ -1,0 +1,1 @@
+"""How quickly pages follow, and how large they are."""

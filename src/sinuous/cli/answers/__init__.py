@@ -1,0 +1,1 @@
+"""What the commands answer, and where that goes."""

@@ -1,0 +1,87 @@
+"""The command view: a problem on a page in the browser, or in one file."""
+
+import ipaddress
+import sys
+import webbrowser
+from pathlib import Path
+
+import typer
+
+from sinuous.cli.options import check_writable
+from sinuous.errors import InputError
+from sinuous.motion.job import Job, load
+from sinuous.motion.motion import Motion
+from sinuous.solution.solution import Solution
+from sinuous.viewer.show import check_page, require_viser, show
+
+DONE = 0
+
+TURN = 0.001
+"""Seconds after which a thread hands on Python's lock: what answers the mouse shall not wait for what sends."""
+
+
+def view_file(file: str, html: Path | None, host: str, port: int, *, browser: bool) -> int:
+    """Show a problem file; return the exit code.
+
+    Raises
+    ------
+    InputError
+        When the file or an option is wrong, or viser is missing.
+    """
+    if html is not None:
+        check_page("--html", html)
+        check_writable("--html", html, [file])
+    require_viser("view", file)
+    alone = is_loopback(host)
+    job = load(file, Job)
+    for note in job.notes:
+        typer.echo(f"note: {file}: {note}", err=True)
+    if html is not None:
+        show(answer_of(job), path=html)
+        return DONE
+    if not alone:
+        folder = Path(file).resolve().parent
+        typer.echo(f"warning: whoever reaches {host} can use this page, and read files in {folder} by it", err=True)
+    return _serve(job, host, port, browser)
+
+
+def answer_of(job: Job) -> Solution | Motion:
+    """The path followed, or the target met."""
+    return job.track() if job.is_path else job.solve()
+
+
+def is_loopback(host: str) -> bool:
+    """Whether an address is reached from this machine alone.
+
+    Raises
+    ------
+    InputError
+        When it is none.
+    """
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        raise InputError("--host", "", host, "an address like 127.0.0.1, or localhost") from None
+
+
+def _serve(job: Job, host: str, port: int, browser: bool) -> int:
+    """Serve the page until it is interrupted."""
+    from sinuous.viewer.page.page import Page  # noqa: PLC0415
+
+    job.scene.prepare()
+    sys.setswitchinterval(TURN)
+    page = Page(job, host, port)
+    shown = f"[{host}]" if ":" in host else host
+    address = f"http://{shown}:{page.port}"
+    typer.echo(f"{address}  (Ctrl-C ends it)")
+    try:
+        if browser:
+            webbrowser.open(address)
+        page.wait()
+    except KeyboardInterrupt:
+        typer.echo("", err=True)
+    finally:
+        page.stop()
+    return DONE

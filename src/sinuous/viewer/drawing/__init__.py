@@ -1,0 +1,1 @@
+"""What stands on a page: robots, obstacles and targets as meshes."""

@@ -1,0 +1,1 @@
+"""What a page of `sinuous view` knows and does, without a browser."""

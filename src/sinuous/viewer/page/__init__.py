@@ -1,0 +1,1 @@
+"""The page of `sinuous view`: what can be dragged, typed and pressed."""

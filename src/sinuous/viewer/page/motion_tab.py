@@ -1,0 +1,31 @@
+"""The tab of motion: follow the path, and look at every moment of it."""
+
+from typing import TYPE_CHECKING
+
+from viser import GuiApi
+
+from sinuous.viewer.page.fields import Fields
+
+if TYPE_CHECKING:
+    from sinuous.viewer.page.page import Page
+
+
+def build(gui: GuiApi, page: "Page", fields: Fields) -> None:
+    """Put the fields into the panel."""
+    model = page.model
+    follow = gui.add_button("Follow the path")
+    fields.press(follow, lambda _: page.follow())
+    share = gui.add_slider("moment, %", 0.0, 100.0, 0.1, 0.0)
+
+    def moment() -> float:
+        if model.motion is None:
+            return 0.0
+        first, last = model.motion.times[[0, -1]].tolist()
+        return float(min(100.0, max(0.0, 100.0 * (model.time - first) / (last - first))))
+
+    def play(value: float) -> None:
+        page.do("time", lambda: page.go_to(0.01 * value))
+
+    fields.bind(share, moment, play)
+    run = gui.add_checkbox("play", False)
+    fields.bind(run, lambda: page.playing, page.play)

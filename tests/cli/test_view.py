@@ -1,0 +1,99 @@
+"""The command view: a page in one file, one line where something is wrong, and a server that an interrupt ends."""
+
+import os
+import signal
+import subprocess
+import sys
+import urllib.request
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from sinuous.cli.app import main
+from sinuous.cli.view import is_loopback
+from sinuous.errors import InputError
+
+Write = Callable[[str], str]
+
+
+def test_a_problem_and_a_path_become_pages(problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("scene.yaml", "path.yaml"):
+        out = tmp_path / f"{name}.html"
+        assert main(["view", problem(name), "--html", str(out)]) == 0
+        assert "solved" in out.read_text(encoding="utf-8")
+    captured = capsys.readouterr()
+    assert captured.out == ""
+
+
+def test_answers_are_drawn_as_pages(problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "x.html"
+    for arguments in (["solve", problem("scene.yaml")], ["solve", "--all", "2", problem("easy.yaml")]):
+        page.unlink(missing_ok=True)
+        assert main([*arguments, "--plot", str(page)]) == 0
+        assert page.stat().st_size > 500_000
+    assert main(["track", problem("path.yaml"), "--plot", str(page), "--json"]) == 0
+    assert capsys.readouterr().out.count("\n{") <= 1
+
+
+def test_what_is_wrong_is_one_line(problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = problem("easy.yaml")
+    for arguments, said in (
+        (["view", file, "--html", "x.png"], "--html: expected a name that ends in .html, got 'x.png'\n"),
+        (["view", problem("bad.yaml")], "target.position"),
+        (["view", str(tmp_path / "missing.yaml")], "missing.yaml: file"),
+        (["view", file, "--host", "nowhere"], "--host: expected an address like 127.0.0.1"),
+        (["view", file, "--port", "70000"], "Invalid value for '--port'"),
+        (["solve", file, "--plot", str(tmp_path / "no" / "x.html")], "--plot"),
+    ):
+        assert main(arguments) == 2
+        error = capsys.readouterr().err
+        assert said in error
+        assert error.count("\n") == 1
+
+
+def test_without_viser_it_is_said_how_to_get_it(
+    problem: Write, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "viser", None)
+    assert main(["view", problem("easy.yaml")]) == 2
+    assert "pip install sinuous[view]" in capsys.readouterr().err
+    assert main(["solve", problem("easy.yaml"), "--plot", "x.html"]) == 2
+    assert "pip install sinuous[view]" in capsys.readouterr().err
+
+
+def test_which_addresses_are_this_machine_alone() -> None:
+    assert all(map(is_loopback, ("127.0.0.1", "127.3.2.1", "::1", "localhost")))
+    assert not any(map(is_loopback, ("0.0.0.0", "192.168.1.4", "::")))
+    with pytest.raises(InputError, match="--host"):
+        is_loopback("example.org")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="interrupts are sent in another way there")
+@pytest.mark.parametrize(("host", "warned"), [("127.0.0.1", False), ("0.0.0.0", True)])
+def test_a_server_runs_until_it_is_interrupted(problem: Write, host: str, warned: bool) -> None:
+    command = [
+        sys.executable,
+        "-m",
+        "sinuous",
+        "view",
+        problem("easy.yaml"),
+        "--port",
+        "0",
+        "--no-browser",
+        "--host",
+        host,
+    ]
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    assert process.stdout is not None
+    address = process.stdout.readline().split()[0]
+    assert address.startswith(f"http://{host}:")
+    with urllib.request.urlopen(address.replace("0.0.0.0", "127.0.0.1")) as page:
+        assert b"</html>" in page.read()
+    process.send_signal(signal.SIGINT)
+    out, error = process.communicate(timeout=60)
+    assert process.returncode == 0
+    assert out == ""
+    assert ("whoever reaches" in error) is warned
+    assert "Traceback" not in error

@@ -1,0 +1,85 @@
+"""A page of the viewer in a real browser: Debian's Chromium with software WebGL, driven by Playwright."""
+
+import io
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.helpers import Floats
+
+CHROMIUM = Path("/usr/bin/chromium")
+FLAGS = (
+    "--no-sandbox",
+    "--enable-unsafe-swiftshader",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--no-first-run",
+    "--disable-quic",
+    "--disable-sync",
+    "--disable-background-networking",
+    "--disable-component-update",
+)
+SIZE = (900, 560)
+PATIENCE = 60.0
+"""Seconds: software draws a picture in some tenths of one, on a busy machine in many."""
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Start a browser; without one the test is skipped."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="needs Playwright: pip install playwright")
+    if not CHROMIUM.exists():
+        pytest.skip("needs Chromium: apt-get install chromium")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=str(CHROMIUM), args=list(FLAGS))
+        yield browser
+        browser.close()
+
+
+def opened(browser: Any, address: str) -> Any:
+    """Open an address, and wait until it shows something."""
+    tab = browser.new_page(viewport={"width": SIZE[0], "height": SIZE[1]}, device_scale_factor=1)
+    tab.set_default_timeout(1e3 * PATIENCE)
+    tab.problems = []
+    tab.on("pageerror", lambda error: tab.problems.append(str(error)))
+    tab.goto(address)
+    tab.wait_for_selector("canvas")
+    close = tab.locator(".mantine-Notification-closeButton")  # that WebGL runs in software is no news here
+    close.first.click()
+    return tab
+
+
+def until(holds: Callable[[], object], what: str) -> None:
+    """Wait until something holds."""
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end, f"did not come: {what}"
+        time.sleep(0.05)
+
+
+def pixels(tab: Any) -> NDArray[np.uint8]:
+    """What the browser shows, (height, width, 3)."""
+    from matplotlib.image import imread
+
+    picture = imread(io.BytesIO(tab.screenshot()), format="png")
+    return np.asarray(np.round(255.0 * picture[..., :3]), np.uint8)
+
+
+def projected(camera: Any, point: Floats) -> tuple[float, float]:
+    """Where a camera of the page sees a point, in pixels from the upper left corner of the canvas."""
+    forward = camera.look_at - camera.position
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, camera.up_direction)
+    right /= np.linalg.norm(right)
+    down = np.cross(forward, right)
+    seen = point - camera.position
+    unit = 0.5 * camera.image_height / np.tan(0.5 * camera.fov)
+    depth = float(seen @ forward)
+    x = 0.5 * camera.image_width + unit * float(seen @ right) / depth
+    return x, 0.5 * camera.image_height + unit * float(seen @ down) / depth

@@ -1,0 +1,204 @@
+"""The page in a real browser: what people drag, type and press, and what they see then."""
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.viewer.drawing.poses import rotation_of
+from sinuous.viewer.page.page import Page
+from tests.helpers import Floats
+from tests.viewer.browser import chromium, opened, pixels, projected, until
+
+ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
+JOB = sn.Job(ROBOT, sn.Target((1, 0, 2)), [sn.Sphere((0.2, 0.9, 1.2), radius=0.25, name="ball")])
+PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[Page]:
+    served = Page(JOB)
+    until(lambda: served.model.answer is not None, "the first answer")
+    yield served
+    served.stop()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Any, page: Page) -> Any:
+    shown = opened(browser, f"http://127.0.0.1:{page.port}")
+    until(page.server.get_clients, "a client")
+    return shown
+
+
+@pytest.fixture
+def fresh(page: Page, tab: Any) -> Iterator[Any]:
+    """The page as it was in the beginning."""
+    asked = page.model.number
+    page.do("load", lambda: page._replace(JOB))
+    until(lambda: page.model.number > asked and page.model.answer is not None, "the answer")
+    settled(page)
+    tab.get_by_role("tab", name="Target").click()
+    yield tab
+    assert tab.problems == []
+
+
+def settled(page: Page) -> None:
+    """Wait until the desk has nothing to do."""
+    time.sleep(0.3)
+
+
+def asked(page: Page) -> Floats:
+    """Where the target is."""
+    place = page.model.targets[0].position
+    assert place is not None
+    return place
+
+
+def camera_of(page: Page) -> Any:
+    return next(iter(page.server.get_clients().values())).camera
+
+
+def drag(tab: Any, begin: Floats, end: Floats) -> None:
+    tab.mouse.move(*begin)
+    tab.mouse.down()
+    for share in np.linspace(0.0, 1.0, 6)[1:]:
+        tab.mouse.move(*(begin + share * (end - begin)))
+        time.sleep(0.05)
+    tab.mouse.up()
+
+
+def pull(page: Page, tab: Any, gizmo: Any, place: Callable[[], Floats]) -> None:
+    """Drag a gizmo by its arrows until what it holds is elsewhere: a slow browser may not have drawn it yet."""
+    begin = place()
+    time.sleep(1.5)
+    for attempt in range(9):
+        camera, turn = camera_of(page), rotation_of(np.array(gizmo.wxyz))
+        axis = turn[:, attempt % 3]
+        ends = [np.array(projected(camera, begin + part * gizmo.scale * axis)) for part in (0.8, 1.5)]
+        if np.linalg.norm(ends[1] - ends[0]) > 10.0:
+            drag(tab, ends[0], ends[1])
+            time.sleep(1.0)
+        if np.linalg.norm(place() - begin) > 0.05:
+            return
+    raise AssertionError("the gizmo does not move")
+
+
+def test_the_page_opens_with_the_robot_and_obstacles_where_they_must_be(page: Page, fresh: Any) -> None:
+    picture, camera = pixels(fresh), camera_of(page)
+    for name, point, low, high in (
+        ("body", ROBOT.backbone(page.model.q)[25], (0, 60, 110), (140, 215, 255)),  # blue
+        ("ball", np.array([0.2, 0.9, 1.2]), (80, 80, 80), (245, 245, 250)),  # grey
+    ):
+        x, y = (round(v) for v in projected(camera, point))
+        seen = picture[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3).mean(axis=0)
+        assert (seen >= low).all(), (name, seen)
+        assert (seen <= high).all(), (name, seen)
+        spread = float(seen.max() - seen.min())
+        assert spread > 40.0 if name == "body" else spread < 25.0, (name, seen)
+    assert (picture[20:40, 20:40] > 250).all()  # nothing stands in the corner
+
+
+def test_the_tip_follows_the_gizmo_to_tolerance(page: Page, fresh: Any) -> None:
+    pull(page, fresh, page.scenery._gizmos[0][1], lambda: asked(page))
+    settled(page)
+    until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
+    target = asked(page)
+    assert np.linalg.norm(ROBOT.tip(page.model.q)[:3, 3] - target) <= 1e-4 * ROBOT.mean_length
+    assert fresh.locator(".badge").first.inner_text() == "solved"
+
+
+def test_a_slider_bends_a_segment(page: Page, fresh: Any) -> None:
+    fresh.get_by_role("tab", name="Shape").click()
+    slider = fresh.get_by_role("slider").first
+    slider.focus()
+    before = float(page.model.q[0, 0])
+    for _ in range(20):
+        fresh.keyboard.press("ArrowRight")
+    until(lambda: page.model.by_hand and page.model.q[0, 0] > before + 0.05, "a bend")
+    until(lambda: fresh.locator(".badge").first.inner_text() == "bent by hand", "what is said of it")
+    fresh.get_by_role("button", name="Solve from here").click()
+    until(lambda: page.model.answer is not None and not page.model.by_hand, "an answer")
+
+
+def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:
+    fresh.mouse.click(*projected(camera_of(page), np.array([0.2, 0.9, 1.2])))
+    until(lambda: page.model.grasped == 0, "the ball chosen")
+    until(lambda: page.scenery._grip is not None, "its gizmo")
+
+    def center() -> Floats:
+        ball = page.model.scene.obstacles[0]
+        assert isinstance(ball, sn.Sphere)
+        return ball.center
+
+    pull(page, fresh, page.scenery._grip, center)
+    fresh.get_by_role("tab", name="Scene").click()
+    fresh.get_by_role("button", name="Delete it").click()
+    until(lambda: len(page.model.scene) == 0, "no ball")
+    fresh.get_by_role("button", name="Add one").click()
+    until(lambda: len(page.model.scene) == 1, "another one")
+
+
+def test_what_is_saved_is_what_is_on_the_page_and_can_be_loaded(page: Page, fresh: Any, tmp_path: Path) -> None:
+    page.do("move", lambda: page.model.place_target(0, np.array([0.8, 0.3, 2.1])))
+    until(lambda: page.model.answer is not None and asked(page)[0] == 0.8, "an answer")
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    with fresh.expect_download() as download:
+        fresh.get_by_role("button", name="Save as YAML").click()
+    file = tmp_path / "saved.yaml"
+    download.value.save_as(file)
+    job = sn.load(file, sn.Job)
+    assert job.robot.equals(page.model.robot)
+    assert job.scene.snapshot().equals(page.model.scene)
+    assert job.waypoints[0][0].equals(page.model.targets[0])
+    np.testing.assert_array_equal(job.start, page.model.q)
+    page.do("load", lambda: page._replace(PATH))
+    until(lambda: page.model.job is PATH, "another problem")
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    fresh.locator("input[type=file]").set_input_files(file)
+    until(lambda: page.model.job is not PATH, "what was saved")
+    assert page.model.job.equals(job)
+
+
+def test_what_is_no_problem_changes_nothing_and_shows_one_line(page: Page, fresh: Any, tmp_path: Path) -> None:
+    before = page.model.job
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text("robot: 3\n")
+    fresh.get_by_role("tab", name="File").click()
+    fresh.locator("input[type=file]").set_input_files(wrong)
+    line = fresh.locator(".notice")
+    line.wait_for()
+    assert "wrong.yaml: robot" in line.inner_text()
+    assert page.model.job is before
+
+
+def test_a_path_is_followed_and_played(page: Page, fresh: Any) -> None:
+    page.do("load", lambda: page._replace(PATH))
+    until(lambda: page.model.job is PATH, "the path")
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Follow the path").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_allclose(page.model.shown, page.model.motion.q[-1])
+    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (1, 0.2, 2), atol=1e-3)
+
+
+def test_two_browsers_show_the_same(page: Page, fresh: Any, browser: Any) -> None:
+    other = opened(browser, f"http://127.0.0.1:{page.port}")
+    until(lambda: len(page.server.get_clients()) == 2, "a second client")
+    page.do("move", lambda: page.model.place_target(0, np.array([0, 0, 9.0])))
+    for each in (fresh, other):
+        each.locator(".badge", has_text="out of reach").wait_for()
+    assert other.problems == []
+    other.close()

@@ -245,9 +245,8 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
     problem: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The second has obstacles: the search for routes must not be compiled between two results."""
-    from sinuous.cli.answers.output import Output
-
     from sinuous.cli import work
+    from sinuous.cli.answers.output import Output
     from sinuous.solving.routing.routes import Router
 
     events: list[str] = []

@@ -55,6 +55,13 @@ OBJECTS: list[Any] = [
     *(sn.JointChain(ROBOT), sn.Rates(1.0, acceleration=sn.Rates(2.0))),
     *(CURVE := sn.Curve(np.eye(3)), MOTION.deviation(CURVE), sn.Path([0, 1, 2], positions=np.eye(3))),
     *(sn.Solver(ROBOT, SCENE), sn.Solver(ROBOT).solve_many([TARGET, sn.Target((0, 0, 1e3))]), sn.Status.SOLVED),
+    *(
+        sn.Planner(ROBOT, SCENE),
+        sn.Solver(ROBOT, SCENE).step(SOLUTION, (0, 0, 0), dt=0.01),
+        sn.Active("clearance", 3, LONG),
+    ),
+    *(sn.Rates(1.0) * 0.1, sn.Follow([TARGET]), sn.assess(ROBOT, [TARGET]), sn.solve_batch(ROBOT, np.eye(3))),
+    *(sn.reach(ROBOT, spacing=1.5, directions=6), sn.Verdict.SOLVED, sn.UnfinishedError("no room")),
     Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
     Reason("route", 1 / 3, 2 / 3, LONG, True),
     Remedy("start", None, SOLUTION.q.tolist()),

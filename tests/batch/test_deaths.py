@@ -19,7 +19,7 @@ import sinuous as sn
 from tests.batch.questions import BALL, ROBOT, points
 
 ROWS, CHUNK = 12_000, 200
-PATIENCE = 120.0
+PATIENCE = 300.0
 
 Process = subprocess.Popen[str]
 

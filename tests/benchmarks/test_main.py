@@ -99,15 +99,15 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
         (["table1", "--family", "p3"], "--family: expected nothing with table1, got ['p3'] (is for clutter)"),
         (
             ["table1", "--rounds", "2"],
-            "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild, motion)",
+            "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild, many, motion)",
         ),
         (
             ["table1", "--against", "a.json"],
-            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, motion)",
+            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, many, motion)",
         ),
         (
             ["table1", "--save-baseline", "a.json"],
-            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, motion)",
+            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, many, motion)",
         ),
         (["speed", "--rounds", "0"], "--rounds"),
         (

@@ -9,6 +9,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Whole
+from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
@@ -118,6 +119,10 @@ class Planner:
         warn_of(suspicions(robot, self._scene.snapshot()))
         load_motions(robot, self._scene.snapshot())
         load_trees(robot, self._scene.snapshot())
+
+    def __repr__(self) -> str:
+        sizes = [f"{len(self._robot)} segments", f"{len(self._scene)} obstacles"]
+        return call("Planner", [*sizes, f"time={self._options.time:g}"])
 
     def plan(self, start: Initial, goal: Goal) -> Motion:
         """Plan a motion from a start to a goal; see the function `plan`."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks
+from sinuous.arguments import Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -123,7 +124,7 @@ class Reach(Frozen):
         unit = self.voxels.volume
         return Volume(unit * int(found.sum()), 0.5 * unit * surface, unit * int(possible.sum()))
 
-    def why(self, point: Any) -> dict[str, int]:
+    def why(self, point: Vector) -> dict[str, int]:
         """Count what is said of the directions at the voxel that holds a point (3,), in words; with its obstacle.
 
         Raises
@@ -234,7 +235,7 @@ class Reach(Frozen):
         share: Floats = (codes == Verdict.SOLVED).mean(axis=-1)
         return share
 
-    def _index(self, point: Any) -> tuple[int, int, int]:
+    def _index(self, point: Vector) -> tuple[int, int, int]:
         place = checks.vector("point", point)
         x, y, z = np.rint((place - self.voxels.first) / self.voxels.spacing).astype(int).tolist()
         if not all(0 <= k < n for k, n in zip((x, y, z), self.voxels.shape, strict=True)):

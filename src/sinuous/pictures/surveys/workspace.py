@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sinuous.arguments import Vector
 from sinuous.pictures.files import check_picture
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.verdicts import Verdict
@@ -35,7 +36,7 @@ def check_map(key: str, file: Path) -> None:
     check_picture(key, file.with_suffix(".png") if file.suffix.lower() == ".html" else file)
 
 
-def plot_reach(found: Reach, file: str | Path, at: Any = None) -> None:
+def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None:
     """Draw a map: three slices of the share of directions, of the reasons of holes, of what obstacles take, and all.
 
     Parameters

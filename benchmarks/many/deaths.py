@@ -19,7 +19,7 @@ def measure(plan: Plan) -> Iterator[Line]:
     with TemporaryDirectory() as name:
         folder = Path(name)
         count = plan.count(500_000, 60_000)
-        options = {"chunk": count // 60, "time": 60.0, "max_starts": 20}  # nothing may depend on time
+        options = {"chunk": -(-count // 60), "time": 60.0, "max_starts": 20}  # nothing may depend on time
         targets = str(table(folder / "in.npz", count, plan.rng(35), directions=True))
         run(targets=targets, out=str(folder / "whole.npz"), options=options)
         out = folder / "out.npz"

@@ -137,6 +137,20 @@ def test_configurations_and_actuators_are_a_table(problem: Write, tmp_path: Path
     assert {len(row) for row in rows} == {1 + 9 + 9}
 
 
+def test_a_table_has_a_row_for_each_sample(
+    problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, out = problem("path.yaml"), tmp_path / "q.csv"
+    assert main(["track", file, "--csv", str(out), "--rate", "10"]) == 0
+    assert [float(row[0]) for row in table(out)[1:]] == pytest.approx([0.1 * i for i in range(21)])
+    capsys.readouterr()
+    for rate, words in (("0", "expected a number greater than 0"), ("-1", "expected a number greater than 0")):
+        assert main(["track", file, "--csv", str(out), "--rate", rate]) == 2
+        assert words in capsys.readouterr().err
+    assert main(["track", file, "--rate", "10"]) == 2
+    assert capsys.readouterr().err.startswith("--rate: expected --csv FILE beside it, got 10.0")
+
+
 def test_tables_of_several_files_are_numbered(problem: Write, tmp_path: Path) -> None:
     files = [problem("easy.yaml"), problem("half.yaml")]
     assert main(["track", *files, "--deviation", "1", "--csv", str(tmp_path / "q.csv")]) == 1

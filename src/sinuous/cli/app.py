@@ -69,6 +69,9 @@ By = Annotated[
         help="Of --all: route (one solution a class; the default among obstacles) or shape (all distinct ones)."
     ),
 ]
+Rate = Annotated[
+    float | None, typer.Option(metavar="HZ", help="Rows of --csv in a unit of time; by default one a knot.")
+]
 Deviation = Annotated[
     float | None,
     typer.Option(metavar="LENGTH", help="How far the tip may be from the straight line between waypoints."),
@@ -159,12 +162,13 @@ def track(
     plot: Plot = None,
     out: Out = None,
     csv: Csv = None,
+    rate: Rate = None,
     deviation: Deviation = None,
 ) -> None:
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv, rate=rate)
     raise typer.Exit(track_files(files, options, deviation))
 
 
@@ -182,11 +186,12 @@ def plan(
     plot: Plot = None,
     out: Out = None,
     csv: Csv = None,
+    rate: Rate = None,
 ) -> None:
     """Plan a motion from a start to a target or goal, clear all the way."""
     from sinuous.cli.work import plan_files  # noqa: PLC0415
 
-    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv)
+    options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv, rate=rate)
     raise typer.Exit(plan_files(files, options, shortcuts))
 
 

@@ -40,6 +40,8 @@ class Options:
         Whether to explain every answer.
     csv : Path or None
         Where configurations and the values of actuators go, as a table.
+    rate : float or None
+        Rows of that table of a motion, in a unit of time.
     """
 
     method: str = "newton"
@@ -53,6 +55,7 @@ class Options:
     out: Path | None = None
     why: bool = False
     csv: Path | None = None
+    rate: float | None = None
 
     def check(self, files: list[str]) -> None:
         """Refuse values that cannot be meant, before any file is read or written.
@@ -63,6 +66,12 @@ class Options:
             That names the option.
         """
         self.solve_options()
+        if self.rate is not None:
+            from sinuous import checks  # noqa: PLC0415
+
+            checks.number("--rate", self.rate, above=0.0)
+            if self.csv is None:
+                raise InputError("--rate", "is for --csv", self.rate, "--csv FILE beside it")
         for option, file in (("--out", self.out), ("--plot", self.plot), ("--csv", self.csv)):
             if file is not None:
                 check_writable(option, file, files)

@@ -54,7 +54,7 @@ class Output:
         typer.echo(line if self._options.json else text)
         table = numbered(self._options.csv, self._done, self._files)
         if table is not None:
-            _write_table(table, answer)
+            _write_table(table, answer, self._options.rate)
         picture = numbered(self._options.plot, self._done, self._files)
         if picture is not None and is_page(picture):
             from sinuous.viewer.show import show  # noqa: PLC0415
@@ -67,11 +67,11 @@ class Output:
             write_picture(picture, drawn)
 
 
-def _write_table(file: Path, answer: Answer) -> None:
+def _write_table(file: Path, answer: Answer, rate: float | None) -> None:
     if isinstance(answer, Alternatives):
         write_csv(file, answer.solutions or (answer.best,))
     elif isinstance(answer, Motion):
-        answer.to_csv(file)
+        answer.to_csv(file, rate)
     else:
         write_csv(file, (answer,))
 

@@ -137,9 +137,7 @@ def test_configurations_and_actuators_are_a_table(problem: Write, tmp_path: Path
     assert {len(row) for row in rows} == {1 + 9 + 9}
 
 
-def test_a_table_has_a_row_for_each_sample(
-    problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_table_has_a_row_for_each_sample(problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, out = problem("path.yaml"), tmp_path / "q.csv"
     assert main(["track", file, "--csv", str(out), "--rate", "10"]) == 0
     assert [float(row[0]) for row in table(out)[1:]] == pytest.approx([0.1 * i for i in range(21)])

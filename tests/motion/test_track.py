@@ -82,6 +82,14 @@ def test_the_start_is_the_first_knot() -> None:
     np.testing.assert_array_equal(again.q, first.q)
 
 
+def test_a_start_in_contact_overlaps_nothing() -> None:
+    """A ball that the straight body touches: nothing is proved of the first step, and nothing is blocked."""
+    straight = np.tile([0.0, 0.0, 1.0], (4, 1))
+    track = sn.track(ROBOT, CIRCLE[:1], [sn.Sphere((0.3, 0.0, 2.0), 0.25)], start=straight, time=0.2)
+    assert track.solutions[0].solved
+    assert track.status in (sn.Status.SOLVED, sn.Status.UNPROVED)
+
+
 @pytest.mark.parametrize(
     ("start", "words"),
     [

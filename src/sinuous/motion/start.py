@@ -38,13 +38,15 @@ def check_goal(robot: Robot, q: Floats) -> None:
 def blocked_by(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
     """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself.
 
-    `None` when it is within all limits and proved clear.
+    `None` when it is within all limits and no overlap is seen. What is too near to contact to be proved clear is no
+    claim that it is clear: the first step is not proved then.
     """
     return violated_by(robot, q) or overlap_at(robot, q, prover)
 
 
 def overlap_at(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
-    """Return where a configuration (n, 3) overlaps an obstacle or itself; `None` when it is proved clear."""
+    """Return where a configuration (n, 3) overlaps an obstacle or itself; `None` when no overlap is seen."""
     if prover.prove(np.stack([q, q]), slack=1.0)[0, VERDICT] == CLEAR:
         return None
-    return find_overlap(robot, prover.scene, q)
+    worst = find_overlap(robot, prover.scene, q)
+    return worst if worst.amount > 0.0 else None  # so near to contact that a proof fails, but no overlap is seen

@@ -49,4 +49,5 @@ def overlap_at(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
     if prover.prove(np.stack([q, q]), slack=1.0)[0, VERDICT] == CLEAR:
         return None
     worst = find_overlap(robot, prover.scene, q)
-    return worst if worst.amount > 0.0 else None  # so near to contact that a proof fails, but no overlap is seen
+    # So near to contact that a proof fails: no overlap is seen.
+    return worst if worst.amount > SLACK * max(1.0, robot.mean_length) else None

@@ -13,6 +13,7 @@ __version__ = "0.2.0.dev0"
 if TYPE_CHECKING:
     from sinuous.assessing.assess import assess as assess
     from sinuous.assessing.assessment import Assessment as Assessment
+    from sinuous.assessing.moves import Move as Move
     from sinuous.assessing.sweep import sweep as sweep
     from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.batch import Batch as Batch
@@ -92,6 +93,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "assessing.assess": ("assess",),
     "assessing.assessment": ("Assessment",),
+    "assessing.moves": ("Move",),
     "assessing.sweep": ("sweep",),
     "assessing.tasks": ("Follow",),
     "batch.batch": ("Batch",),

@@ -30,7 +30,7 @@ def assess(
     ----------
     robot : Robot, mapping of str to Robot, or iterable of Robot
         `sweep` makes robots that differ in fields of the robot file.
-    tasks : mapping or iterable of (Target, list of Target, or Follow)
+    tasks : mapping or iterable of (Target, list of Target, Follow, or Move)
         A target, several to be met at once, or a path; by name, or listed.
     scene : Scene or list of obstacles, optional
     progress : bool

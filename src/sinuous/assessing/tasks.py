@@ -175,6 +175,8 @@ def _task(name: str, task: Any) -> Task:
         own: Task = task
         return own
     if type(task) not in OF_TYPES:
-        raise InputError(f"tasks[{name!r}]", "", task, "a Target, a list of them to be met at once, or Follow(path)")
+        raise InputError(
+            f"tasks[{name!r}]", "", task, "a Target, a list of them to be met at once, Follow(path), or Move(goal)"
+        )
     with checks.inside(f"tasks[{name!r}]"):
         return OF_TYPES[type(task)](task)

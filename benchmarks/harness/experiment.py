@@ -1,8 +1,9 @@
 """What an experiment is: pieces of work, whose plain values are kept, and findings that are made of these alone."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
+from importlib import import_module
 from itertools import chain, count, takewhile
 from typing import Any, Protocol
 
@@ -149,3 +150,24 @@ def _rounds(part: str, pieces: dict[str, Any]) -> Iterator[list[Line]]:
     names = takewhile(pieces.__contains__, (_name(part, number) for number in count()))
     for measured in map(pieces.__getitem__, names):
         yield [replace(Line.of(plain), reference=measured["reference"]) for plain in measured["lines"]]
+
+
+class OfSections(OfLines):
+    """An experiment of lines, one piece for each of its sections: files of the folder that is called as it is.
+
+    Parameters
+    ----------
+    name : str
+    plan : Plan
+    sections : sequence of str
+        Each a file with `measure(plan)`.
+    """
+
+    def __init__(self, name: str, plan: Plan, sections: Sequence[str]) -> None:
+        super().__init__(name, plan)
+        self._sections = sections
+
+    def parts(self) -> Iterator[tuple[str, Measurement]]:
+        """One section is one piece."""
+        for section in self._sections:
+            yield section, partial(import_module(f"benchmarks.{self.name}.{section}").measure, self.plan)

@@ -1,10 +1,8 @@
 """`python -m benchmarks speed`: every figure that this project claims, measured in one run."""
 
-from collections.abc import Iterator, Sequence
-from functools import partial
-from importlib import import_module
+from collections.abc import Sequence
 
-from benchmarks.harness.experiment import Measurement, OfLines
+from benchmarks.harness.experiment import OfSections
 from benchmarks.harness.plan import Plan
 
 SECTIONS = (
@@ -23,7 +21,7 @@ SECTIONS = (
 """What is measured, in order: files of this folder, each with `measure(plan)`."""
 
 
-class Speed(OfLines):
+class Speed(OfSections):
     """The experiment; see `Experiment`.
 
     Parameters
@@ -34,10 +32,4 @@ class Speed(OfLines):
     """
 
     def __init__(self, plan: Plan, sections: Sequence[str] = SECTIONS) -> None:
-        super().__init__("speed", plan)
-        self._sections = sections
-
-    def parts(self) -> Iterator[tuple[str, Measurement]]:
-        """One section is one piece."""
-        for name in self._sections:
-            yield name, partial(import_module(f"benchmarks.speed.{name}").measure, self.plan)
+        super().__init__("speed", plan, sections)

@@ -95,7 +95,7 @@ StepConstraint = Literal[
     "actuator_rate",
     "acceleration",
 ]
-"""What may hold a step of a control loop back."""
+"""What may hold a step of a control loop back, in the order of `sinuous.kernels.velocity.working`."""
 
 StepStatus = Literal["reached", "held_back", "cut_short", "touching"]
 """How such a step ended."""

@@ -20,7 +20,7 @@ from sinuous.methods.registry import Choice
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
-from sinuous.motion.start import check_goal
+from sinuous.motion.start import check_limits
 from sinuous.motion.track import read_deviation, wish
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
@@ -84,7 +84,7 @@ def plan_files(files: list[str], options: Options, shortcuts: int = 0) -> int:
             raise InputError("start", "missing", None, "where the motion begins", problem.file)
         if problem.goal is not None:
             try:
-                check_goal(problem.robot, problem.goal)
+                check_limits(problem.robot, "goal", problem.goal)
             except InputError as error:
                 raise error.in_file(problem.file) from None
     return _answer_all(read, options, _plan, partial(Planner, shortcuts=shortcuts))

@@ -9,6 +9,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import keys_of, known_entries, make
+from sinuous.files.documents import read_part
 from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Chambers, Tendons
@@ -99,6 +100,12 @@ def read_scene(value: Any, robot: Robot | None, folder: Path) -> Scene:
             parts = [part if part.name else part.named(f"{part.kind}[{i}]") for part in parts]
         obstacles += parts
     return Scene(obstacles)
+
+
+def read_place(entries: dict[str, Any], folder: Path) -> tuple[Robot, Scene]:
+    """Read the robot and the scene of a problem, each here or in a file of its own."""
+    robot = read_part("robot", entries["robot"], folder, lambda own, _: read_robot(own))
+    return robot, read_part("scene", entries.get("scene"), folder, lambda own, inner: read_scene(own, robot, inner))
 
 
 def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obstacle]:

@@ -12,8 +12,8 @@ from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
-from sinuous.files.documents import parse, read_part
-from sinuous.files.nouns import read_robot, read_scene, read_target, read_targets, targets_together
+from sinuous.files.documents import parse
+from sinuous.files.nouns import read_place, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
@@ -246,8 +246,7 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
         raise InputError("file", "", value, "a mapping with " + ", ".join(KEYS))
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
-    robot = read_part("robot", entries["robot"], folder, lambda own, _: read_robot(own))
-    scene = read_part("scene", entries.get("scene"), folder, lambda own, inner: read_scene(own, robot, inner))
+    robot, scene = read_place(entries, folder)
     question = _read_question(entries, robot, folder)
     return kind(
         robot,

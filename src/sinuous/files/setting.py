@@ -6,8 +6,8 @@ from typing import Any
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries
-from sinuous.files.documents import parse, read_part
-from sinuous.files.nouns import read_robot, read_scene
+from sinuous.files.documents import parse
+from sinuous.files.nouns import read_place, read_robot
 from sinuous.files.problem_file import KEYS, made
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
@@ -79,6 +79,5 @@ def _setting_of(value: Any, file: str) -> Setting:
         raise InputError("file", "", value, "a robot, or a mapping with " + ", ".join(KEYS))
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
-    robot = read_part("robot", entries["robot"], folder, lambda own, _: read_robot(own))
-    scene = read_part("scene", entries.get("scene"), folder, lambda own, inner: read_scene(own, robot, inner))
+    robot, scene = read_place(entries, folder)
     return Setting(robot, scene, entries, file)

@@ -12,6 +12,7 @@ from sinuous.arguments import Number, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.motion import arrays, plain, wording
+from sinuous.motion.start import check_limits
 from sinuous.motion.times import even_times
 from sinuous.motion.told import Told
 from sinuous.motion.uses import Uses
@@ -20,7 +21,6 @@ from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
 from sinuous.solving.between import Steps, prove_steps
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 
 Between = Literal["proved", "unproved"]
 """What is known of the motion between knots: all of it is proved clear, or some step is not."""
-
-SLACK = 1e-9
-"""By how much knots may exceed limits: rounding."""
 
 
 class Motion(Shown, Uses):
@@ -83,21 +80,6 @@ class Motion(Shown, Uses):
         When an argument is not what it should be, or a knot violates a limit.
     """
 
-    robot: Robot
-    scene: Snapshot
-    q: Floats
-    times: Floats
-    steps: Steps
-    solutions: tuple[Solution, ...]
-    waypoint_knots: tuple[int | None, ...]
-    reconfigured: tuple[int, ...]
-    remaining: int
-    seconds: float
-    method: str
-    seed: int
-    _ended: Status | None
-    _blocking: Worst | None
-
     def __init__(
         self,
         robot: Robot,
@@ -111,7 +93,7 @@ class Motion(Shown, Uses):
         if len(knots) < 2:
             raise InputError("q", "", q, "at least two configurations")
         for i, knot in enumerate(knots):
-            _check_limits(robot, f"q[{i}]", knot)
+            check_limits(robot, f"q[{i}]", knot)
         place = as_snapshot(scene)
         when = even_times(len(knots)) if times is None else checks.increasing("times", times, len(knots))
         self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots))
@@ -294,11 +276,3 @@ class Motion(Shown, Uses):
 
     def __str__(self) -> str:
         return wording.text(self)
-
-
-def _check_limits(robot: Robot, key: str, q: Floats) -> None:
-    if robot.excess(q) <= SLACK * max(1.0, robot.mean_length):
-        return
-    limit, segment, amount = max(robot.violations(q), key=lambda each: each[2])
-    where = f"{limit} of segment {segment} is {amount:.3g} beyond its limit"
-    raise InputError(key, where, q.tolist(), "a configuration within all limits")

@@ -3,10 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from sinuous import checks
-from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.motion.told import Told
 from sinuous.problem.problem import Problem
@@ -68,7 +65,7 @@ def read(
     solutions = _read_waypoints(values, problems, place is None)
     robot, scene = place or (problems[0].robot, problems[0].scene)
     q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
-    times = _read_times(_value(values, "times"), len(q))
+    times = checks.increasing("times", _value(values, "times"), len(q))
     clearances = [_optional(values, key) for key in ("clearance", "self_clearance")]
     steps = Steps.told(max(0, len(q) - 1), _read_numbers(values, "unproved_steps", len(q) - 1), *clearances)
     told = Told(
@@ -106,13 +103,6 @@ def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...], some:
         with checks.inside(f"waypoints[{i}]"):
             solutions.append(Solution.from_dict(one, problem))
     return solutions
-
-
-def _read_times(value: Any, count: int) -> Floats:
-    times = checks.array("times", value, (count,))
-    if (np.diff(times) <= 0.0).any():
-        raise InputError("times", "times must increase", value, f"{count} increasing numbers")
-    return times
 
 
 def _read_numbers(values: dict[str, Any], key: str, count: int) -> list[int]:

@@ -18,7 +18,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.planning.goals import FixedGoal, Goals
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.ways import find_way
-from sinuous.motion.start import blocked_by, check_goal, overlap_at
+from sinuous.motion.start import blocked_by, check_limits, overlap_at
 from sinuous.motion.times import spread_times
 from sinuous.motion.told import Told
 from sinuous.problem.problem import check_sizes
@@ -183,7 +183,7 @@ class Planner:
         if isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal):
             return list(target_list("goal", goal))
         end = self._configuration("goal", cast(Initial, goal))
-        check_goal(self._robot, end)
+        check_limits(self._robot, "goal", end)
         return end
 
 

@@ -11,7 +11,7 @@ from sinuous.solution.verification import Worst, find_overlap
 from sinuous.solving.between import Prover
 
 SLACK = 1e-9
-"""By how much a start may exceed limits, in robot lengths or rad: rounding."""
+"""By how much a configuration may exceed limits, in robot lengths or rad: rounding."""
 
 
 def violated_by(robot: Robot, q: Floats) -> Worst | None:
@@ -23,8 +23,8 @@ def violated_by(robot: Robot, q: Floats) -> Worst | None:
     return Worst(limit, segment, None, amount)
 
 
-def check_goal(robot: Robot, q: Floats) -> None:
-    """Refuse a goal (n, 3) that violates a limit.
+def check_limits(robot: Robot, key: str, q: Floats) -> None:
+    """Refuse a configuration (n, 3) that violates a limit.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def check_goal(robot: Robot, q: Floats) -> None:
     """
     violated = violated_by(robot, q)
     if violated is not None:
-        raise InputError("goal", str(violated), q.tolist(), "a configuration within all limits")
+        raise InputError(key, str(violated), q.tolist(), "a configuration within all limits")
 
 
 def blocked_by(robot: Robot, q: Floats, prover: Prover) -> Worst | None:

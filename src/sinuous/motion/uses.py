@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 class Uses(Frozen):
-    """Uses of configurations at times; `Motion` has them all."""
+    """What a `Motion` is made of, see there, and what can be done with it."""
 
     robot: Robot
     scene: Snapshot

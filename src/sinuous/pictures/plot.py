@@ -128,11 +128,12 @@ def draw_contents(axes: Any, contents: Contents, stage: Stage, view: View) -> No
 
 
 def draw_head(figure: Any, contents: Contents, room: Floats) -> None:
-    """Write what the answers say above the room (pixels) of the picture."""
+    """Write what the answers say above the room (pixels) of the picture, in letters small enough to fit."""
     if contents.answers:
         x, y = 0.5 * (room[0, 0] + room[1, 0]), room[1, 1] + 0.3 * HEAD * figure.dpi
         place = x / figure.bbox.width, y / figure.bbox.height
-        figure.text(*place, caption(contents), fontsize=TITLE, color=INK, ha="center", va="bottom")
+        head = figure.text(*place, caption(contents), fontsize=TITLE, color=INK, ha="center", va="bottom")
+        head.set_fontsize(TITLE * min(1.0, (room[1, 0] - room[0, 0]) / head.get_window_extent().width))
 
 
 def draw_shapes(axes: Any, contents: Contents, stage: Stage, view: View) -> None:

@@ -1,7 +1,7 @@
 """One step of a control loop: where to go, what that reaches, and what held it back."""
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 
@@ -16,18 +16,7 @@ from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
-CONSTRAINTS: tuple[StepConstraint, ...] = (
-    "length",
-    "bend",
-    "curvature",
-    "actuator",
-    "clearance",
-    "self_clearance",
-    "length_rate",
-    "bend_rate",
-    "actuator_rate",
-    "acceleration",
-)
+CONSTRAINTS: tuple[StepConstraint, ...] = get_args(StepConstraint)
 """What may hold a step back, in the order of `sinuous.kernels.velocity.working`."""
 
 NEARLY = 1e-3

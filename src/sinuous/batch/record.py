@@ -13,7 +13,7 @@ import numpy as np
 import sinuous
 from sinuous.batch.tables.source import Source
 from sinuous.errors import InputError
-from sinuous.kernels.compiling.store import sources_hash
+from sinuous.kernels.compiling.sources import sources_hash
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.options import SolveOptions

@@ -10,29 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-import sinuous
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling import store
-
-PACKAGE = Path(sinuous.__file__).parent
+from sinuous.kernels.compiling.sources import sources_hash
 
 
 def test_the_cache_is_named_by_the_sources() -> None:
-    assert store.CACHE.name == store.sources_hash()
+    assert store.CACHE.name == sources_hash()
     assert store.CACHE.is_dir()
-
-
-def test_every_source_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    named = {file.relative_to(PACKAGE).as_posix() for file in store.sources()}
-    assert {"kernels/tables.py", "kernels/maths/vectors.py", "methods/fabrik/links.py"} <= named
-    before = store.sources_hash()
-    copied = [tmp_path / f"{i}.py" for i in range(len(named))]
-    for copy, source in zip(copied, store.sources(), strict=True):
-        copy.write_bytes(source.read_bytes())
-    monkeypatch.setattr(store, "sources", lambda: copied)
-    assert store.sources_hash() == before
-    copied[-1].write_text("# a change")
-    assert store.sources_hash() != before
 
 
 def test_caches_that_nobody_uses_are_removed_when_a_new_one_is_made(
@@ -41,7 +26,6 @@ def test_caches_that_nobody_uses_are_removed_when_a_new_one_is_made(
     parent = tmp_path / "sinuous"
     monkeypatch.setattr(store, "places", lambda name: [parent / name])
     monkeypatch.setattr(store, "PACKAGE", tmp_path / "a file")
-    monkeypatch.setattr(store, "sources_hash", lambda: "f" * 16)
     (tmp_path / "a file").touch()  # no folder can be made there
     old, late, other = parent / ("0" * 16), parent / ("1" * 16), parent / "samples"
     for folder, days in ((old, 30), (late, 3), (other, 300)):
@@ -49,7 +33,7 @@ def test_caches_that_nobody_uses_are_removed_when_a_new_one_is_made(
         (folder / "kernel.code").touch()
         os.utime(folder, (time.time() - 86400 * days,) * 2)
     found = store.find_cache()
-    assert found == parent / store.sources_hash()
+    assert found == parent / sources_hash()
     assert not old.exists()
     assert (late / "kernel.code").exists()
     assert other.exists()
@@ -78,6 +62,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def loads(entry: Any) -> int:
     """How many forms of an entry were read from the disk."""
     return sum(entry.stats.cache_hits.values())
+
+
+def test_what_another_version_of_the_sources_compiled_is_taken_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    earlier, later, other = (tmp_path / name for name in ("0" * 16, "1" * 16, "other"))
+    for folder, taken in ((earlier, 0), (later, 1), (other / "cache", 0)):
+        monkeypatch.setattr(store, "CACHE", folder)
+        half_of = compiling.entry(half)
+        assert half_of(3.0) == 1.5
+        assert loads(half_of) == taken
+    (file,) = later.iterdir()
+    assert file.read_bytes() == (earlier / file.name).read_bytes()
 
 
 @pytest.mark.usefixtures("folder")
@@ -131,6 +128,7 @@ USE = """
 import sys
 from pathlib import Path
 from sinuous.kernels.compiling import store
+from sinuous.kernels.compiling.sources import sources_hash
 store.CACHE = Path(sys.argv[1])
 from tests.kernels.compiling import parts
 print(parts.twice_the_norm(3.0, 4.0), sum(parts.twice_the_norm.stats.cache_hits.values()))

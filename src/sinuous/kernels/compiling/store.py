@@ -1,9 +1,9 @@
 """Where compiled kernels are kept: one file for each kernel and signature, in a folder named by a hash of all sources.
 
 Numba's own cache looks at one file only and misses a change in a callee that lives in another; and two processes that
-compile one function for two signatures at once may give both the same file. Here a change anywhere compiles everything
-anew, once; the name of a file tells all that it depends on; it comes to be by renaming, and is read only if it is what
-was written.
+compile one function for two signatures at once may give both the same file. Here the name of a file tells all that it
+depends on, every source that is imported among it; it comes to be by renaming, and is read only if it is what was
+written. What a change of the sources does not concern is taken over from the folders of earlier ones.
 """
 
 import contextlib
@@ -11,45 +11,24 @@ import hashlib
 import os
 import pickle
 import shutil
-import sys
 import tempfile
 import time
 from collections.abc import Callable
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-import llvmlite
-import numba
 from numba.core import serialize
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 
 from sinuous.caches import places, writable
 from sinuous.kernels.compiling.once import Part, as_part
-
-PACKAGE = Path(__file__).parents[2]
-
-NAME_LENGTH = 16
-"""Letters of the name of a cache."""
+from sinuous.kernels.compiling.sources import NAME_LENGTH, PACKAGE, sources_hash, stamp_of
 
 KEPT_DAYS = 7
 """How long a cache is kept that nobody uses."""
 
 DIGEST_SIZE = hashlib.sha256().digest_size
-
-
-def sources() -> list[Path]:
-    """All files with kernels in them: here, and in the folders of the methods."""
-    return sorted([*(PACKAGE / "kernels").rglob("*.py"), *(PACKAGE / "methods").rglob("*.py")])
-
-
-def sources_hash() -> str:
-    """Name of the cache: a hash of all sources, and of what compiles them."""
-    digest = hashlib.sha256(f"{numba.__version__} {llvmlite.__version__} {sys.version_info}".encode())
-    for source in sources():
-        digest.update(source.read_bytes())
-    return digest.hexdigest()[:NAME_LENGTH]
 
 
 def find_cache() -> Path:
@@ -72,11 +51,15 @@ def remove_old(folder: Path) -> None:
 
     Not younger ones: other environments of the same user share the folder, and a running process writes into its own.
     """
-    for old in folder.iterdir():
-        named = len(old.name) == NAME_LENGTH and set(old.name) <= set("0123456789abcdef")
+    for old in caches_in(folder):
         with contextlib.suppress(OSError):
-            if named and time.time() - old.stat().st_mtime > KEPT_DAYS * 86400:
+            if time.time() - old.stat().st_mtime > KEPT_DAYS * 86400:
                 shutil.rmtree(old, ignore_errors=True)
+
+
+def caches_in(folder: Path) -> list[Path]:
+    """List what is named as caches are, in a folder that others may use too."""
+    return list(folder.glob("[0-9a-f]" * NAME_LENGTH))
 
 
 CACHE = find_cache()
@@ -102,7 +85,8 @@ class Store(NullCache):
 
     def __init__(self, function: Callable[..., Any], kind: str) -> None:
         self._function, self._folder = function, CACHE
-        told = f"{self._folder.name} {kind} {function.__module__} {function.__qualname__} {_stamp(function)}"
+        stamp = stamp_of(function.__code__.co_filename)
+        told = f"{kind} {function.__module__} {function.__qualname__} {stamp}"
         self.name = f"{kind}{hashlib.sha256(told.encode()).hexdigest()[:NAME_LENGTH]}"
 
     @property
@@ -112,10 +96,7 @@ class Store(NullCache):
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the code for a signature with all that it calls, or `None` where it is not there as it was written."""
-        try:
-            written = self._path(signature, context.codegen()).read_bytes()
-        except OSError:
-            return None
+        written = self._read(self._path(signature, context.codegen()))
         digest, data = written[:DIGEST_SIZE], written[DIGEST_SIZE:]
         if hashlib.sha256(data).digest() != digest:
             return None
@@ -140,10 +121,18 @@ class Store(NullCache):
         if library.has_dynamic_globals or None in (called or ()):
             return
         data = serialize.dumps((called, result._reduce()))
-        path = self._path(signature, result.codegen)
+        _keep(self._path(signature, result.codegen), hashlib.sha256(data).digest() + data)
+
+    def _read(self, path: Path) -> bytes:
+        """Return what was written under this name, or nothing; what an earlier folder has is taken over."""
         with contextlib.suppress(OSError):
-            path.parent.mkdir(parents=True, exist_ok=True)
-            _write(path, hashlib.sha256(data).digest() + data)
+            return path.read_bytes()
+        for older in caches_in(path.parent.parent):
+            with contextlib.suppress(OSError):
+                written = (older / path.name).read_bytes()
+                _keep(path, written)
+                return written
+        return b""
 
     def _path(self, signature: Any, codegen: Any) -> Path:
         told = f"{self.name} {signature} {codegen.magic_tuple()}"
@@ -167,15 +156,11 @@ def _part(module: str, name: str, types: tuple[Any, ...], symbol: str) -> Any:
     return found.library if found.fndesc.mangled_name == symbol else None
 
 
-def _stamp(function: Callable[..., Any]) -> str:
-    """Hash of the file of a function that is not among the sources, which the name of the cache does not cover."""
-    file = Path(function.__code__.co_filename)
-    return "" if file.is_relative_to(PACKAGE) else _hash_of(file)
-
-
-@cache
-def _hash_of(file: Path) -> str:
-    return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
+def _keep(path: Path, data: bytes) -> None:
+    """Write a file, where that can be done."""
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _write(path, data)
 
 
 def _write(path: Path, data: bytes) -> None:

@@ -75,8 +75,8 @@ def _serve(job: Job, host: str, port: int, browser: bool) -> int:
     page = Page(job, host, port)
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{page.port}"
-    typer.echo(f"{address}  (Ctrl-C ends it)")
     try:
+        typer.echo(f"{address}  (Ctrl-C ends it)")
         if browser:
             webbrowser.open(address)
         page.wait()

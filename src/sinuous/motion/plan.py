@@ -1,6 +1,5 @@
 """Plan a motion from a start to a goal, proved clear all the way."""
 
-import time as clock
 from collections.abc import Callable
 from functools import cached_property, partial
 from typing import Any, Unpack, cast
@@ -17,6 +16,7 @@ from sinuous.methods.registry import name_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.goals import FixedGoal, Goals
 from sinuous.motion.planning.question import Question
+from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
 from sinuous.motion.start import blocked_by, check_limits, overlap_at
 from sinuous.motion.times import spread_times
@@ -146,7 +146,7 @@ class Planner:
                 return made(scene, solutions=(solution,), waypoint_knots=(None,))
             goals, scene = Goals(self._solver, solution), solution.problem.scene
         seed, shortcuts = self._options.seed, self._shortcuts
-        question = Question(self._robot, scene, begin, goals, seed, shortcuts, spent.seconds_left)
+        question = Question(self._robot, scene, begin, goals, seed, shortcuts, spent)
         return self._arrived(made, question, goals)
 
     @cached_property
@@ -167,7 +167,7 @@ class Planner:
         met = tuple(solution for solution in solutions if np.array_equal(solution.q, way.q[-1]))[:1]
         return made(question.scene, way, solutions=met, waypoint_knots=(len(way.q) - 1,) * len(met))
 
-    def _made(self, spent: "Watch", start: Floats, scene: Snapshot, way: Way | None = None, **told: Any) -> Motion:
+    def _made(self, spent: Watch, start: Floats, scene: Snapshot, way: Way | None = None, **told: Any) -> Motion:
         robot = self._robot
         q, answers = (start[None], np.zeros((0, ANSWER_WIDTH))) if way is None else way
         fixed = np.array([0] if way is None else [0, len(q) - 1])
@@ -185,23 +185,3 @@ class Planner:
         end = self._configuration("goal", cast(Initial, goal))
         check_limits(self._robot, "goal", end)
         return end
-
-
-class Watch:
-    """Counts the seconds of a plan, and says how many are left of a budget."""
-
-    def __init__(self, budget: float) -> None:
-        self._budget, self._began = budget, clock.perf_counter()
-
-    def but_for(self, seconds: float) -> None:
-        """Count so many seconds for what was done since the watch was made; the rest of it was compiling."""
-        self._began = clock.perf_counter() - seconds
-
-    @property
-    def seconds(self) -> float:
-        """Seconds until now."""
-        return clock.perf_counter() - self._began
-
-    def seconds_left(self) -> float:
-        """What is left of the budget."""
-        return self._budget - self.seconds

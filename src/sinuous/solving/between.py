@@ -100,12 +100,15 @@ class Steps:
 
 
 class Prover:
-    """Proves one motion after the other for a robot in a scene, without making anything anew."""
+    """Proves one motion after the other for a robot in a scene, without making anything anew.
 
-    def __init__(self, robot: Robot, scene: Snapshot) -> None:
+    `finest`: length, in robot lengths, below which a proof gives up.
+    """
+
+    def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
         self.scene = scene
         self._group, self._scene_group = packing.robot_group(robot), scene._kernel_group
-        self._mount, self._finest = float(robot.mount), FINEST * robot.mean_length
+        self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(robot), len(scene)))
 
     def prove(self, knots: Floats, slack: float = SLACK, seconds: float = SECONDS) -> Floats:

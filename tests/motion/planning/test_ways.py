@@ -8,6 +8,7 @@ import pytest
 import sinuous as sn
 from sinuous.motion.planning import ways
 from sinuous.motion.planning.question import Question, Source
+from sinuous.motion.planning.watch import Watch
 from sinuous.scene.scene import Scene
 from sinuous.solving.planning.trees import Way
 
@@ -15,10 +16,20 @@ ROBOT = sn.Robot.uniform(2, 1.0)
 WAY = Way(np.zeros((2, 2, 3)), np.zeros((1, 14)))
 
 
+class Counted(Watch):
+    """Says so many seconds are left, one after the other."""
+
+    def __init__(self, left: list[float]) -> None:
+        super().__init__(0.0)
+        self._left = iter(left)
+
+    def seconds_left(self) -> float:
+        return next(self._left)
+
+
 def question(seconds: list[float]) -> Question:
     start = np.zeros((2, 3))
-    left = iter(seconds)
-    return Question(ROBOT, Scene([]).snapshot(), start, lambda reached: reached, 0, 0, lambda: next(left))
+    return Question(ROBOT, Scene([]).snapshot(), start, lambda reached: reached, 0, 0, Counted(seconds))
 
 
 def test_they_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:

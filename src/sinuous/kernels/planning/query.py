@@ -4,16 +4,17 @@ import numpy as np
 
 from sinuous.kernels.between.obstacles import keep_reachable
 from sinuous.kernels.between.sweep import SEEN_WIDTH, carve_sweep
+from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields.distances import read_scene
+from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.shortcuts import Exactness, Path, forget, path_length, prove, shorten, skip
-from sinuous.kernels.planning.space import Space, looks_clear, measure_levers
+from sinuous.kernels.planning.shortcuts import Exactness, Path, forget, path_length, shorten, skip
+from sinuous.kernels.planning.space import Space, looks_clear, measure_levers, prove_edge
 from sinuous.kernels.planning.trees import Terms, Trees, grow, path_through, plant
-from sinuous.kernels.problem import read_robot
+from sinuous.kernels.problem import Robot, read_robot
 
 STEP, SPACING, LEAST, FINE, BACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
 """Of the trees, in robot lengths; see `Terms`."""
@@ -21,6 +22,9 @@ STEP, SPACING, LEAST, FINE, BACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
 SLACK, FINEST = 0.1, 1e-7
 """How far below the truth clearances may be, as a share of them, and the length, in robot lengths, below which the
 proof of an edge of the path gives up."""
+
+LOOSE = 1e-4
+"""The same length for a proof that an edge is clear, without a tight bound of how clear."""
 
 FOR_PROOF = 0.25
 """Seconds for the path that was found, its shortcuts and proofs, for each second of the search."""
@@ -65,11 +69,43 @@ def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: 
     for i in range(goals.shape[0]):
         if not looks_clear(space, start, goals[i], exact.coarse):
             continue
-        if prove(space, start, goals[i], exact, path.answers[0]):
+        if prove_edge(space, start, goals[i], 1.0, exact.loose)[0] == CLEAR:
             copy(start, path.q[0])
             copy(goals[i], path.q[1])
             return 2
     return 0
+
+
+@kernel
+def _finish(space: Space, path: Path, count: int, asked: Asked, exact: Exactness, pair: Array) -> int:
+    """Prove the edges of a path with bounds, and leave out what can be left out; return how many are left."""
+    _, _, seconds, seed, _, _, tries = asked
+    allow(space.sweep.clock, FOR_PROOF * seconds)
+    forget(path, count)
+    count = skip(space, path, count, exact)
+    if tries > 0 and count > 2:
+        count = skip(space, path, shorten(space, path, count, tries, seed, exact, pair), exact)
+    return count
+
+
+@kernel
+def _prepare(own: Robot, around: Scene, asked: Asked, scratch: Array, workspace: Array) -> tuple[Space, Array, Array]:
+    """Make the space of a robot in a scene; returns it, scratch (2, n, 3), and what is left of the workspace."""
+    mount, _, seconds, _, _, _, _ = asked
+    n = own.limits.shape[0]
+    sweep = carve_sweep(scratch, own.base, n, around.table.shape[0])
+    levers, seen = workspace[:n], shaped(workspace[n : n + 2 * SEEN_WIDTH], (2, SEEN_WIDTH))
+    rest = workspace[n + 2 * SEEN_WIDTH :]
+    measure_levers(own.limits, levers)
+    begin(sweep.clock)
+    allow(sweep.clock, seconds)
+    keep_reachable(own.limits, frame(own.base, 0)[1], around, sweep)
+    return Space(own, around, mount, levers, sweep, seen), shaped(rest[: 6 * n], (2, n, 3)), rest[6 * n :]
+
+
+@kernel
+def _exactness(unit: float) -> Exactness:
+    return Exactness(SLACK, FINEST * unit, FINE * unit, LOOSE * unit)
 
 
 @entry
@@ -85,18 +121,9 @@ def plan(
     some nodes a tree, see `plan_size`.
     """
     own, around = read_robot(robot), read_scene(scene)
-    mount, unit, seconds, seed, first, last, tries = asked
-    n = own.limits.shape[0]
-    sweep = carve_sweep(scratch, own.base, n, around.table.shape[0])
-    levers, seen = workspace[:n], shaped(workspace[n : n + 2 * SEEN_WIDTH], (2, SEEN_WIDTH))
-    rest = workspace[n + 2 * SEEN_WIDTH :]
-    pair, trees = shaped(rest[: 6 * n], (2, n, 3)), _carve_trees(rest[6 * n :], n)
-    measure_levers(own.limits, levers)
-    begin(sweep.clock)
-    allow(sweep.clock, seconds)
-    keep_reachable(own.limits, frame(own.base, 0)[1], around, sweep)
-    space, path = Space(own, around, mount, levers, sweep, seen), Path(q, answers)
-    exact = Exactness(SLACK, FINEST * unit, FINE * unit)
+    _, unit, _, seed, first, last, _ = asked
+    space, pair, rest = _prepare(own, around, asked, scratch, workspace)
+    trees, path, exact = _carve_trees(rest, own.limits.shape[0]), Path(q, answers), _exactness(unit)
     if first == 0:
         trees.counts[0] = trees.counts[1] = 0
         plant(trees, 0, ends[0])
@@ -107,11 +134,20 @@ def plan(
         terms = Terms(STEP * unit, SPACING * unit, LEAST * unit, FINE * unit, BACK * unit, seed)
         one, other = grow(space, trees, terms, first, last)
         if one >= 0:
-            allow(sweep.clock, FOR_PROOF * seconds)
             count = path_through(trees, one, other, q)
-        if count > 0:
-            forget(path, count)
-            count = skip(space, path, count, exact)
-            if tries > 0 and count > 2:
-                count = skip(space, path, shorten(space, path, count, tries, seed, exact, pair), exact)
+    if count > 0:
+        count = _finish(space, path, count, asked, exact, pair)
     return count, trees.counts[0] + trees.counts[1], path_length(space, path, count)
+
+
+@entry
+def tighten(
+    robot: Array, scene: Array, count: int, asked: Asked, scratch: Array, workspace: Array, q: Array, answers: Array
+) -> int:
+    """Leave out what can be left out of the first `count` of configurations `q` (p, n, 3), and prove the rest.
+
+    All are within all limits, and what lies between neighbours is clear. The rest is as for `plan`.
+    """
+    own, around = read_robot(robot), read_scene(scene)
+    space, pair, _ = _prepare(own, around, asked, scratch, workspace)
+    return int(_finish(space, Path(q, answers), count, asked, _exactness(asked[1]), pair))

@@ -16,9 +16,9 @@ from sinuous.kernels.planning.space import Space, distance, looks_clear, prove_e
 Path = namedtuple("Path", ["q", "answers"])
 """Configurations (p, n, 3), and answers (p, 14) about the edges that begin there."""
 
-Exactness = namedtuple("Exactness", ["slack", "finest", "coarse"])
-"""How far below the truth clearances may be, as a share of them; the length below which a proof is not halved; and the
-one for looks before a proof."""
+Exactness = namedtuple("Exactness", ["slack", "finest", "coarse", "loose"])
+"""How far below the truth clearances may be, as a share of them; the length below which a proof is not halved; the one
+for looks before a proof; and the one for a proof without a tight bound."""
 
 
 @kernel

@@ -16,6 +16,7 @@ from sinuous.motion.following.straight import Straight
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.goals import Goals
 from sinuous.motion.planning.question import Question
+from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
 from sinuous.motion.start import blocked_by
 from sinuous.motion.times import spread_times, with_start
@@ -159,11 +160,8 @@ class Tracker:
         began = clock.perf_counter()
         load_trees(robot, scene)
         self._began += clock.perf_counter() - began  # compiling is no planning
-        end = clock.perf_counter() + options.time
         goals = Goals(self._solver, solution)
-        asked = Question(
-            *(robot, scene, self._knots[-1].q, goals, options.seed, SHORTCUTS), lambda: end - clock.perf_counter()
-        )
+        asked = Question(*(robot, scene, self._knots[-1].q, goals, options.seed, SHORTCUTS), Watch(options.time))
         return find_way(asked), goals
 
     def _two(self, q0: Floats, q1: Floats) -> Floats:

@@ -19,9 +19,9 @@ def grown(question: Question) -> Iterator[Way | None]:
         known = 0 if first == 0 else len(goals)
         goals = goals if first == 0 else question.goals(trees.reached)
         ends = np.concatenate([question.start[None], goals[known:]])
-        yield trees.grow(ends, seed, (first, last), question.seconds_left(), question.shortcuts)
+        yield trees.grow(ends, seed, (first, last), question.watch.seconds_left(), question.shortcuts)
         first = last
     while True:
         seed, last = (seed + 1) % 2**31, 2 * last
         ends = np.concatenate([question.start[None], question.goals(trees.reached)])
-        yield trees.grow(ends, seed, (0, last), question.seconds_left(), question.shortcuts)
+        yield trees.grow(ends, seed, (0, last), question.watch.seconds_left(), question.shortcuts)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from sinuous.checks import Floats
+from sinuous.motion.planning.watch import Watch
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.planning.trees import Way
@@ -26,7 +27,8 @@ class Question:
     seed : int
     shortcuts : int
         How many are tried on a way that was found.
-    seconds_left : callable
+    watch : Watch
+        Says how many seconds are left.
     """
 
     robot: Robot
@@ -35,7 +37,7 @@ class Question:
     goals: Callable[[Floats], Floats]
     seed: int
     shortcuts: int
-    seconds_left: Callable[[], float]
+    watch: Watch
 
 
 class Source(Protocol):

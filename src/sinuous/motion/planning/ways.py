@@ -2,9 +2,10 @@
 
 from sinuous.motion.planning.grown import grown
 from sinuous.motion.planning.question import Question, Source
+from sinuous.motion.planning.withdrawn import withdrawn
 from sinuous.solving.planning.trees import Way
 
-SOURCES: tuple[Source, ...] = (grown,)
+SOURCES: tuple[Source, ...] = (grown, withdrawn)
 """In the order in which they are asked; what is quick comes first."""
 
 
@@ -13,7 +14,7 @@ def find_way(question: Question) -> Way | None:
     asked = [source(question) for source in SOURCES]
     while asked:
         for ways in tuple(asked):
-            if question.seconds_left() <= 0.0:
+            if question.watch.seconds_left() <= 0.0:
                 return None
             try:
                 way = next(ways)

@@ -9,10 +9,10 @@ from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.between.sweep import sweep_size
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.kernels.planning.query import nodes_of, plan, plan_size
+from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between import Prover
+from sinuous.solving.between import Prover, unproved
 
 MOST_NODES, MOST_NUMBERS = 20_000, 8_000_000
 """Nodes of a tree, and numbers of all nodes."""
@@ -51,6 +51,16 @@ class Trees:
         count, _, _ = plan(*self._groups, ends, asked, *work)
         return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
 
+    def tighten(self, q: Floats, seed: int, seconds: float, shortcuts: int = 0) -> Way:
+        """Leave out what can be left out of knots (T, n, 3); what lies between neighbours is clear."""
+        if len(q) > MOST_KNOTS:
+            return self._proved(q, unproved(len(q) - 1))
+        self._q[: len(q)] = q
+        asked = float(self._robot.mount), self._robot.mean_length, seconds, seed, 0, 0, shortcuts
+        work = self._scratch, self._workspace, self._q, self._answers
+        count = tighten(*self._groups, len(q), asked, *work)
+        return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy())
+
     def _proved(self, q: Floats, answers: Floats) -> Way:
         """Prove again, less exactly, what took too long to prove with a tight bound: among clouds and meshes."""
         for i in np.flatnonzero(answers[:, VERDICT] != CLEAR).tolist():
@@ -65,4 +75,6 @@ class Trees:
 
 def load_trees(robot: Robot, scene: Snapshot) -> None:
     """Compile what grows trees, or load it."""
-    Trees(robot, scene).grow(np.zeros((1, len(robot), 3)), 0, (0, 0), 0.0)
+    trees, still = Trees(robot, scene), np.zeros((1, len(robot), 3))
+    trees.grow(still, 0, (0, 0), 0.0)
+    trees.tighten(still, 0, 0.0)

@@ -1,0 +1,24 @@
+"""A narrow place: a blind square bore of boxes, and an arm whose last segment is in it."""
+
+import numpy as np
+
+import sinuous as sn
+from benchmarks.places.traps.boxes import box_between, channel
+from tests.helpers import Floats
+
+ROBOT = sn.Robot.uniform(5, 1.0, 2.4, radius=0.1)
+
+INSIDE: Floats = np.array([[0.5, 0.2, 1.0], [-0.7, 0.3, 1.0], [0.4, -0.6, 1.0], [0.3, 0.5, 1.0], [0.0, 0.0, 1.0]])
+OUTSIDE: Floats = np.array([[0.4, 0.0, 1.0], [0.4, 0.0, 1.0], [0.3, 0.1, 1.0], [0.2, 0.0, 1.0], [0.2, 0.0, 1.0]])
+
+HALF, AHEAD = 0.14, 0.2
+"""Half of the width of the bore, and how far its bottom is beyond the tip."""
+
+
+def bore(q: Floats = INSIDE) -> list[sn.Box]:
+    """Walls around the last segment of a configuration, from 0.05 before its middle on, and a bottom."""
+    mouth = ROBOT.forward(q)[-2].copy()
+    mouth[:3, 3] += 0.45 * mouth[:3, 2]
+    depth = 0.55 + AHEAD
+    low, high = np.array([-0.6, -0.6, depth]), np.array([0.6, 0.6, depth + 0.1])
+    return [*channel(mouth, HALF, depth, 0.46), box_between(mouth, low, high, "bottom")]

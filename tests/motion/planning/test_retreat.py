@@ -1,0 +1,46 @@
+"""A body drawn back along itself: out of a bore, by motions that are clear, its tip on the curve that it made."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.motion.judged import collides
+from sinuous.motion.planning.goals import FixedGoal
+from sinuous.motion.planning.question import Question
+from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Means, Retreat
+from sinuous.motion.planning.watch import Watch
+from sinuous.problem.curve import Curve
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats
+from tests.motion.planning.places import INSIDE, OUTSIDE, ROBOT, bore
+
+
+def retreat(scene: Scene, q: Floats, kind: int, seconds: float = 60.0, robot: sn.Robot = ROBOT) -> Floats:
+    asked = Question(robot, scene.snapshot(), OUTSIDE, FixedGoal(q), 0, 0, Watch(seconds))
+    made = Retreat(Means(asked), q, kind)
+    made.run()
+    return np.stack(made.knots)
+
+
+@pytest.mark.parametrize("kind", range(KINDS))
+def test_it_leads_out_of_a_bore(kind: int) -> None:
+    scene = Scene(bore())
+    knots = retreat(scene, INSIDE, kind)
+    np.testing.assert_array_equal(knots[0], INSIDE)
+    assert collides(ROBOT, scene, knots) == ""
+    curve = Curve(ROBOT.backbone(INSIDE, 40))
+    tips = ROBOT.forward(knots)[:, -1, :3, 3]
+    assert curve.distance(tips).max() < 1e-3 * ROBOT.mean_length
+    gone = np.linalg.norm(np.diff(tips, axis=0), axis=1)
+    assert gone.max() <= (LONGEST + 2e-4) * ROBOT.mean_length  # and a tolerance at either end
+    assert gone.sum() > 1.5  # the bore is 0.55 deep in front of the tip
+    assert np.linalg.norm(tips[-1] - ROBOT.base[:3, 3]) > ENOUGH
+
+
+def test_a_tool_goes_with_the_tip() -> None:
+    robot, scene = ROBOT.changed(tool=sn.pose((0.0, 0.0, 0.1))), Scene(bore())
+    np.testing.assert_array_equal(retreat(scene, INSIDE, 0, robot=robot), retreat(scene, INSIDE, 0))
+
+
+def test_without_time_it_stays_where_it_is() -> None:
+    np.testing.assert_array_equal(retreat(Scene(bore()), INSIDE, 0, seconds=0.0), INSIDE[None])

@@ -46,8 +46,8 @@ LIMIT = 1.0
 """Seconds after which an answer comes too late."""
 
 COUNTED = (
-    f"budget {LIMIT:g} s; timed is the second of two calls of solve, in a process that keeps to one core; counted is what "
-    "says solved within the budget and the judges find right"
+    f"budget {LIMIT:g} s; timed is the second of two calls of solve, in a process that keeps to one core; counted is "
+    "what says solved within the budget and the judges find right"
 )
 """How a place is timed, and what counts."""
 

@@ -40,12 +40,18 @@ ABOUT = {
 OF_LINES = ("speed", "clutter", "wild", "many", "motion")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
+OF_PARTS = (*OF_LINES, "view")
+"""Those in which parts can be chosen."""
+
 OF_METHODS = ("table1", "tracking", "segments", "methods")
 """Those in which methods can be chosen."""
 
 BENCHMARKS = (*OF_LINES, "worlds", "view", *OF_METHODS)
 
 HOMES = {
+    "speed": ("speed.experiment", "Speed"),
+    "clutter": ("clutter.experiment", "Clutter"),
+    "wild": ("wild.experiment", "Wild"),
     "many": ("many.experiment", "Many"),
     "motion": ("motion.experiment", "Motions"),
     "view": ("view.experiment", "View"),
@@ -74,8 +80,16 @@ Against = Annotated[
     Path | None, typer.Option(metavar="BASELINE", help="Say what is worse than there; exit with 1 if anything is.")
 ]
 Keep = Annotated[Path | None, typer.Option(metavar="FILE", help="Keep the figures, to compare later runs with.")]
-Family = Annotated[
-    list[str] | None, typer.Option(metavar="NAME", help="Of clutter, only this family; repeat for more.")
+Parts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--piece",
+        metavar="NAME",
+        help="Of "
+        + ", ".join(OF_PARTS[:-1])
+        + f" and {OF_PARTS[-1]}, only this part, or those that a pattern like 'P5*' fits; repeat for more. "
+        "What fits none is answered with all names.",
+    ),
 ]
 Method = Annotated[
     list[str] | None, typer.Option(metavar="NAME", help="Of the others, only this method; repeat for more.")
@@ -101,7 +115,7 @@ def run(
     anew: Anew = False,
     against: Against = None,
     save_baseline: Keep = None,
-    family: Family = None,
+    piece: Parts = None,
     method: Method = None,
     only: Only = None,
 ) -> None:
@@ -110,7 +124,7 @@ def run(
         # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
         # library wait for each other ten times as long as verifying takes.
         os.environ.setdefault(variable, "1")
-    chosen = Chosen(name, seed, quick, rounds, tuple(family or ()), tuple(method or ()), tuple(only or ()))
+    chosen = Chosen(name, seed, quick, rounds, tuple(piece or ()), tuple(method or ()), tuple(only or ()))
     chosen.check()
     from benchmarks.harness.quiet import ignore_suspicions  # noqa: PLC0415
 
@@ -122,7 +136,7 @@ def run(
         raise typer.Exit(0)
     from benchmarks.harness.conduct import Output  # noqa: PLC0415
 
-    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not family)))
+    raise typer.Exit(_measure(chosen, Output(out, json, anew, against, save_baseline, whole=not piece)))
 
 
 def _measure(chosen: "Chosen", output: "Output") -> int:
@@ -151,8 +165,8 @@ class Chosen:
     seed : int
     quick : bool
     rounds : int
-    families, methods : tuple of str
-        Those to measure; none means all.
+    parts, methods : tuple of str
+        Those to measure, parts also by patterns; none means all.
     only : tuple of str
         Names of problems to look at, instead of measuring.
     """
@@ -161,7 +175,7 @@ class Chosen:
     seed: int = 0
     quick: bool = False
     rounds: int = 1
-    families: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
 
@@ -180,7 +194,7 @@ class Chosen:
         checks.integer("--seed", self.seed, 0, 2**31 - 1)
         checks.integer("--rounds", self.rounds, 1, 100)
         for option, given, able in (
-            ("--family", list(self.families), ("clutter",)),
+            ("--piece", list(self.parts), OF_PARTS),
             ("--method", list(self.methods), OF_METHODS),
             ("--only", list(self.only), ("wild",)),
             ("--rounds", self.rounds if self.rounds > 1 else None, OF_LINES),
@@ -194,27 +208,18 @@ class Chosen:
         Raises
         ------
         InputError
-            When there is no such family or method.
+            When there is no such part or method.
         """
         from benchmarks.harness.plan import Plan  # noqa: PLC0415
 
         plan = Plan(self.seed, self.quick, self.rounds)
-        if self.name == "speed":
-            from benchmarks.speed.experiment import Speed  # noqa: PLC0415
-
-            return Speed(plan)
-        if self.name == "clutter":
-            from benchmarks.clutter.experiment import Clutter  # noqa: PLC0415
-
-            return Clutter(plan, self.families)
-        if self.name == "wild":
-            from benchmarks.wild.experiment import Wild  # noqa: PLC0415
-
-            return Wild(plan)
         if self.name in HOMES:
             home, kind = HOMES[self.name]
-            plain: Experiment = getattr(import_module(f"benchmarks.{home}"), kind)(plan)
-            return plain
+            plain = getattr(import_module(f"benchmarks.{home}"), kind)(plan)
+            if self.parts:
+                plain.choose(self.parts)
+            experiment: Experiment = plain
+            return experiment
         made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(
             plan, self.methods
         )

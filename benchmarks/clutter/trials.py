@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 from functools import lru_cache
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from benchmarks.judges.collisions import Body
 from benchmarks.places import FAMILIES, Place, make
-from benchmarks.places.place import right
+from benchmarks.places.place import right as judged_right
 from benchmarks.solvers.among_spheres import AmongSpheres
-from sinuous.checks import Floats
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
@@ -38,7 +36,7 @@ class Attempt:
     start : str
         Kind of the start that won.
     claimed, right : bool
-        Whether it says solved, and whether the judge finds it so.
+        Whether it says solved, and whether the judge finds it so, who looks at nothing else.
     """
 
     first: float
@@ -84,6 +82,12 @@ class Trial:
     proof: float | None
     others: dict[str, Attempt]
 
+    @classmethod
+    def of(cls, plain: dict[str, Any]) -> "Trial":
+        """Return the trial whose attributes a journal holds."""
+        others = {name: Attempt(**attempt) for name, attempt in plain["others"].items()}
+        return cls(**{**plain, "ours": Attempt(**plain["ours"]), "others": others})
+
 
 class Task(NamedTuple):
     """What to examine: a place, and the solvers to compare with."""
@@ -125,18 +129,13 @@ def _local(robot: Robot, scene: Scene, tolerance: Tolerance, most: int) -> Solve
     return Solver(robot, scene, tolerance=tolerance, max_starts=most, routes=False)
 
 
-@lru_cache(maxsize=2)
-def _judging(robot: Robot, scene: Scene) -> Body:
-    return Body(robot, scene, thorough=True)
-
-
 def _attempt(place: Place, solver: Solver) -> tuple[Attempt, Solution]:
     spent = []
     for _ in range(2):
         began = perf_counter()
         solution = solver.solve(place.targets)
         spent.append(perf_counter() - began)
-    right = _right(place, solution.q)
+    right = solution.solved and judged_right(place, solution.q)
     return Attempt(spent[0], spent[1], str(solution.status), solution.start, solution.solved, right), solution
 
 
@@ -146,10 +145,6 @@ def _proof(solver: Solver, place: Place, solution: Solution) -> float | None:
         return None
     again = [solver.solve(place.targets, initial=solution) for _ in range(3)]
     return min(each._outcome.seconds for each in again) / solution._outcome.seconds
-
-
-def _right(place: Place, q: Floats) -> bool:
-    return right(place, q, _judging(place.robot, place.scene))
 
 
 @lru_cache(maxsize=4)
@@ -164,6 +159,6 @@ def _interior(place: Place) -> Attempt:
     for start in range(AmongSpheres.STARTS):
         q, seconds = program.solve(place.target, start)
         spent += seconds
-        if _right(place, q):
+        if judged_right(place, q):
             return Attempt(spent, spent, "solved", "arc" if start == 0 else "random", True, True)
     return Attempt(spent, spent, "failed", "", False, False)

@@ -7,25 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.clutter.figures import LIMIT
+from benchmarks.clutter.figures import COUNTED, LIMIT
 from benchmarks.clutter.trials import Attempt, Task, Trial, examine
+from benchmarks.harness import reference
 from benchmarks.harness.experiment import Findings, Piece
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
-from benchmarks.solvers.parallel import in_processes
+from benchmarks.solvers.parallel import Abreast
 
 FAMILY = "small world"
 COUNT, QUICK = 100_000, 200
-TOGETHER, TOGETHER_QUICK = 500, 100
-"""Worlds of one piece: what an interrupt may cost."""
+TOGETHER = 100
+"""Worlds of one piece: what an interrupt may cost a process."""
 
 SECTION = "small worlds with doors, boxes only"
 SHOWN = 40
 """Most seeds that a line lists."""
 
 
-class Worlds:
+class Worlds(Abreast):
     """The experiment; see `Experiment`. `benchmarks.places.make("small world", number)` makes a world again.
 
     Parameters
@@ -36,6 +37,7 @@ class Worlds:
 
     name = "worlds"
     divisible = True
+    protocol = f"world i is benchmarks.places.make({FAMILY!r}, {COUNT} * seed + i); {COUNTED}"
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
@@ -45,10 +47,10 @@ class Worlds:
         return {}
 
     def pieces(self) -> Iterator[Piece]:
-        """Yield the worlds in their order, some hundred a piece."""
-        count, size = self.plan.count(COUNT, QUICK), self.plan.count(TOGETHER, TOGETHER_QUICK)
-        for first in range(COUNT * self.plan.seed, COUNT * self.plan.seed + count, size):
-            yield f"worlds {first} to {first + size - 1}", partial(self._measure, range(first, first + size))
+        """Yield the worlds in their order, a hundred a piece."""
+        begin = COUNT * self.plan.seed
+        for first in range(begin, begin + self.plan.count(COUNT, QUICK), TOGETHER):
+            yield f"worlds {first} to {first + TOGETHER - 1}", partial(measure, range(first, first + TOGETHER))
 
     def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterator[Piece]:
         """Nothing: no baseline is kept of it."""
@@ -56,7 +58,7 @@ class Worlds:
 
     def findings(self, pieces: dict[str, Any]) -> Findings:
         """Count what came of all worlds."""
-        measured = list(pieces.values())
+        measured = [pieces[name] for name, _ in self.pieces() if name in pieces]
         if not measured:
             return Findings()
         seconds = np.concatenate([piece["seconds"] for piece in measured])
@@ -81,11 +83,14 @@ class Worlds:
             count = sum(len(piece[key]) for piece in measured)
             listed = _listed("numbers", measured, key)
             lines.append(Line(SECTION, what, count, "", Goal(0, correctness=True), note=listed.lstrip("; ")))
-        return Findings(lines)
+        return Findings(lines, busy=max(piece["busy"] for piece in measured))
 
-    def _measure(self, numbers: range) -> dict[str, Any]:
-        tasks = [Task(FAMILY, number) for number in numbers]
-        return summed(list(in_processes(examine, tasks, alone=self.plan.quick, chunk=20)))
+
+def measure(numbers: range) -> dict[str, Any]:
+    """Try some worlds, and look how busy the machine is."""
+    before = reference.look()
+    found = summed([examine(Task(FAMILY, number)) for number in numbers])
+    return {"busy": max(before.busy, reference.look().busy), **found}
 
 
 def summed(trials: list[Trial]) -> dict[str, Any]:

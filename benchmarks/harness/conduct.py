@@ -122,12 +122,11 @@ def _baseline(experiment: Experiment, facts: dict[str, str], file: Path) -> list
 
 def _measure(experiment: Experiment, work: list[Piece], journal: Journal) -> None:
     """Measure what the journal lacks."""
-    lacking = sum(name not in journal.pieces for name, _ in work)
-    for name, measure in experiment.plan.track(work, experiment.name, len(work)):
-        if name not in journal.pieces:
-            journal.add(name, measure())
-    if lacking == 0:
+    lacking = [(name, measure) for name, measure in work if name not in journal.pieces]
+    if not lacking:
         _say("all of this was measured before; --anew measures it again")
+    for name, measured in experiment.plan.track(experiment.done(lacking), experiment.name, len(lacking)):
+        journal.add(name, measured)
 
 
 def _compare(experiment: Experiment, journal: Journal, before: list[Figure], output: Output) -> Comparison:
@@ -135,9 +134,11 @@ def _compare(experiment: Experiment, journal: Journal, before: list[Figure], out
     for _ in range(DOUBTS):
         found = compare(before, experiment.findings(journal.pieces).lines, whole=output.whole)
         doubtful = {(change.section, change.what) for change in found.changes if change.worse}
-        for name, measure in experiment.again(journal.pieces, doubtful):
+        more = list(experiment.again(journal.pieces, doubtful))
+        for name, _ in more:
             _say(f"{name}: measured again, for something seems worse")
-            journal.add(name, measure())
+        for name, measured in experiment.done(more):
+            journal.add(name, measured)
     return compare(before, experiment.findings(journal.pieces).lines, whole=output.whole)
 
 

@@ -2,14 +2,17 @@
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from fnmatch import fnmatchcase
 from functools import partial
 from importlib import import_module
-from itertools import chain, count, takewhile
-from typing import Any, Protocol
+from itertools import count
+from statistics import fmean
+from typing import Any, NamedTuple, Protocol
 
 from benchmarks.harness import reference
 from benchmarks.harness.lines import Line, together
 from benchmarks.harness.plan import Plan
+from sinuous.errors import InputError
 
 Piece = tuple[str, Callable[[], Any]]
 """A name, and what to call for plain values: some seconds of work, which an interrupt may cost."""
@@ -55,6 +58,8 @@ class Experiment(Protocol):
     plan: Plan
     divisible: bool
     """Whether some of the pieces have findings of their own, so that an interrupted run has something to say."""
+    protocol: str
+    """What is counted, and how it is timed, in a sentence for the head of the report; may be empty."""
 
     def settings(self) -> dict[str, Any]:
         """Return plain values, all that the figures depend on besides machine, code, seed and size."""
@@ -62,6 +67,10 @@ class Experiment(Protocol):
 
     def pieces(self) -> Iterable[Piece]:
         """Return the work, in order."""
+        ...
+
+    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
+        """Do pieces, and yield name and values of each as soon as it is done, in any order."""
         ...
 
     def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterable[Piece]:
@@ -73,7 +82,18 @@ class Experiment(Protocol):
         ...
 
 
-class Indivisible:
+class InTurn:
+    """An experiment whose pieces are done one after the other."""
+
+    protocol = ""
+
+    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
+        """Do the pieces in their order."""
+        for name, measure in pieces:
+            yield name, measure()
+
+
+class Indivisible(InTurn):
     """An experiment whose findings need all of its pieces."""
 
     divisible = False
@@ -86,7 +106,22 @@ class Indivisible:
 Measurement = Callable[[], Iterable[Line]]
 
 
-class OfLines:
+class Divided(NamedTuple):
+    """A measurement in shares, each of which is a piece: an interrupt costs one of them, not all.
+
+    Attributes
+    ----------
+    shares : list of callable
+        Each returns plain values.
+    summed : callable
+        From the plain values of shares, in their order, to the lines. After an interrupt some are missing.
+    """
+
+    shares: Sequence[Callable[[], Any]]
+    summed: Callable[[list[Any]], Iterable[Line]]
+
+
+class OfLines(InTurn):
     """An experiment whose pieces each measure some lines, as often as there are rounds.
 
     Parameters
@@ -100,56 +135,110 @@ class OfLines:
     def __init__(self, name: str, plan: Plan) -> None:
         self.name = name
         self.plan = plan
+        self._only: frozenset[str] | None = None
 
     def settings(self) -> dict[str, Any]:
         """Return nothing: seed and size determine everything; rounds and parts may be added to what is measured."""
         return {}
 
-    def parts(self) -> Iterable[tuple[str, Measurement]]:
+    def parts(self) -> Iterable[tuple[str, Measurement | Divided]]:
         """Return names, and what yields the lines of each."""
         raise NotImplementedError
+
+    def choose(self, patterns: Sequence[str]) -> None:
+        """Measure some of the parts alone; see `chosen`."""
+        self._only = chosen([name for name, _ in self.parts()], patterns)
+
+    def _chosen(self) -> Iterator[tuple[str, Divided]]:
+        for name, part in self.parts():
+            if self._only is None or name in self._only:
+                yield name, part if isinstance(part, Divided) else _undivided(part)
 
     def pieces(self) -> Iterator[Piece]:
         """Every part, then every part again: a slow minute of the machine meets one round alone."""
         for number in range(self.plan.rounds):
-            for name, measure in self.parts():
-                yield _name(name, number), partial(_measured, measure)
+            for name, part in self._chosen():
+                yield from _round(name, part, number)
 
     def again(self, pieces: dict[str, Any], doubtful: Collection[tuple[str, str]]) -> Iterator[Piece]:
         """One more round of the parts that have some of these figures."""
-        for name, measure in self.parts():
-            rounds = list(_rounds(name, pieces))
+        for name, part in self._chosen():
+            rounds = list(_rounds(name, part, pieces))
             if any((line.section, line.what) in doubtful for lines in rounds for line in lines):
-                yield _name(name, len(rounds)), partial(_measured, measure)
+                yield from _round(name, part, len(rounds))
 
     def findings(self, pieces: dict[str, Any]) -> Findings:
         """Put all rounds of every figure together."""
         found: dict[tuple[str, str], list[Line]] = {}
-        for name, _ in self.parts():
-            for line in chain.from_iterable(_rounds(name, pieces)):
-                found.setdefault((line.section, line.what), []).append(line)
+        for name, part in self._chosen():
+            for lines in _rounds(name, part, pieces):
+                for line in lines:
+                    found.setdefault((line.section, line.what), []).append(line)
         busy = max((measured["busy"] for measured in pieces.values()), default=0.0)
         return Findings([together(lines) for lines in found.values()], busy=busy)
 
 
-def _name(part: str, number: int) -> str:
-    return f"{part}, round {number}"
+def chosen(names: Sequence[str], patterns: Sequence[str]) -> frozenset[str]:
+    """Return the names that are given, or fit a pattern like `P5*`.
+
+    Raises
+    ------
+    InputError
+        Where one fits none.
+    """
+    found: set[str] = set()
+    for pattern in patterns:
+        fitting = {name for name in names if name == pattern or fnmatchcase(name, pattern)}
+        if not fitting:
+            expected = "a pattern like 'P5*', or one of " + "; ".join(names)
+            raise InputError("--piece", "", pattern, expected)
+        found |= fitting
+    return frozenset(found)
 
 
-def _measured(measure: Measurement) -> dict[str, Any]:
-    """Measure lines, and the reference workload before and after."""
+def _undivided(measure: Measurement) -> Divided:
+    return Divided([partial(_lines, measure)], _read)
+
+
+def _lines(measure: Measurement) -> list[dict[str, Any]]:
+    return [asdict(line) for line in measure()]
+
+
+def _read(values: list[list[dict[str, Any]]]) -> list[Line]:
+    return [Line.of(plain) for lines in values for plain in lines]
+
+
+def _names(name: str, part: Divided, number: int) -> list[str]:
+    """Names of the pieces of one round of a part."""
+    count = len(part.shares)
+    shares = [""] if count == 1 else [f", {share + 1} of {count}" for share in range(count)]
+    return [f"{name}{share}, round {number}" for share in shares]
+
+
+def _round(name: str, part: Divided, number: int) -> Iterator[Piece]:
+    for piece, share in zip(_names(name, part, number), part.shares, strict=True):
+        yield piece, partial(_measured, share)
+
+
+def _measured(share: Callable[[], Any]) -> dict[str, Any]:
+    """Measure a share, and the reference workload before and after."""
     before = reference.look()
-    lines = list(measure())
+    values = share()
     after = reference.look()
     around, busy = 0.5 * (before.seconds + after.seconds), max(before.busy, after.busy)
-    return {"reference": around, "busy": busy, "lines": [asdict(line) for line in lines]}
+    return {"reference": around, "busy": busy, "values": values}
 
 
-def _rounds(part: str, pieces: dict[str, Any]) -> Iterator[list[Line]]:
-    """Lines of each round of a part that was measured."""
-    names = takewhile(pieces.__contains__, (_name(part, number) for number in count()))
-    for measured in map(pieces.__getitem__, names):
-        yield [replace(Line.of(plain), reference=measured["reference"]) for plain in measured["lines"]]
+def _rounds(name: str, part: Divided, pieces: dict[str, Any]) -> Iterator[list[Line]]:
+    """Lines of each round of a part that was measured: of whole rounds, or else of what there is of the first."""
+    for number in count():
+        named = _names(name, part, number)
+        there = [pieces[piece] for piece in named if piece in pieces]
+        if not there or (number > 0 and len(there) < len(named)):
+            return
+        around = fmean(measured["reference"] for measured in there)
+        lines = part.summed([measured["values"] for measured in there])
+        yield [replace(line, reference=around) for line in lines]
 
 
 class OfSections(OfLines):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import sinuous
 
-PACKAGES = ("numpy", "scipy", "numba", "casadi", "python-fcl")
+PACKAGES = ("numpy", "scipy", "numba", "casadi", "python-fcl", "libigl", "ompl")
 
 
 def describe() -> dict[str, str]:

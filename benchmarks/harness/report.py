@@ -41,6 +41,7 @@ class Report:
             "quick": plan.quick,
             "rounds": plan.rounds,
             "settings": self.experiment.settings(),
+            "protocol": self.experiment.protocol,
             "interrupted": self.interrupted,
             "correct": found.correct,
             "wrong": found.wrong,
@@ -53,6 +54,8 @@ class Report:
         """Return the report for people, as Markdown."""
         plan, found = self.experiment.plan, self.findings
         shown = {**self.machine, "seed": str(plan.seed)}
+        if self.experiment.protocol:
+            shown["protocol"] = self.experiment.protocol
         if plan.rounds > 1:
             shown["rounds"] = str(plan.rounds)
         parts = ["\n".join(f"- {key}: {value}" for key, value in shown.items() if value != "not installed")]

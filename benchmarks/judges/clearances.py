@@ -6,7 +6,7 @@ plain NumPy, kind by kind.
 """
 
 import math
-from functools import singledispatch
+from functools import cache, partial, singledispatch
 from typing import NamedTuple
 
 import igl
@@ -27,11 +27,14 @@ from sinuous.scene.scene import Scene
 
 Indices = NDArray[np.intp]
 
-MOST_PLACES = 20_000
-"""Places of configurations that are looked at in one go."""
+MOST_PLACES = 5_000
+"""Places that are looked at in one go."""
 
-COARSE, FINE = 50, 32
-"""Intervals of a segment, and how many places are looked at in each where the body may be closest."""
+TOGETHER = 64
+"""Configurations that are looked at in one go."""
+
+COARSE, FINEST = 4, 4096
+"""Intervals of a segment to begin with, and the finest that they are halved to."""
 
 
 class Clearances:
@@ -50,29 +53,34 @@ class Clearances:
         self._measures = [*distances_to(exact), *map(distance_of, others)]
 
     def least(self, q: Floats, enough: float = math.inf) -> Floats:
-        """Return the least clearance (m,) of configurations (m, n, 3) at `COARSE * FINE` places of every segment.
+        """Return the least clearance (m,) of configurations (m, n, 3) at `FINEST` places of every segment.
 
-        Distances change by no more than the place does, so intervals that cannot hold the least one are skipped, and
-        those that cannot hold less than `enough`: what is more than that is an upper bound only.
+        Distances change by no more than the place does: so intervals are halved as long as they can hold less than what
+        was seen, and less than `enough`. What is more than that is an upper bound only.
         """
-        together = max(1, MOST_PLACES // (len(self._robot) * (COARSE + 1)))
-        parts = [self._least(q[i : i + together], enough) for i in range(0, len(q), together)]
+        parts = [self._least(q[i : i + TOGETHER], enough) for i in range(0, len(q), TOGETHER)]
         return np.concatenate([np.empty(0), *parts])
 
     def _least(self, q: Floats, enough: float) -> Floats:
         m, n = q.shape[:2]
-        fractions = np.linspace(0.0, 1.0, COARSE + 1)
-        shape, segment = (np.repeat(which.ravel(), COARSE + 1) for which in np.indices((m, n)))
         frames = _Frames.of(self._robot, q)
-        gaps = self._gaps(frames, shape, segment, np.tile(fractions, m * n)).reshape(m, n, -1)
+        shape, segment, at = (which.ravel() for which in np.indices((m, n, COARSE + 1)))
+        gaps = self._gaps(frames, shape, segment, at / COARSE).reshape(m, n, COARSE + 1)
         least = np.asarray(gaps.min(axis=(1, 2)))
-        sure = np.fmin(gaps[..., :-1], gaps[..., 1:]) - 0.5 * q[..., 2:] / COARSE  # infinite: in the mount
-        shape, segment, interval = np.nonzero(sure < np.minimum(least, enough)[:, None, None])
-        if len(shape):
-            inner = (interval[:, None] + np.arange(1, FINE) / FINE) / COARSE
-            shape, segment = np.repeat(shape, FINE - 1), np.repeat(segment, FINE - 1)
-            np.minimum.at(least, shape, self._gaps(frames, shape, segment, inner.ravel()))
-        return least
+        shape, segment, at = (which.ravel() for which in np.indices((m, n, COARSE)))
+        before, after = gaps[..., :-1].ravel(), gaps[..., 1:].ravel()
+        count = COARSE
+        while True:
+            low = _lowest(before, after, q[shape, segment, 2] / count)
+            going = low < np.minimum(least, enough)[shape]
+            if count == FINEST or not going.any():
+                return least
+            shape, segment, at, before, after = (each[going] for each in (shape, segment, at, before, after))
+            middle = self._gaps(frames, shape, segment, (at + 0.5) / count)
+            np.minimum.at(least, shape, middle)
+            shape, segment, at, count = np.repeat(shape, 2), np.repeat(segment, 2), np.repeat(2 * at, 2), 2 * count
+            at[1::2] += 1
+            before, after = np.stack([before, middle], axis=1).ravel(), np.stack([middle, after], axis=1).ravel()
 
     def _gaps(self, frames: "_Frames", shape: Indices, segment: Indices, fractions: Floats) -> Floats:
         """Clearance (k,) of places, by configuration and segment; infinite in the mount, which nothing concerns."""
@@ -80,11 +88,13 @@ class Clearances:
         local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
         starts = frames.starts[shape, segment]
         points = np.einsum("kij,kj->ki", starts[:, :3, :3], local) + starts[:, :3, 3]
-        exposed = frames.before[shape, segment] + parts[:, 2] >= self._robot.mount
+        exposed = np.flatnonzero(frames.before[shape, segment] + parts[:, 2] >= self._robot.mount)
         gaps = np.full(len(points), math.inf)
-        radii = np.array(self._robot.radii)[segment[exposed]]
-        for measured in self._measures:
-            gaps[exposed] = np.minimum(gaps[exposed], measured(points[exposed]) - radii)
+        radii = np.array(self._robot.radii)[segment]
+        for i in range(0, len(exposed), MOST_PLACES):
+            some = exposed[i : i + MOST_PLACES]
+            for measured in self._measures:
+                gaps[some] = np.minimum(gaps[some], measured(points[some]) - radii[some])
         return gaps
 
 
@@ -98,6 +108,12 @@ class _Frames(NamedTuple):
     @classmethod
     def of(cls, robot: Robot, q: Floats) -> "_Frames":
         return cls(q, segment_ends(robot, q), np.cumsum(q[..., 2], axis=1) - q[..., 2])
+
+
+def _lowest(before: Floats, after: Floats, lengths: Floats) -> Floats:
+    """Lower bound (k,) of the clearance in intervals, from that at both ends; infinite ends are in the mount."""
+    one_end = np.minimum(before, after) - lengths
+    return np.where(np.isfinite(before) & np.isfinite(after), 0.5 * (before + after - lengths), one_end)
 
 
 def least_clearance(robot: Robot, scene: Scene, q: Floats, enough: float = math.inf) -> Floats:
@@ -128,14 +144,35 @@ def _mesh(obstacle: Mesh) -> Distance:
         distance: Floats = np.sqrt(np.asarray(tree.squared_distance(vertices, faces, points)[0]).reshape(-1))
         return distance
 
+    winding = cache(partial(_winding, vertices, faces))
+
     def signed(points: Floats) -> Floats:
         distance = unsigned(points)
         if len(points) == 0:
             return distance
-        within = np.asarray(igl.fast_winding_number(vertices, faces, points)).reshape(-1) > 0.5
-        return np.where(within == obstacle.inside, distance, -distance)
+        first, run = _runs(points, distance)
+        numbers = np.asarray(winding().winding_number(points[first])).reshape(-1)
+        return np.where((numbers[run] > 0.5) == obstacle.inside, distance, -distance)
 
     return signed if obstacle.watertight else lambda points: unsigned(points) - 0.5 * obstacle.thickness
+
+
+def _winding(vertices: Floats, faces: Indices) -> igl.FastWindingNumberBVH:
+    tree = igl.FastWindingNumberBVH()
+    tree.init(vertices, faces)
+    return tree
+
+
+def _runs(points: Floats, distance: Floats) -> tuple[Indices, Indices]:
+    """Cut points (m, 3) into runs on one side of a surface; return the first of each run, and the run of each point.
+
+    The straight line to the next point does not meet the surface where one of the two is farther from it than they are
+    from each other.
+    """
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    free = np.maximum(distance[:-1], distance[1:])
+    begins = np.concatenate([[True], free <= (1.0 + 1e-6) * steps])
+    return np.flatnonzero(begins), np.cumsum(begins) - 1
 
 
 @distance_of.register

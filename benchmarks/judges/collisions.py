@@ -5,7 +5,9 @@ capsule or cylinder is a closed form, exact to rounding. Of a mesh it sees the t
 grids and fields nothing: there `benchmarks.clearances` is asked as well.
 """
 
-from functools import singledispatch
+import math
+from collections.abc import Sequence
+from functools import cached_property, lru_cache, partial, singledispatch
 
 import fcl
 import numpy as np
@@ -45,26 +47,45 @@ class Body:
 
     def __init__(self, robot: Robot, scene: Scene, thorough: bool = False) -> None:
         self._robot = robot
+        for obstacle in scene.obstacles:
+            if isinstance(obstacle, Sphere | Cylinder):
+                _outside_only(obstacle)
+        self._obstacles = scene.obstacles
         rich = [o for o in scene.obstacles if thorough or not isinstance(o, Primitive)]
         self._clearances = Clearances(robot, Scene(rich)) if rich else None
         self._grace = GRACE * robot.mean_length
         self._samples = _samples_of(robot)
-        radii = np.array(robot.radii) - self._grace
-        self._balls = [
+
+    @cached_property
+    def _balls(self) -> list[list[fcl.CollisionObject]]:
+        radii = np.array(self._robot.radii) - self._grace
+        return [
             [fcl.CollisionObject(fcl.Sphere(max(radius, 0.0))) for _ in range(self._samples + 1)] for radius in radii
         ]
-        size = 10.0 * _reach(robot, scene)
-        solids = [fcl.CollisionObject(*shape) for obstacle in scene.obstacles for shape in _shapes(obstacle, size)]
-        self._scene = _manager(solids)
+
+    @cached_property
+    def _scene(self) -> fcl.DynamicAABBTreeCollisionManager:
+        size = 10.0 * _reach(self._robot, self._obstacles)
+        return _manager(
+            [fcl.CollisionObject(*shape) for obstacle in self._obstacles for shape in _shapes(obstacle, size)]
+        )
+
+    def clearance(self, q: Floats, enough: float = math.inf) -> Floats:
+        """Return the least clearance (m,) of configurations (m, n, 3), see `Clearances.least`.
+
+        Without `thorough` that from what is not an exact shape.
+        """
+        return np.full(len(q), math.inf) if self._clearances is None else self._clearances.least(q, enough)
+
+    def touches(self, q: Floats) -> list[bool]:
+        """Say for every configuration (m, n, 3) whether fcl finds an overlap."""
+        points, along = body_points(self._robot, q, self._samples)
+        return [self._overlaps(*one) for one in zip(points, along, strict=True)]
 
     def overlaps(self, q: Floats) -> list[bool]:
         """Say for every configuration (m, n, 3) whether its body overlaps an obstacle."""
-        points, along = body_points(self._robot, q, self._samples)
-        touching = [self._overlaps(*one) for one in zip(points, along, strict=True)]
-        if self._clearances is None:
-            return touching
-        within = self._clearances.least(q, 0.0) < -self._grace
-        return [bool(one or other) for one, other in zip(touching, within, strict=True)]
+        within = self.clearance(q, 0.0) < -self._grace
+        return [bool(one or other) for one, other in zip(self.touches(q), within, strict=True)]
 
     def _overlaps(self, points: Floats, along: Floats) -> bool:
         exposed = along >= self._robot.mount
@@ -77,6 +98,10 @@ class Body:
         answer = fcl.CollisionData()
         self._scene.collide(_manager(balls), answer, fcl.defaultCollisionCallback)
         return bool(answer.result.is_collision)
+
+
+body_of = lru_cache(maxsize=2)(partial(Body, thorough=True))
+"""A thorough one for a robot and a scene: whoever looks at a place again finds it prepared."""
 
 
 def _manager(objects: list[fcl.CollisionObject]) -> fcl.DynamicAABBTreeCollisionManager:
@@ -95,10 +120,10 @@ def _samples_of(robot: Robot) -> int:
     return int(np.clip(np.ceil(wanted), FEWEST_SAMPLES, MOST_SAMPLES))
 
 
-def _reach(robot: Robot, scene: Scene) -> float:
+def _reach(robot: Robot, obstacles: Sequence[Obstacle]) -> float:
     """Return a length that neither the robot nor a room around it exceeds."""
     longest = sum(segment.length[1] for segment in robot.segments) + max(robot.radii)
-    rooms = [float(np.linalg.norm(o.size)) for o in scene.obstacles if isinstance(o, Box) and o.inside]
+    rooms = [float(np.linalg.norm(o.size)) for o in obstacles if isinstance(o, Box) and o.inside]
     return max([longest, *rooms])
 
 
@@ -118,7 +143,6 @@ def _outside_only(obstacle: Sphere | Cylinder) -> None:
 
 @_shapes.register
 def _sphere(obstacle: Sphere, size: float) -> list[Shape]:
-    _outside_only(obstacle)
     return [(fcl.Sphere(obstacle.radius), fcl.Transform(obstacle.center))]
 
 
@@ -139,7 +163,6 @@ def _capsule(obstacle: Capsule, size: float) -> list[Shape]:
 
 @_shapes.register
 def _cylinder(obstacle: Cylinder, size: float) -> list[Shape]:
-    _outside_only(obstacle)
     length, place = _along(obstacle.start, obstacle.end)
     return [(fcl.Cylinder(obstacle.radius, length), place)]
 

@@ -17,15 +17,27 @@ SAMPLES = 60
 
 
 def least_self_clearance(robot: Robot, q: Floats) -> Floats:
-    """Return the least distance (m,) of configurations (m, n, 3) from themselves; infinite where no places count."""
+    """Return the least distance (m,) of configurations (m, n, 3) from themselves; infinite where no places count.
+
+    Pairs of segments are looked at by how near the balls about their places are, as long as one may be nearer than what
+    was found.
+    """
     points, along = body_points(robot, q, SAMPLES)
-    radii = np.repeat(robot.radii, SAMPLES + 1)
-    larger, both = np.maximum(radii[:, None], radii), radii[:, None] + radii
-    return np.array([_least(p.reshape(-1, 3), s.ravel(), larger, both) for p, s in zip(points, along, strict=True)])
+    return np.array([_least(*one, np.array(robot.radii)) for one in zip(points, along, strict=True)])
 
 
-def _least(points: Floats, along: Floats, larger: Floats, both: Floats) -> float:
-    squares = (points**2).sum(axis=1)
-    gaps = np.sqrt(np.maximum(squares[:, None] + squares - 2.0 * points @ points.T, 0.0)) - both
-    counts = np.abs(along[:, None] - along) >= math.pi * larger
-    return float(np.where(counts, gaps, math.inf).min())
+def _least(points: Floats, along: Floats, radii: Floats) -> float:
+    """The same of one configuration: places (n, s, 3), and how far along they are (n, s)."""
+    centers = points.mean(axis=1)
+    reach = np.linalg.norm(points - centers[:, None], axis=-1).max(axis=1) + radii
+    i, j = np.triu_indices(len(radii))
+    gaps = np.linalg.norm(centers[i] - centers[j], axis=-1) - reach[i] - reach[j]
+    least = math.inf
+    for k in np.argsort(gaps):
+        if gaps[k] >= least:
+            break
+        a, b = i[k], j[k]
+        apart = np.linalg.norm(points[a][:, None] - points[b], axis=-1) - radii[a] - radii[b]
+        counts = np.abs(along[a][:, None] - along[b]) >= math.pi * max(radii[a], radii[b])
+        least = min(least, float(apart.min(initial=math.inf, where=counts)))
+    return least

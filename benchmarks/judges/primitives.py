@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from sinuous.checks import Floats
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
@@ -36,7 +37,7 @@ def _gathered(obstacles: Sequence[Primitive], name: str) -> Floats:
 
 def _spheres(obstacles: Sequence[Primitive]) -> Distance:
     centers, radii = _gathered(obstacles, "center"), _gathered(obstacles, "radius")
-    return lambda points: _norm(points[:, None] - centers) - radii
+    return lambda points: np.asarray(cdist(points, centers) - radii)
 
 
 def _boxes(obstacles: Sequence[Primitive]) -> Distance:

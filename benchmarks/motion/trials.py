@@ -16,7 +16,7 @@ CONFIGURATION, TARGET = "configuration", "target"
 
 
 class Task(NamedTuple):
-    """A pair, what is asked for, the budget (s), how many shortcuts, and whether others plan it, too."""
+    """A pair, what is asked for, the budget (s), how many shortcuts, and the budget of others, who plan it, too (s)."""
 
     segments: int
     density: int
@@ -25,7 +25,7 @@ class Task(NamedTuple):
     goal: str = CONFIGURATION
     seconds: float = 1.0
     shortcuts: int = 0
-    peers: bool = False
+    peers: float = 0.0
 
 
 class Trial(NamedTuple):
@@ -54,7 +54,7 @@ def examine(task: Task) -> Trial:
     motion = planner.plan(pair.start, goal)
     seconds = perf_counter() - began
     wrong = collides(pair.robot, pair.scene, motion.q) if motion.solved else ""
-    others = peers.plan_all(pair, task.seconds) if task.peers else {}
+    others = peers.plan_all(pair, task.peers) if task.peers else {}
     return Trial(task.number, seconds, str(motion.status), wrong, len(motion.q) - 1, others)
 
 

@@ -8,8 +8,7 @@ from zlib import crc32
 import numpy as np
 from numpy.random import Generator
 
-from benchmarks.judges.clearances import least_clearance
-from benchmarks.judges.collisions import Body
+from benchmarks.judges.collisions import body_of
 from benchmarks.judges.folds import least_self_clearance
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import segment_ends, tip_poses
@@ -134,13 +133,18 @@ def proper(scene: Scene) -> bool:
 def feasible(place: Place) -> bool:
     """Whether the judge finds the hidden shape at the targets, within limits, and free with room to spare."""
     robot, q = place.robot, place.hidden_q[None]
-    room = ROOM * min(robot.radii)
-    if least_clearance(robot, place.scene, q, room)[0] < room or least_self_clearance(robot, q)[0] < room:
+    room, body = ROOM * min(robot.radii), body_of(robot, place.scene)
+    if body.clearance(q, room)[0] < room or least_self_clearance(robot, q)[0] < room:
         return False
-    return right(place, q[0], Body(robot, place.scene))
+    return _at_targets(place, q[0]) and not body.touches(q)[0]
 
 
-def right(place: Place, q: Floats, body: Body) -> bool:
-    """Whether the judge finds a configuration (n, 3) right for all targets of a place."""
-    count = len(place.targets)
-    return bool(judge(place.robot, place.targets, np.repeat(q[None], count, axis=0), place.tolerance, body).right.all())
+def right(place: Place, q: Floats) -> bool:
+    """Whether the judges find a configuration (n, 3) right for all targets of a place, and clear of all obstacles."""
+    return _at_targets(place, q) and not body_of(place.robot, place.scene).overlaps(q[None])[0]
+
+
+def _at_targets(place: Place, q: Floats) -> bool:
+    """Whether a configuration (n, 3) is at all targets, and within limits."""
+    found = judge(place.robot, place.targets, np.repeat(q[None], len(place.targets), axis=0), place.tolerance)
+    return bool(found.right.all())

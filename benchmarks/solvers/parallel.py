@@ -1,15 +1,19 @@
 """Work that is done in as many processes as there are cores."""
 
+import math
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import cache
 from multiprocessing.queues import SimpleQueue
-from typing import TypeVar
+from typing import Any, TypeVar
 
+from benchmarks.harness.experiment import InTurn, Piece
+from benchmarks.harness.plan import Plan
 from benchmarks.harness.quiet import ignore_suspicions
+from sinuous.scene.prepared import sampling
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -31,6 +35,29 @@ def in_processes(
     except (KeyboardInterrupt, GeneratorExit):
         _stop()
         raise
+
+
+class Abreast(InTurn):
+    """An experiment whose pieces are done in as many processes as there are cores, each as soon as one is free.
+
+    So no process waits for the others between two families, and what is timed has a core of its own. A quick run does
+    them in this process.
+    """
+
+    plan: Plan
+
+    def done(self, pieces: Sequence[Piece]) -> Iterator[tuple[str, Any]]:
+        """Do the pieces, and yield each as soon as it is done. What a piece calls goes to another process."""
+        if self.plan.quick:
+            yield from super().done(pieces)
+            return
+        try:
+            names = {_pool().submit(measure): name for name, measure in pieces}
+            for future in as_completed(names):
+                yield names[future], future.result()
+        except BaseException:
+            _stop()
+            raise
 
 
 @cache
@@ -65,9 +92,13 @@ def _cores() -> list[int]:
 
 
 def _begin(cores: "SimpleQueue[int]") -> None:
-    """Take a core, on which threads that libraries start stay too, and be quiet."""
+    """Take a core, on which threads that libraries start stay too, and be quiet.
+
+    Samples of places are not kept on disk: nobody asks for them again, and what other scenes have there would go.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     ignore_suspicions()
+    sampling.WORTH_KEEPING = math.inf
     core = cores.get()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {core})

@@ -1,12 +1,12 @@
 """`python -m benchmarks wild`: anything that can be built, with a hidden solution each, and every claim judged."""
 
 import math
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
 from typing import Any
 
 from benchmarks.harness import reference
-from benchmarks.harness.experiment import Findings, Piece
+from benchmarks.harness.experiment import Findings, InTurn, Piece, chosen
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
 from benchmarks.wild import branches, curled, doors, worlds
@@ -32,7 +32,7 @@ MOST, MOST_THICK = 30, 100
 """Of 100,000 problems, how many may be not solved within the budget."""
 
 
-class Wild:
+class Wild(InTurn):
     """The experiment; see `Experiment`. Every round has fresh problems, and all of them are counted together.
 
     Parameters
@@ -45,12 +45,21 @@ class Wild:
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
+        self._only: frozenset[str] | None = None
 
     def settings(self) -> dict[str, Any]:
         """Return nothing: seed and size determine everything; more rounds may be added to what is measured."""
         return {}
 
+    def choose(self, patterns: Sequence[str]) -> None:
+        """Measure some of the pieces alone; see `chosen`."""
+        self._only = chosen([name for name, _ in self._pieces()], patterns)
+
     def pieces(self) -> Iterator[Piece]:
+        """Return all pieces, or those that were chosen."""
+        return (piece for piece in self._pieces() if self._only is None or piece[0] in self._only)
+
+    def _pieces(self) -> Iterator[Piece]:
         """First what is short: thick arms, branches and doors; then blocks of wild worlds."""
         seed, count = self.plan.seed, self.plan.count
         for n in ARMS:
@@ -69,6 +78,7 @@ class Wild:
 
     def findings(self, pieces: dict[str, Any]) -> Findings:
         """Sum up all blocks, and each of the others."""
+        pieces = {name: measured for name, measured in pieces.items() if self._only is None or name in self._only}
         blocks = [pieces[name] for name in pieces if name.startswith(f"{self.name} ")]
         tallies = {_arm(n): Tally.together([pieces[_arm(n)]]) for n in ARMS if _arm(n) in pieces}
         lines: list[Line] = []

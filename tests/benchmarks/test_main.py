@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from benchmarks import __main__ as command
-from benchmarks.__main__ import ABOUT, BENCHMARKS, OF_LINES, OF_METHODS, Chosen, main
+from benchmarks.__main__ import ABOUT, BENCHMARKS, OF_LINES, OF_METHODS, OF_PARTS, Chosen, main
 from benchmarks.harness import conduct as harness
 from benchmarks.harness.conduct import Output
 from sinuous.problem.suspicions import warn_of
@@ -54,11 +54,39 @@ def test_odd_problems_are_not_complained_of(monkeypatch: pytest.MonkeyPatch) -> 
     assert main(["speed"]) == 0
 
 
-def test_families_reach_the_benchmark_of_places_alone(given: Given, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["clutter", "--family", "p3", "--family", "drum scan"]) == 130
-    assert given == [(Chosen("clutter", families=("p3", "drum scan")), Output(whole=False))]
-    assert main(["speed", "--family", "p3"]) == 2
-    assert "--family" in capsys.readouterr().err
+@pytest.mark.parametrize("name", OF_PARTS)
+def test_parts_can_be_chosen(given: Given, name: str) -> None:
+    assert main([name, "--piece", "p3", "--piece", "drum*"]) == 130
+    assert given == [(Chosen(name, parts=("p3", "drum*")), Output(whole=False))]
+
+
+@pytest.mark.parametrize(
+    ("name", "pattern", "first"),
+    [
+        ("speed", "paper", "paper"),
+        ("clutter", "pipe 1.6", "pipe 1.6, 1 of 12, round 0"),
+        ("motion", "P5, 3*", "P5, 3 segments, round 0"),
+        ("many", "*", "files, round 0"),
+        ("view", "d*", "drags, round 0"),
+        ("wild", "? segments", "3 segments"),
+    ],
+)
+def test_parts_are_those_that_a_pattern_fits(name: str, pattern: str, first: str) -> None:
+    everything = [piece for piece, _ in Chosen(name).experiment().pieces()]
+    some = [piece for piece, _ in Chosen(name, parts=(pattern,)).experiment().pieces()]
+    assert some[0].startswith(first)
+    assert some == [piece for piece in everything if piece in some]
+    assert len(some) < len(everything) or pattern == "*"
+
+
+@pytest.mark.parametrize("name", OF_PARTS)
+def test_no_part_is_made_up(name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main([name, "--piece", "labyrinth", "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("--piece: expected a pattern like 'P5*', or one of ")
+    assert said.endswith("; got 'labyrinth'\n") or said.endswith(", got 'labyrinth'\n")
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("name", ["table1", "tracking", "segments", "methods"])
@@ -96,7 +124,10 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
         ),
         (["speed", "--method", "dls"], "--method: expected nothing with speed, got ['dls'] (is for table1, tracking, "),
         (["clutter", "--method", "dls"], "--method: expected nothing with clutter, got ['dls'] (is for table1, "),
-        (["table1", "--family", "p3"], "--family: expected nothing with table1, got ['p3'] (is for clutter)"),
+        (
+            ["table1", "--piece", "p3"],
+            "--piece: expected nothing with table1, got ['p3'] (is for speed, clutter, wild, many, motion, view)",
+        ),
         (
             ["table1", "--rounds", "2"],
             "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild, many, motion)",
@@ -120,7 +151,7 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
         ),
         (["table1", "--seed", "-1"], "--seed"),
         (["table1", "--method", "magic"], "method: expected one of newton, opti_path, dls, "),
-        (["clutter", "--family", "labyrinth"], "--family: expected one of spheres 12, spheres 40, "),
+        (["clutter", "--piece", "labyrinth"], "--piece: expected a pattern like 'P5*', or one of spheres 12; spheres "),
         (["speed", "--fast"], "python -m benchmarks: No such option: --fast"),
         ([], "python -m benchmarks: Missing argument 'NAME'"),
     ],

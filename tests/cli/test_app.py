@@ -70,7 +70,7 @@ def test_a_wrong_call_is_one_line(capsys: pytest.CaptureFixture[str], arguments:
         ["--help"],
         ["sped"],
         *([name] for name in ("speed", "clutter", "table1", "tracking", "segments", "methods")),
-        ["clutter", "--family", "pipe 1.3", "--seed", "2", "--quick", "--json", "--out", "a.json"],
+        ["clutter", "--piece", "pipe 1.3", "--seed", "2", "--quick", "--json", "--out", "a.json"],
         ["table1", "--anew", "--method", "dls"],
     ],
 )

@@ -3,7 +3,9 @@
 import dataclasses
 import json
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,8 +19,8 @@ from benchmarks.harness.conduct import INTERRUPTED, Output, conduct
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
 from benchmarks.places import FAMILIES, Place, make
+from benchmarks.places.place import right
 from benchmarks.solvers.among_spheres import AmongSpheres
-from sinuous.errors import InputError
 from sinuous.problem.tolerance import Tolerance
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
@@ -40,8 +42,15 @@ def tried(*ours: Attempt, arc: Attempt = RIGHT) -> list[Trial]:
     return [Trial("spheres 12", seed, 1e-3, attempt, 0.3, {ARC: arc}) for seed, attempt in enumerate(ours)]
 
 
+def some(*names: str) -> Clutter:
+    """A quick run of some parts alone."""
+    clutter = Clutter(Plan(quick=True))
+    clutter.choose(names)
+    return clutter
+
+
 def test_a_quick_run_holds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert conduct(Clutter(Plan(quick=True), ["spheres 12", "p4 direction"]), Output(tmp_path)) == 0
+    assert conduct(some("spheres 12", "p4 direction"), Output(tmp_path)) == 0
     text, report = capsys.readouterr().out, json.loads((tmp_path / "clutter.json").read_text())
     assert report["correct"]
     assert "won by" in text
@@ -59,36 +68,55 @@ def test_a_quick_run_holds(capsys: pytest.CaptureFixture[str], tmp_path: Path) -
     }
 
 
-def test_families_can_be_chosen_and_none_is_made_up() -> None:
-    with pytest.raises(InputError, match=r"--family: expected one of spheres 12, .*, got 'labyrinth'$"):
-        Clutter(Plan(), ["labyrinth"])
+def test_what_is_counted_is_in_the_head_of_the_report(tmp_path: Path) -> None:
+    conduct(some("p3"), Output(tmp_path))
+    head = (tmp_path / "clutter.md").read_text().partition("\n\n")[0]
+    assert all(f"- {key}: " in head for key in ("seed", "sinuous", "python-fcl", "libigl"))
+    assert f"- protocol: {Clutter.protocol}" in head
+    assert "budget 1 s" in head
 
 
 def test_without_a_choice_all_families_are_measured_and_far_meshes() -> None:
     assert [name for name, _ in Clutter(Plan()).parts()] == [*FAMILIES, "far", "halls"]
-    assert [name for name, _ in Clutter(Plan(), ["duct"]).parts()] == ["duct"]
 
 
-def test_an_interrupted_run_writes_what_it_has_and_goes_on(
+@pytest.mark.parametrize("family", ["duct", "p3"])
+def test_shares_hold_every_place_once(family: str) -> None:
+    shares = figures.divided(Plan(), family).shares
+    assert [task for share in shares for task in cast("partial[Any]", share).args[0]] == tasks_of(Plan(), family)
+
+
+def test_an_interrupted_family_says_what_it_has_and_goes_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    measured: list[str] = []
+    """Three places a piece: the second piece is interrupted at its last place."""
+    tried_: list[int] = []
 
-    def interrupted(_: Plan, family: str) -> Iterator[Line]:
-        if family == "duct" and measured.count("duct") == 0:
-            measured.append(family)
+    def examined(task: Task) -> Trial:
+        if task.seed == 5 and 5 not in tried_:
+            tried_.append(5)
             raise KeyboardInterrupt
-        measured.append(family)
-        yield Line("s", family, 1e-6)
+        tried_.append(task.seed)
+        return dataclasses.replace(tried(RIGHT)[0], seed=task.seed)
 
-    monkeypatch.setattr(figures, "measure", interrupted)
-    asked = Clutter(Plan(quick=True), ["p3", "duct"])
-    assert conduct(asked, Output(tmp_path)) == INTERRUPTED
-    assert json.loads((tmp_path / "clutter.json").read_text())["interrupted"]
-    assert "Interrupted" in capsys.readouterr().out
-    assert conduct(asked, Output(tmp_path)) == 0
-    assert measured == ["p3", "duct", "duct"]
-    assert [line["what"] for line in json.loads((tmp_path / "clutter.json").read_text())["lines"]] == ["p3", "duct"]
+    monkeypatch.setattr(figures, "examine", examined)
+    monkeypatch.setattr(figures, "QUICK", 7)
+    monkeypatch.setattr(figures, "TOGETHER", 3)
+    assert conduct(some("duct"), Output(tmp_path)) == INTERRUPTED
+    before = json.loads((tmp_path / "clutter.json").read_text())
+    assert before["interrupted"]
+    assert before["lines"][0]["solved"] == [3, 3]
+    shown = capsys.readouterr()
+    assert "Interrupted" in shown.out
+    assert "after 1 of 3 pieces" in shown.err
+    assert conduct(some("duct"), Output(tmp_path)) == 0
+    assert tried_ == [0, 1, 2, 3, 4, 5, 3, 4, 5, 6]
+    assert json.loads((tmp_path / "clutter.json").read_text())["lines"][0]["solved"] == [7, 7]
+
+
+def test_a_trial_is_the_same_after_the_journal() -> None:
+    (trial,) = tried(LIE, arc=MISSED)
+    assert Trial.of(json.loads(json.dumps(dataclasses.asdict(trial)))) == trial
 
 
 def test_every_family_is_measured_on_all_robots_or_all_scenes() -> None:
@@ -167,9 +195,9 @@ def test_ipopt_keeps_out_of_balls() -> None:
     place = balls()
     q, seconds = AmongSpheres(place.robot, place.scene, place.tolerance).solve(place.target, 0)
     assert seconds > 0.0
-    assert trials._right(place, q)
+    assert right(place, q)
     without, _ = AmongSpheres(place.robot, Scene(), place.tolerance).solve(place.target, 0)
-    assert not trials._right(place, without)
+    assert not right(place, without)
 
 
 def test_ipopt_takes_balls_only() -> None:

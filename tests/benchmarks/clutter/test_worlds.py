@@ -1,6 +1,7 @@
 """Many small worlds: what is counted, what is named, and that an interrupted run goes on."""
 
 import json
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,10 @@ def trial(number: int, ours: Attempt) -> Trial:
 def test_what_is_wrong_is_counted_and_named() -> None:
     tried = [RIGHT, LIE, EXCUSE, LATE, RIGHT]
     piece = json.loads(json.dumps(summed([trial(i, ours) for i, ours in enumerate(tried)])))
-    found = Worlds(Plan()).findings({"a": piece, "b": summed([trial(7, RIGHT)])})
+    (first, _), (second, _) = islice(Worlds(Plan()).pieces(), 2)
+    measured = {second: {"busy": 0.2, **summed([trial(107, RIGHT)])}, first: {"busy": 0.0, **piece}}
+    found = Worlds(Plan()).findings(measured)
+    assert found.busy == 0.2
     assert not found.correct
     solved, lies, excuses = found.lines
     assert solved.solved == (3, 6)

@@ -2,9 +2,11 @@
 
 import math
 
+import igl
 import numpy as np
 import pytest
 import trimesh
+from numpy.typing import NDArray
 
 import sinuous as sn
 from benchmarks.judges import clearances
@@ -85,7 +87,7 @@ def test_skipping_what_cannot_matter_changes_nothing(seed: int) -> None:
     q = np.stack([rng.uniform(-1, 1, (4, 3)), rng.uniform(-1, 1, (4, 3)), np.ones((4, 3))], axis=-1)
     robot = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1, mount=0.4)
     scene = Scene([Box(rng.normal(size=3), (0.3, 0.4, 0.5)), *(Sphere(3 * rng.normal(size=3), 0.3) for _ in range(5))])
-    points, along = body_points(robot, q, clearances.COARSE * clearances.FINE)
+    points, along = body_points(robot, q, clearances.FINEST)
     gaps = np.min([distance_of(o)(points.reshape(-1, 3)) for o in scene.obstacles], axis=0).reshape(along.shape) - 0.1
     dense = np.where(along >= robot.mount, gaps, math.inf).min(axis=(1, 2))
     judged = Clearances(robot, scene)
@@ -125,3 +127,24 @@ def test_occupied_cubes_have_corners() -> None:
 def test_sampled_distances_are_not_judged_in_silence() -> None:
     with pytest.raises(NotImplementedError):
         distance_of(Grid(np.zeros((2, 2, 2)), (0, 0, 0), 1.0))
+
+
+@pytest.mark.parametrize("inside", [False, True])
+@pytest.mark.parametrize("spread", [0.01, 0.3, 3.0])
+def test_sides_of_a_mesh_are_those_of_every_point_alone(inside: bool, spread: float) -> None:
+    """Points that wander through a torus and a box, in small and in large steps; the side by exact solid angles."""
+    solids = [trimesh.creation.torus(2.0, 0.7), trimesh.creation.box(bounds=[(-0.5, -0.5, 2), (0.5, 0.5, 3)])]
+    mesh = Mesh(*_together(solids), inside=inside)
+    rng = np.random.default_rng(3)
+    points = np.array([2.0, 0.0, 0.0]) + spread * rng.normal(size=(3000, 3)).cumsum(axis=0)
+    points = np.mod(points + 4.0, 8.0) - 4.0
+    numbers = np.asarray(igl.winding_number(np.array(mesh.vertices), np.array(mesh.faces), points)).reshape(-1)
+    found = distance_of(mesh)(points)
+    assert ((found < 0.0) == ((numbers > 0.5) != inside)).all()
+    assert 50 < (found < 0.0).sum() < 2950
+
+
+def _together(solids: list[trimesh.Trimesh]) -> tuple[Floats, NDArray[np.int64]]:
+    vertices = np.concatenate([solid.vertices for solid in solids])
+    firsts = np.cumsum([0, *(len(solid.vertices) for solid in solids[:-1])])
+    return vertices, np.concatenate([solid.faces + first for solid, first in zip(solids, firsts, strict=True)])

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.judges.folds import least_self_clearance
+from benchmarks.judges.folds import SAMPLES, least_self_clearance
+from benchmarks.judges.kinematics import body_points
+from benchmarks.problems import random_configurations
 
 
 def hairpin(width: float, radius: float) -> tuple[sn.Robot, np.ndarray]:
@@ -42,3 +44,21 @@ def test_a_crossing_is_negative_wherever_the_base_stands() -> None:
         robot = sn.Robot.uniform(4, 1.0, 2.0, radius=0.05, base=base)
         circle = np.array([[[0.5 * math.pi * 1.05, 0.0, 1.0]] * 4])
         assert least_self_clearance(robot, circle)[0] == pytest.approx(-0.1, abs=2e-2)
+
+
+def test_no_pair_of_places_is_left_out() -> None:
+    """All pairs of all places, by brute force."""
+    rng = np.random.default_rng(4)
+    for n, radius in ((1, 0.3), (3, 0.02), (8, 0.1), (20, 0.05)):
+        robot = sn.Robot(
+            [sn.Segment((0.6, 1.0), 2.4, radius=r) for r in np.linspace(radius, 0.6 * radius, n)],
+            base=sn.pose((7, 8, 9)),
+        )
+        q = random_configurations(robot, 5, rng)
+        points, along = body_points(robot, q, SAMPLES)
+        radii = np.repeat(robot.radii, SAMPLES + 1)
+        for p, s, found in zip(points, along, least_self_clearance(robot, q), strict=True):
+            flat = p.reshape(-1, 3)
+            gaps = np.linalg.norm(flat[:, None] - flat, axis=-1) - radii[:, None] - radii
+            counts = np.abs(s.ravel()[:, None] - s.ravel()) >= math.pi * np.maximum(radii[:, None], radii)
+            assert found == pytest.approx(gaps.min(initial=math.inf, where=counts), abs=1e-12)

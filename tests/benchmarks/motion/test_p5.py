@@ -27,10 +27,18 @@ def test_a_quick_section_holds() -> None:
 
 
 def test_others_plan_the_same_pairs() -> None:
-    trial = examine(Task(3, 1, 0, 0, peers=True))
+    trial = examine(Task(3, 1, 0, 0, peers=1.0))
     assert trial.solved
     assert set(trial.others) == (set(peers.PLANNERS) if peers.installed() else set())
     assert all(solved for _, solved in trial.others.values())
+
+
+def test_what_others_were_spared_is_said() -> None:
+    trials = [RIGHT._replace(others={"RRTConnect": (0.1, True), "BITstar": (1.0, False)}), RIGHT, RIGHT]
+    connect, star = (line for line in p5.lines_of("here", trials, 0.1, 99.5) if line.section == p5.OTHERS)
+    assert connect.note == "the first 1 of 3 pairs, 1 s for each"
+    assert star.note.startswith(connect.note)
+    assert (connect.solved, star.solved) == ((1, 1), (0, 1))
 
 
 def test_wrong_and_late_motions_count_as_such() -> None:

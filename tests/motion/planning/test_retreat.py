@@ -7,7 +7,7 @@ import sinuous as sn
 from benchmarks.motion.judged import collides
 from sinuous.motion.planning.goals import FixedGoal
 from sinuous.motion.planning.question import Question
-from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Means, Retreat, slid_back
+from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Means, Retreat, _moved_ends, slid_back
 from sinuous.motion.planning.watch import Watch
 from sinuous.problem.curve import Curve
 from sinuous.scene.scene import Scene
@@ -74,3 +74,10 @@ def test_sliding_back_keeps_limits() -> None:
     bent = np.array([[2.4, 0.0, 1.0]] * 5)
     for by in (0.1, 1.0):
         assert ROBOT.excess(slid_back(ROBOT, bent, by)) < 1e-12
+
+
+def test_ends_move_as_the_jacobian_of_each_says() -> None:
+    robot = sn.on_stage(ROBOT, 2.0)
+    q = np.vstack([[[0.0, 0.0, 0.5]], INSIDE])
+    moved = _moved_ends(robot, q, robot.forward(q)[-6:, :3, 3])
+    np.testing.assert_allclose(moved, [robot.jacobian(q, k)[3:] for k in range(1, 7)], atol=1e-12)

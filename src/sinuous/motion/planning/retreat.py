@@ -33,7 +33,7 @@ ENOUGH = 0.02
 ROOM = 0.02
 """Clearance that is wished for, in mean lengths of a segment: steps along obstacles are proved sooner."""
 
-FINEST = 1e-4
+FINEST = 3e-4
 """Length below which the proof of a step gives up, in robot lengths: another step is tried sooner than that."""
 
 OF_CURVE = 20
@@ -155,12 +155,22 @@ def slid_back(robot: Robot, q: Floats, by: float) -> Floats:
     """
     n, unit = len(robot), robot.mean_length
     scale = np.tile([1.0, 1.0, unit / n], n) * movable(robot.segments)
-    tangents = robot.forward(q)[-n:, :3, 2]
+    ends = robot.forward(q)[-n:]
     weights = np.arange(1, n + 1) / n
-    seen = np.concatenate([w * robot.jacobian(q, k)[3:] for k, w in enumerate(weights, 1)]) * (scale / unit)
-    asked = (-by / unit * weights[:, None] * tangents).ravel()
+    seen = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n) * (scale / unit)
+    asked = (-by / unit * weights[:, None] * ends[:, :3, 2]).ravel()
     normal = seen.T @ seen
     normal[np.diag_indices_from(normal)] += DAMPING * np.trace(normal) / len(normal)
     change = scale * np.linalg.solve(normal, seen.T @ asked)
     result: Floats = within_limits(robot, (q + change.reshape(n, 3))[None])[0]
     return result
+
+
+def _moved_ends(robot: Robot, q: Floats, ends: Floats) -> Floats:
+    """Derivatives (n, 3, 3 n) of the ends of segments (n, 3): each coordinate moves what lies beyond as one body."""
+    n = len(robot)
+    turn, move = np.split(robot.jacobian(q, n), 2)
+    arms = ends - ends[-1]
+    moved = move + np.cross(turn, arms[:, :, None], axisa=0, axisb=1, axisc=1)
+    before: Floats = np.where(np.arange(n)[:, None] >= np.arange(3 * n) // 3, 1.0, 0.0)
+    return np.asarray(moved * before[:, None])

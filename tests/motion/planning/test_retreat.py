@@ -7,7 +7,7 @@ import sinuous as sn
 from benchmarks.motion.judged import collides
 from sinuous.motion.planning.goals import FixedGoal
 from sinuous.motion.planning.question import Question
-from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Means, Retreat
+from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Means, Retreat, _moved_ends, slid_back
 from sinuous.motion.planning.watch import Watch
 from sinuous.problem.curve import Curve
 from sinuous.scene.scene import Scene
@@ -22,7 +22,7 @@ def retreat(scene: Scene, q: Floats, kind: int, seconds: float = 60.0, robot: sn
     return np.stack(made.knots)
 
 
-@pytest.mark.parametrize("kind", range(KINDS))
+@pytest.mark.parametrize("kind", range(len(KINDS)))
 def test_it_leads_out_of_a_bore(kind: int) -> None:
     scene = Scene(bore())
     knots = retreat(scene, INSIDE, kind)
@@ -44,3 +44,40 @@ def test_a_tool_goes_with_the_tip() -> None:
 
 def test_without_time_it_stays_where_it_is() -> None:
     np.testing.assert_array_equal(retreat(Scene(bore()), INSIDE, 0, seconds=0.0), INSIDE[None])
+
+
+def test_a_body_on_a_stage_slides_back_with_it() -> None:
+    robot = sn.on_stage(ROBOT, 2.0)
+    q = np.vstack([[[0.0, 0.0, 1.0]], [[0.0, 0.0, 1.0]] * 5])
+    back = slid_back(robot, q, 0.1)
+    moved = (robot.forward(back) - robot.forward(q))[-6:, :3, 3]
+    np.testing.assert_allclose(moved, np.tile([0.0, 0.0, -0.1], (6, 1)), atol=2e-3)
+
+
+def test_sliding_back_is_the_least_that_the_ends_are_off() -> None:
+    by, n = 1e-3, len(ROBOT)
+    weights = np.arange(1, n + 1) / n
+    ends = ROBOT.forward(INSIDE)[-n:]
+    asked = ends[:, :3, 3] - by * ends[:, :3, 2]
+
+    def off(q: Floats) -> float:
+        return float(np.linalg.norm(weights[:, None] * (ROBOT.forward(q)[-n:, :3, 3] - asked)))
+
+    back = slid_back(ROBOT, INSIDE, by)
+    rng = np.random.default_rng(0)
+    bends = rng.normal(size=(200, n, 3)) * [1.0, 1.0, 0.0]
+    assert off(back) < 0.5 * off(INSIDE)
+    assert min(off(back + size * each) for each in bends for size in (1e-5, 1e-4)) > 0.99 * off(back)
+
+
+def test_sliding_back_keeps_limits() -> None:
+    bent = np.array([[2.4, 0.0, 1.0]] * 5)
+    for by in (0.1, 1.0):
+        assert ROBOT.excess(slid_back(ROBOT, bent, by)) < 1e-12
+
+
+def test_ends_move_as_the_jacobian_of_each_says() -> None:
+    robot = sn.on_stage(ROBOT, 2.0)
+    q = np.vstack([[[0.0, 0.0, 0.5]], INSIDE])
+    moved = _moved_ends(robot, q, robot.forward(q)[-6:, :3, 3])
+    np.testing.assert_allclose(moved, [robot.jacobian(q, k)[3:] for k in range(1, 7)], atol=1e-12)

@@ -4,15 +4,14 @@ import numpy as np
 
 from sinuous.kernels.between.obstacles import keep_reachable
 from sinuous.kernels.between.sweep import SEEN_WIDTH, carve_sweep
-from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.shortcuts import Exactness, Path, forget, path_length, shorten, skip
-from sinuous.kernels.planning.space import Space, looks_clear, measure_levers, prove_edge
+from sinuous.kernels.planning.shortcuts import Exactness, Path, forget, is_clear, path_length, shorten, skip
+from sinuous.kernels.planning.space import Space, measure_levers
 from sinuous.kernels.planning.trees import Terms, Trees, grow, path_through, plant
 from sinuous.kernels.problem import Robot, read_robot
 
@@ -26,7 +25,7 @@ proof of an edge of the path gives up."""
 LOOSE = 1e-4
 """The same length for a proof that an edge is clear, without a tight bound of how clear."""
 
-FOR_PROOF = 0.25
+FOR_PROOF = 0.1
 """Seconds for the path that was found, its shortcuts and proofs, for each second of the search."""
 
 Asked = tuple[float, float, float, int, int, int, int]
@@ -67,9 +66,7 @@ def nodes_of(workspace: Array, segments: int) -> Array:
 def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
     """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
     for i in range(goals.shape[0]):
-        if not looks_clear(space, start, goals[i], exact.coarse):
-            continue
-        if prove_edge(space, start, goals[i], 1.0, exact.loose)[0] == CLEAR:
+        if is_clear(space, start, goals[i], exact):
             copy(start, path.q[0])
             copy(goals[i], path.q[1])
             return 2

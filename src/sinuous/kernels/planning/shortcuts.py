@@ -49,11 +49,20 @@ def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> 
 
 
 @kernel
-def _reaches(space: Space, path: Path, i: int, j: int, exact: Exactness) -> bool:
-    """Whether the motion from configuration `i` to `j` is proved clear; its answer is that of `i` then."""
-    if not looks_clear(space, path.q[i], path.q[j], exact.coarse):
+def is_clear(space: Space, p: Array, q: Array, exact: Exactness) -> bool:
+    """Whether an edge is proved clear, without a tight bound of how clear."""
+    if not looks_clear(space, p, q, exact.coarse):
         return False
-    return prove(space, path.q[i], path.q[j], exact, path.answers[i])
+    return bool(prove_edge(space, p, q, 1.0, exact.loose)[0] == CLEAR)
+
+
+@kernel
+def _reaches(space: Space, path: Path, i: int, j: int, exact: Exactness) -> bool:
+    """Whether the motion from configuration `i` to `j` is proved clear; what bounds are proved is that of `i` then."""
+    if not is_clear(space, path.q[i], path.q[j], exact):
+        return False
+    prove(space, path.q[i], path.q[j], exact, path.answers[i])
+    return True
 
 
 @kernel

@@ -41,7 +41,7 @@ def depths_of(robot: Robot) -> tuple[float, float]:
 def lay(robot: Robot, curve: Curve, depths: Floats) -> Floats:
     """Configurations (T, n, 3) within the limits of segments, along the curve, with the tip at `depths` (T,)."""
     q = _first(robot, curve, depths)
-    free = np.flatnonzero(_movable(robot.segments))
+    free = np.flatnonzero(movable(robot.segments))
     if len(free) == 0:
         return q
     nudges = np.where(free % 3 == 2, NUDGE * robot.mean_length, NUDGE)
@@ -55,7 +55,7 @@ def lay(robot: Robot, curve: Curve, depths: Floats) -> Floats:
         np.einsum("tii->ti", normal)[:] += mu[:, None] * scale
         tried = q.reshape(len(q), -1).copy()
         tried[:, free] -= np.linalg.solve(normal, pull)[..., 0]
-        tried = _within(robot, tried.reshape(q.shape))
+        tried = within_limits(robot, tried.reshape(q.shape))
         new, new_tangents = _residual(robot, curve, depths, tried)
         before, after = (residual**2).sum(axis=1), (new**2).sum(axis=1)
         better = after < before
@@ -66,7 +66,7 @@ def lay(robot: Robot, curve: Curve, depths: Floats) -> Floats:
     return q
 
 
-def _movable(segments: tuple[Segment, ...]) -> Floats:
+def movable(segments: tuple[Segment, ...]) -> Floats:
     """Which coordinates (3 n,) can move."""
     bends = np.array([segment.max_bend > 0.0 and segment.length[1] > 0.0 for segment in segments])
     stretches = np.array([segment.length[0] < segment.length[1] for segment in segments])
@@ -90,12 +90,12 @@ def _first(robot: Robot, curve: Curve, depths: Floats) -> Floats:
         aside = np.hypot(x, y)
         turn = np.arctan2(aside, z) / np.where(aside > 0.0, aside, 1.0)
         q[:, k, 0], q[:, k, 1] = turn * x, turn * y
-        q[:, k] = _within(robot, q)[:, k]
+        q[:, k] = within_limits(robot, q)[:, k]
         frames = frames * Rotation.from_rotvec(np.stack([-q[:, k, 1], q[:, k, 0], np.zeros(len(q))], axis=1))
     return q
 
 
-def _within(robot: Robot, q: Floats) -> Floats:
+def within_limits(robot: Robot, q: Floats) -> Floats:
     """Configurations brought within the limits of segments."""
     low, high = np.array([segment.length for segment in robot.segments]).T
     result = q.copy()

@@ -13,6 +13,9 @@ from sinuous.solving.planning.trees import Trees, Way
 DRAWS, MOST_DRAWS = 64, 2**20
 """Draws of the trees in the first turn, and the most in one turn; in each they are planted anew, with twice as many."""
 
+OF_START = (2, 4)
+"""Turns in which the start is drawn back, each time beginning with another kind of retreat; in others, a goal."""
+
 ROOTS = 12
 """Knots of one retreat that trees grow from."""
 
@@ -20,7 +23,7 @@ ROOTS = 12
 def withdrawn(question: Question) -> Iterator[Way | None]:
     """Yield a way that leads from the start, or from where it can be drawn back to, into a goal; see `Source`.
 
-    Each turn another goal is drawn back, and the start in the third.
+    Each turn a goal is drawn back with another kind of retreat, or the start.
     """
     join = _Join(question)
     for turn in count():
@@ -39,13 +42,13 @@ class _Join:
 
     def draw_back(self, turn: int) -> None:
         """Draw back a goal, or the start."""
-        if turn == KINDS:
-            self._outs = [self._retreat(self._question.start, kind) for kind in range(KINDS)]
+        if turn in OF_START:
+            self._outs.append(self._retreat(self._question.start, len(self._outs)))
             return
-        number = turn if turn < KINDS else turn - 1
+        number, kinds = turn - len(self._outs), len(KINDS)
         goals = self._question.goals(self._question.start[None])
-        if number < KINDS * len(goals):
-            self._ins.append(self._retreat(goals[number // KINDS], number % KINDS))
+        if number < kinds * len(goals):
+            self._ins.append(self._retreat(goals[number // kinds], number % kinds))
 
     def _retreat(self, q: Floats, kind: int) -> list[Floats]:
         retreat = Retreat(self._means, q, kind)
@@ -57,7 +60,7 @@ class _Join:
         question = self._question
         if question.watch.seconds_left() <= 0.0:
             return None
-        out = self._outs[turn // 2 % KINDS] if self._outs and turn % 2 == 0 else [question.start]
+        out = self._outs[turn // 2 % len(self._outs)] if self._outs and turn % 2 == 0 else [question.start]
         ends = np.stack([out[-1], *(q for knots in self._ins for q in _some(knots))])
         draws, seed = min(DRAWS << turn, MOST_DRAWS), (question.seed + turn) % 2**31
         way = self._trees.grow(ends, seed, (0, draws), question.watch.seconds_left())

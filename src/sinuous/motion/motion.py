@@ -46,6 +46,7 @@ class Motion(Shown, Uses):
     q : array_like (T, n, 3)
         The knots: bend_x, bend_y (rad), length of every segment, within all limits; at least two.
     scene : Scene, Snapshot or list of obstacles, optional
+        Where obstacles are `Moving`, everything is proved for the times at which they are where they are.
     times : array_like (T,), optional
         When the robot is at each knot, increasing; by default 0, 1, 2, ...
 
@@ -96,7 +97,7 @@ class Motion(Shown, Uses):
             check_limits(robot, f"q[{i}]", knot)
         place = as_snapshot(scene)
         when = even_times(len(knots)) if times is None else checks.increasing("times", times, len(knots))
-        self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots))
+        self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots, times=when))
         self._tell(Told())
 
     @classmethod

@@ -208,8 +208,12 @@ class Motion(Shown, Uses):
         return self
 
     @classmethod
-    def from_dict(cls, values: "Mapping[str, Any]", problems: "Iterable[Problem]") -> "Motion":
+    def from_dict(
+        cls, values: "Mapping[str, Any]", problems: "Iterable[Problem]", scene: SceneLike | Snapshot | None = None
+    ) -> "Motion":
         """Make a motion of its result as plain values, and of the problems of its waypoints, one after the other.
+
+        Where obstacles move, the `scene` says how; that of each problem is then what the motion says when it was.
 
         It says what the result says; `verify` recomputes that, and `Motion(robot, q, scene, times)` proves it again.
 
@@ -218,7 +222,8 @@ class Motion(Shown, Uses):
         InputError
             When `values` are no result of a motion, or one of another number of waypoints.
         """
-        return plain.read(cls, values, tuple(problems))
+        place = None if scene is None else as_snapshot(scene)
+        return plain.read(cls, values, tuple(problems), scene=place)
 
     def to_dict(self) -> dict[str, Any]:
         """Return totals, knots and waypoints as plain values, in the order of the file format."""

@@ -15,7 +15,7 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.courses.course import Course
-from sinuous.scene.courses.moving import Moving
+from sinuous.scene.courses.moving import Moving, standing_at
 from sinuous.scene.grids.field import Field, evaluate
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
@@ -111,7 +111,7 @@ class Snapshot(Frozen):
             return self
         self.prepare()
         assert self._parts is not None
-        there = tuple(own.at(when) if isinstance(own, Moving) else own for own in self._obstacles)
+        there = tuple(standing_at(self._obstacles, when))
         parts = [part if own is old else prepare(own, "") for own, old, part in self._each(there)]
         return Snapshot(there, parts)
 

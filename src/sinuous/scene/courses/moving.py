@@ -1,6 +1,6 @@
 """An obstacle that moves."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -113,6 +113,11 @@ class Moving(Obstacle):
     def _shown(self) -> Iterator[str]:
         yield text(self.obstacle)
         yield f"times={text(self.times)}"
+
+
+def standing_at(obstacles: Iterable[Obstacle], t: float | None = None) -> list[Obstacle]:
+    """Return obstacles as they are at a time, standing still; by default where the course of each begins."""
+    return [own.at(float(own.times[0]) if t is None else t) if isinstance(own, Moving) else own for own in obstacles]
 
 
 def _poses(

@@ -40,6 +40,7 @@ OBJECTS: list[Any] = [
     sn.Box((1 / 3, 2 / 3, 1.0), (1 / 7, 1.0, 2.0), rotation=(1, 2, 3, 4), inside=True, name=LONG),
     *(sn.Capsule((0, 0, 0), (1, 1, 1), 1 / 3), sn.Cylinder((0, 0, 0), (1 / 3, 1 / 3, 1), 1 / 3, name=LONG)),
     *(sn.Mesh(*cube(), name=LONG), sn.PointCloud(np.eye(3), [1, 2, 3]), sn.PointCloud(np.ones((9, 3)), 0.1)),
+    sn.Moving(sn.Sphere((0, 0, 0), 1, name=LONG), np.arange(9.0), np.ones((9, 3))),
     *(sn.Grid(np.zeros((5, 6, 7), bool), (0, 0, 0), 1), sn.Field(away, (-2, -2, -2), (2, 2, 2), 1.0)),
     *(
         TARGET,

@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
     from sinuous.scene.clouds.point_cloud import PointCloud as PointCloud
+    from sinuous.scene.courses.moving import Moving as Moving
     from sinuous.scene.grids.field import Field as Field
     from sinuous.scene.grids.grid import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -128,6 +129,7 @@ _HOMES = {
     "robot.rates": ("Changes", "Rates"),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment",),
+    "scene.courses.moving": ("Moving",),
     "scene.grids.field": ("Field",),
     "scene.grids.grid": ("Grid",),
     "scene.meshes.mesh": ("Mesh",),

@@ -137,3 +137,15 @@ WRONG: list[tuple[str, dict[str, Any]]] = [
 def test_what_is_no_motion_is_refused(key: str, given: dict[str, Any]) -> None:
     whole: dict[str, Any] = {"robot": ROBOT, "q": KNOTS, **given}
     refused(key, lambda: sn.Motion(**whole))
+
+
+def test_among_obstacles_that_move_a_motion_is_proved_for_its_times() -> None:
+    ball = sn.Moving(sn.Sphere((0.0, 0.0, 0.0), 0.3), [0, 1, 2], [(2, 0, 1), (0.5, 0, 1), (2, 0, 1)])
+    motion = sn.Motion(ROBOT, KNOTS, [ball], times=[0.0, 1.0, 2.0])
+    assert motion.scene.moves
+    backwards = motion.reversed()
+    assert backwards.times.tolist() == motion.times.tolist()
+    assert backwards.equals(sn.Motion(ROBOT, KNOTS[::-1], [ball], times=[0.0, 1.0, 2.0]))
+    refused("motion", lambda: motion.timed(sn.Rates(bend=1.0, length=1.0)))
+    finer = motion.resampled(10.0)
+    assert finer.status is motion.status

@@ -79,6 +79,10 @@ Deviation = Annotated[
 Shortcuts = Annotated[
     int, typer.Option(metavar="COUNT", help="How many random places of the motion are tried to be joined directly.")
 ]
+Duration = Annotated[
+    float | None,
+    typer.Option(metavar="TIME", help="How long the motion takes; by default 1 or, with rates, as short as is found."),
+]
 PlanTime = Annotated[float, typer.Option("--time", metavar="SECONDS", help="Budget of one plan.")]
 Kind = Annotated[
     str,
@@ -181,6 +185,7 @@ def plan(
     max_starts: MaxStarts = 1000,
     routes: Routes = True,
     shortcuts: Shortcuts = 0,
+    duration: Duration = None,
     seed: Seed = 0,
     json: Json = False,
     plot: Plot = None,
@@ -192,7 +197,7 @@ def plan(
     from sinuous.cli.work import plan_files  # noqa: PLC0415
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv, rate=rate)
-    raise typer.Exit(plan_files(files, options, shortcuts))
+    raise typer.Exit(plan_files(files, options, shortcuts, duration))
 
 
 @app.command()

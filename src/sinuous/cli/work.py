@@ -18,10 +18,11 @@ from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.methods.registry import Choice
 from sinuous.motion.following.tracker import Tracker
+from sinuous.motion.job import rates_in_time
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.start import check_limits
-from sinuous.motion.track import read_deviation, wish
+from sinuous.motion.track import read_deviation, timetable_of, wish
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
@@ -36,7 +37,7 @@ Question = Callable[[Any, ProblemFile, Bar], Answer]
 """Asks what was prepared for a problem file."""
 
 Prepared = Callable[..., Solver | Planner]
-"""Prepares what is asked: a solver or a planner, of robot, scene and options."""
+"""Prepares what is asked: a solver or a planner, of a problem file and options."""
 
 
 def solve_files(files: list[str], options: Options, count: int | None = None, by: str | None = None) -> int:
@@ -54,7 +55,7 @@ def solve_files(files: list[str], options: Options, count: int | None = None, by
         _refuse(one.problem, "path", "goal")
     alone = len(read) == 1 and count is None
     question = _solve if count is None else partial(_solve_all, count, kind)
-    return _answer_all(read, options, question, OneSolve if alone else Solver)
+    return _answer_all(read, options, question, partial(_solver, OneSolve if alone else Solver))
 
 
 def track_files(files: list[str], options: Options, deviation: float | None = None) -> int:
@@ -65,7 +66,17 @@ def track_files(files: list[str], options: Options, deviation: float | None = No
     read = [Read(with_room(one.problem, options.choice()), one.seconds) for one in read_all(files)]
     for one in read:
         _refuse(one.problem, "goal")
-    return _answer_all(read, options, partial(_track, deviation), Solver)
+    return _answer_all(read, options, partial(_track, deviation), _solver_at_first)
+
+
+def _solver(kind: type[Solver], problem: ProblemFile, **options: Any) -> Solver:
+    return kind(problem.robot, problem.scene, **options)
+
+
+def _solver_at_first(problem: ProblemFile, **options: Any) -> Solver:
+    """Prepare a solver among obstacles as they are before they move."""
+    scene = problem.scene
+    return Solver(problem.robot, scene.at(0.0) if scene.snapshot().moves else scene, **options)
 
 
 def with_room(problem: ProblemFile, method: Choice) -> ProblemFile:
@@ -73,10 +84,12 @@ def with_room(problem: ProblemFile, method: Choice) -> ProblemFile:
     return problem if problem.prefer else problem.preferring(wish(problem.robot, method))
 
 
-def plan_files(files: list[str], options: Options, shortcuts: int = 0) -> int:
+def plan_files(files: list[str], options: Options, shortcuts: int = 0, duration: float | None = None) -> int:
     """Plan the motion that every file asks for; return the exit code."""
     options.check(files)
     checks.integer("--shortcuts", shortcuts, 0, MOST_SHORTCUTS)
+    if duration is not None:
+        checks.number("--duration", duration, above=0.0)
     read = read_all(files)
     for problem in (one.problem for one in read):
         _refuse(problem, "path")
@@ -87,7 +100,15 @@ def plan_files(files: list[str], options: Options, shortcuts: int = 0) -> int:
                 check_limits(problem.robot, "goal", problem.goal)
             except InputError as error:
                 raise error.in_file(problem.file) from None
-    return _answer_all(read, options, _plan, partial(Planner, shortcuts=shortcuts))
+    return _answer_all(read, options, _plan, partial(_planner, shortcuts=shortcuts, duration=duration))
+
+
+def _planner(problem: ProblemFile, **options: Any) -> Planner:
+    """Prepare a planner; the rates of a file count where obstacles move."""
+    try:
+        return Planner(problem.robot, problem.scene, rates=rates_in_time(problem), **options)
+    except InputError as error:
+        raise error.in_file(problem.file) from None
 
 
 def _refuse(problem: ProblemFile, *kinds: str) -> None:
@@ -144,7 +165,8 @@ def _prepare(problem: ProblemFile, options: Options, kind: Prepared) -> tuple[So
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
-        solver = kind(problem.robot, problem.scene, **options.solve_options(problem.tolerance, problem.prefer))
+        given = options.solve_options(problem.tolerance, problem.prefer)
+        solver = kind(problem, **given)
     return solver, clock.perf_counter() - began
 
 
@@ -171,7 +193,11 @@ def _plan(planner: Planner, problem: ProblemFile, bar: Bar) -> Motion:
 
 def _track(deviation: float | None, solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:
     """Follow the path; when interrupted, return what is there."""
-    tracker, done = Tracker(solver, problem.start, read_deviation(solver, deviation)), 0
+    waypoints, started = len(problem.waypoints), problem.start is not None
+    timetable = timetable_of(problem.scene, problem.times, waypoints, started)
+    if timetable is not None:
+        solver = Solver.prepared(solver.robot, timetable.live, solver.options)
+    tracker, done = Tracker(solver, problem.start, read_deviation(solver, deviation), timetable), 0
     try:
         for targets in problem.waypoints if tracker.blocked is None else ():
             tracker.go_to(targets)

@@ -9,6 +9,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import keys_of, known_entries, make
+from sinuous.files.course import MOVING, read_course
 from sinuous.files.documents import read_part
 from sinuous.poses import pose
 from sinuous.problem.target import Target
@@ -17,6 +18,7 @@ from sinuous.robot.coupled import Actuators
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.courses.moving import Moving
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
@@ -116,17 +118,27 @@ def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obsta
         raise InputError("", "", value, "one of " + ", ".join(kinds))
     ((kind, description),) = entries.items()
     with checks.inside(kind):
-        if kind in OBSTACLES:
-            return [make(OBSTACLES[kind], description)]
-        array, noun = FROM_ARRAYS[kind]
-        if isinstance(description, dict) and array in description:
-            return [make(noun, description)]
-        obstacle = make(FROM_FILES[kind], description, {"file": lambda name: folder / checks.text("", name)})
-        if not isinstance(obstacle, Mesh):
-            return [obstacle]
-        if robot is not None:
-            obstacle.check_size(robot.mean_length)
-        return [*obstacle.bodies()]
+        if isinstance(description, dict) and MOVING in description:
+            still = {key: value for key, value in description.items() if key != MOVING}
+            with checks.inside(MOVING):
+                course = read_course(description[MOVING], folder)
+            return [Moving.along(part, course) for part in _read_kind(kind, still, robot, folder)]
+        return _read_kind(kind, description, robot, folder)
+
+
+def _read_kind(kind: str, description: Any, robot: Robot | None, folder: Path) -> list[Obstacle]:
+    """Read one obstacle of a kind; what is refused is a key of its description."""
+    if kind in OBSTACLES:
+        return [make(OBSTACLES[kind], description)]
+    array, noun = FROM_ARRAYS[kind]
+    if isinstance(description, dict) and array in description:
+        return [make(noun, description)]
+    obstacle = make(FROM_FILES[kind], description, {"file": lambda name: folder / checks.text("", name)})
+    if not isinstance(obstacle, Mesh):
+        return [obstacle]
+    if robot is not None:
+        obstacle.check_size(robot.mean_length)
+    return [*obstacle.bodies()]
 
 
 def read_target(value: Any, robot: Robot) -> Target:

@@ -25,7 +25,7 @@ def measure(obstacle: Obstacle, points: Floats) -> Floats:
     elif isinstance(obstacle, PointCloud):
         distance = to_cloud(obstacle, points)
     elif isinstance(obstacle, Grid):
-        distance = to_grid(obstacle, points)
+        distance = to_grid(obstacle, _steps(obstacle, points))
     elif isinstance(obstacle, Field):
         distance = to_field(obstacle, points)
     else:
@@ -33,8 +33,14 @@ def measure(obstacle: Obstacle, points: Floats) -> Floats:
     return np.asarray(-distance if getattr(obstacle, "inside", False) else distance)
 
 
+def _steps(grid: Grid, points: Floats) -> Floats:
+    """How far points (m, 3) are from the first of a grid, along its axes."""
+    away: Floats = points - grid.origin
+    return away if np.array_equal(grid.axes, np.eye(3)) else away @ grid.axes
+
+
 def at_most(obstacle: Obstacle, points: Floats) -> Floats:
     """Upper bound (m,) of the signed distance of points (m, 3): the same, but for a grid of distances."""
     if isinstance(obstacle, Grid) and not obstacle.occupancy:
-        return most_to_grid(obstacle, points)
+        return most_to_grid(obstacle, _steps(obstacle, points))
     return measure(obstacle, points)

@@ -23,7 +23,10 @@ def to_cloud(cloud: PointCloud, points: Floats) -> Floats:
 
 
 def to_grid(grid: Grid, points: Floats) -> Floats:
-    """Signed distance (m,) of points (m, 3) to the nearest cube of an occupancy grid; of distances what they prove."""
+    """Signed distance (m,) to the nearest cube of an occupancy grid; of distances what they prove.
+
+    `points` (m, 3) are counted from the first one of the grid, along its axes.
+    """
     return _to_cubes(grid, points) if grid.occupancy else _proved(grid, points)
 
 
@@ -33,7 +36,7 @@ def to_field(field: Field, points: Floats) -> Floats:
 
 
 def _to_cubes(grid: Grid, points: Floats) -> Floats:
-    centers = grid.origin + grid.spacing * np.argwhere(grid.values)
+    centers: Floats = grid.spacing * np.argwhere(grid.values)
     if not len(centers):
         return np.full(len(points), np.inf)
     half = 0.5 * grid.spacing
@@ -63,8 +66,8 @@ def most_to_grid(grid: Grid, points: Floats) -> Floats:
 
 def _corners(grid: Grid, points: Floats) -> tuple[Floats, Floats]:
     """Values (8, m) at the corners of the cell of each point, or of the nearest cell, and their distances from it."""
-    cell = np.floor((points - grid.origin) / grid.spacing).astype(np.int64)
+    cell = np.floor(points / grid.spacing).astype(np.int64)
     first = cell.clip(0, np.array(grid.values.shape) - 2)
     at = np.stack([first + corner for corner in np.ndindex(2, 2, 2)])
-    gaps: Floats = np.linalg.norm(points - grid.origin - grid.spacing * at, axis=-1)
+    gaps: Floats = np.linalg.norm(points - grid.spacing * at, axis=-1)
     return grid.values[tuple(np.moveaxis(at, -1, 0))], gaps

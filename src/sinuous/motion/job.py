@@ -15,6 +15,7 @@ from sinuous.motion import plain
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import track
+from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -68,7 +69,8 @@ class Job(ProblemFile):
         self._refuse("path")
         if self.start is None:
             raise InputError("start", "missing", None, "where the motion begins", self.file or None)
-        given: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, **options}
+        asked: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, "rates": rates_in_time(self)}
+        given: PlanArguments = {**asked, **options}
         return plan(self.robot, self.start, self.ends, self.scene, **given)
 
     def result(self, file: str | Path) -> Solution | Motion:
@@ -90,7 +92,8 @@ class Job(ProblemFile):
                 if self.goal is not None:
                     return plain.read(Motion, values, (), (self.robot, self.scene.snapshot()))
                 if "waypoints" in values:
-                    return Motion.from_dict(values, (self.problem(i) for i in range(len(self.waypoints))))
+                    scene = self.scene.snapshot()
+                    return Motion.from_dict(values, map(self.problem, range(len(self.waypoints))), scene)
                 return Solution.from_dict(values, self.problem())
         except InputError as error:
             raise error.in_file(file) from None
@@ -114,6 +117,11 @@ class Job(ProblemFile):
 
     def _options(self, given: SolveArguments) -> SolveArguments:
         return {"tolerance": self.tolerance, "prefer": self.prefer, **given}
+
+
+def rates_in_time(problem: ProblemFile) -> Rates | None:
+    """How fast a plan may be: what the file says, where obstacles move."""
+    return problem.rates if problem.rates and problem.scene.snapshot().moves else None
 
 
 Noun = TypeVar("Noun", Job, Robot, Scene)

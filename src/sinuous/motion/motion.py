@@ -46,6 +46,7 @@ class Motion(Shown, Uses):
     q : array_like (T, n, 3)
         The knots: bend_x, bend_y (rad), length of every segment, within all limits; at least two.
     scene : Scene, Snapshot or list of obstacles, optional
+        Where obstacles are `Moving`, everything is proved for the times at which they are where they are.
     times : array_like (T,), optional
         When the robot is at each knot, increasing; by default 0, 1, 2, ...
 
@@ -96,7 +97,7 @@ class Motion(Shown, Uses):
             check_limits(robot, f"q[{i}]", knot)
         place = as_snapshot(scene)
         when = even_times(len(knots)) if times is None else checks.increasing("times", times, len(knots))
-        self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots))
+        self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots, times=when))
         self._tell(Told())
 
     @classmethod
@@ -207,8 +208,12 @@ class Motion(Shown, Uses):
         return self
 
     @classmethod
-    def from_dict(cls, values: "Mapping[str, Any]", problems: "Iterable[Problem]") -> "Motion":
+    def from_dict(
+        cls, values: "Mapping[str, Any]", problems: "Iterable[Problem]", scene: SceneLike | Snapshot | None = None
+    ) -> "Motion":
         """Make a motion of its result as plain values, and of the problems of its waypoints, one after the other.
+
+        Where obstacles move, the `scene` says how; that of each problem is then what the motion says when it was.
 
         It says what the result says; `verify` recomputes that, and `Motion(robot, q, scene, times)` proves it again.
 
@@ -217,7 +222,8 @@ class Motion(Shown, Uses):
         InputError
             When `values` are no result of a motion, or one of another number of waypoints.
         """
-        return plain.read(cls, values, tuple(problems))
+        place = None if scene is None else as_snapshot(scene)
+        return plain.read(cls, values, tuple(problems), scene=place)
 
     def to_dict(self) -> dict[str, Any]:
         """Return totals, knots and waypoints as plain values, in the order of the file format."""

@@ -54,16 +54,23 @@ def write(motion: "Motion") -> dict[str, Any]:
 
 
 def read(
-    kind: "type[Motion]", values: Any, problems: tuple[Problem, ...], place: tuple[Robot, Snapshot] | None = None
+    kind: "type[Motion]",
+    values: Any,
+    problems: tuple[Problem, ...],
+    place: tuple[Robot, Snapshot] | None = None,
+    scene: Snapshot | None = None,
 ) -> "Motion":
     """Make a motion of plain values and the problems of its waypoints; see `Motion.from_dict`.
 
-    A motion to a configuration has no waypoints, and no problems: its robot and scene are given in their `place`.
+    A motion to a configuration has no waypoints, and no problems: its robot and scene are given in their `place`. The
+    `scene` is the one whose obstacles move, where they do.
     """
     if not isinstance(values, dict):
         raise InputError("", "", values, "a result")
+    if scene is not None and scene.moves:
+        problems = _at_their_times(values, problems, scene)
     solutions = _read_waypoints(values, problems, place is None)
-    robot, scene = place or (problems[0].robot, problems[0].scene)
+    robot, around = place or (problems[0].robot, scene or problems[0].scene)
     q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
     times = checks.increasing("times", _value(values, "times"), len(q))
     clearances = [_optional(values, key) for key in ("clearance", "self_clearance")]
@@ -77,8 +84,16 @@ def read(
         method=checks.text("method", _value(values, "method")),
         seed=checks.integer("seed", _value(values, "seed"), 0, 2**31 - 1),
     )
-    motion = kind.made(robot, scene, q, times, steps, told)
+    motion = kind.made(robot, around, q, times, steps, told)
     return _as_it_ended(motion, values, told)
+
+
+def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene: Snapshot) -> tuple[Problem, ...]:
+    """Ask each problem in the scene as it is when its waypoint was reached; of one that was not, at the last time."""
+    times, knots = _list(values, "times"), _list(values, "waypoint_knots")
+    ends = [times[knot] if isinstance(knot, int) and 0 <= knot < len(times) else times[-1] for knot in knots if times]
+    when = [*ends, *[times[-1] if times else 0.0] * (len(problems) - len(ends))]
+    return tuple(problem.changed(scene=scene.at(t)) for problem, t in zip(problems, when, strict=False))
 
 
 def _as_it_ended(motion: "Motion", values: dict[str, Any], told: Told) -> "Motion":

@@ -7,12 +7,15 @@ from typing import Any, Unpack, cast
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Whole
+from sinuous.arguments import Number, Whole
 from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
+from sinuous.motion.in_time.find import standing
+from sinuous.motion.in_time.search import InTime
+from sinuous.motion.in_time.timing import Timing
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.goals import FixedGoal, Goals
 from sinuous.motion.planning.question import Question
@@ -24,6 +27,7 @@ from sinuous.motion.told import Told
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
+from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
@@ -51,6 +55,9 @@ class PlanArguments(SolveArguments, total=False):
     """Options of `plan` as keyword arguments."""
 
     shortcuts: Whole
+    rates: Rates | None
+    begin: Number
+    duration: Number | None
 
 
 def plan(
@@ -63,6 +70,10 @@ def plan(
     is found is left out. With a target as goal, it is solved from the start first, and more configurations that meet
     it become goals while the trees grow.
 
+    Where obstacles are `Moving`, the way is one through space and time: the straight line and ways past what stands
+    still are paced, on, waiting or back (Kant & Zucker 1986), then a tree grows forwards in time (LaValle & Kuffner
+    2001). It needs `rates` or a `duration`.
+
     Parameters
     ----------
     robot : Robot
@@ -73,16 +84,19 @@ def plan(
     scene : Scene or list of obstacles, optional
     **options
         As for `Solver`, for solving the target; `time` is the budget of the plan, by default 5 s. `shortcuts`: how many
-        random places of the way are tried to be joined directly, by default none. The same `seed` gives the same
-        motion, unless the time runs out.
+        random places of the way are tried to be joined directly, by default none. `begin`: the time at the start, by
+        default 0. `duration`: how long the motion takes, by default 1 or, with `rates`, as short as is found.
+        `rates`: how fast the robot may be, where obstacles move; else `Motion.timed` knows how fast a motion may be
+        passed. The same `seed` gives the same motion, unless the time runs out.
 
     Returns
     -------
     Motion
-        Always; look at its status. The start is at time 0, the goal at time 1. Its status is `start_blocked` where the
-        start overlaps or violates a limit, `target_blocked` where a configuration as goal overlaps; with a target what
-        `solve` says of it, where it is not solved; `time_limit` where no motion was found, which does not mean that
-        there is none. Its knots are the start alone in all these cases.
+        Always; look at its status. It is `start_blocked` where the start overlaps or violates a limit,
+        `target_blocked` where a configuration as goal overlaps (where obstacles move: when the motion ends, or what
+        stands still); with a target what `solve` says of it, where it is not solved; `rate_bound` where rates allow no
+        way of this duration to a configuration; `time_limit` where no motion was found, which does not mean that there
+        is none. Its knots are the start alone in all these cases.
 
     Raises
     ------
@@ -114,11 +128,13 @@ class Planner:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
+        self._timing = Timing.of(robot, {key: given.pop(key) for key in Timing._fields if key in given})
         self._robot, self._scene, self._options = robot, as_scene(scene), SolveOptions.of({"time": TIME, **given})
+        self._timing.check(self._scene.snapshot())
         check_sizes(robot, self._scene)
         warn_of(suspicions(robot, self._scene.snapshot()))
         load_motions(robot, self._scene.snapshot())
-        load_trees(robot, self._scene.snapshot())
+        load_trees(robot, standing(self._scene.snapshot()))
 
     def __repr__(self) -> str:
         sizes = [f"{len(self._robot)} segments", f"{len(self._scene)} obstacles"]
@@ -127,6 +143,8 @@ class Planner:
     def plan(self, start: Initial, goal: Goal) -> Motion:
         """Plan a motion from a start to a goal; see the function `plan`."""
         begin, end = self._configuration("start", start), self._end(goal)
+        if self._scene.snapshot().moves:
+            return self._plan_in_time(begin, end)
         if not isinstance(end, np.ndarray):
             _ = self._solver  # loaded now, because compiling is no planning
         spent, scene = Watch(self._options.time), self._scene.snapshot()
@@ -149,6 +167,14 @@ class Planner:
         question = Question(self._robot, scene, begin, goals, seed, shortcuts, spent)
         return self._arrived(made, question, goals)
 
+    def _plan_in_time(self, begin: Floats, end: Floats | list[Target]) -> Motion:
+        """Plan a motion among obstacles that move."""
+        spent, scene = Watch(self._options.time), self._scene.snapshot()
+        way, told = InTime(self._robot, scene, self._options, self._timing, spent.seconds_left).find(begin, end)
+        if way is None:
+            return self._made(spent, begin, scene, **told)
+        return self._made(spent, begin, scene, Way(way.q, way.answers), way.times, **told)
+
     @cached_property
     def _solver(self) -> Solver:
         """Solves targets; without any, nothing is compiled for it."""
@@ -167,11 +193,20 @@ class Planner:
         met = tuple(solution for solution in solutions if np.array_equal(solution.q, way.q[-1]))[:1]
         return made(question.scene, way, solutions=met, waypoint_knots=(len(way.q) - 1,) * len(met))
 
-    def _made(self, spent: Watch, start: Floats, scene: Snapshot, way: Way | None = None, **told: Any) -> Motion:
+    def _made(
+        self,
+        spent: Watch,
+        start: Floats,
+        scene: Snapshot,
+        way: Way | None = None,
+        times: Floats | None = None,
+        **told: Any,
+    ) -> Motion:
         robot = self._robot
         q, answers = (start[None], np.zeros((0, ANSWER_WIDTH))) if way is None else way
         fixed = np.array([0] if way is None else [0, len(q) - 1])
-        times = spread_times(robot, q, fixed, np.arange(float(len(fixed))))
+        if times is None:
+            times = self._timing.spread(spread_times(robot, q, fixed, np.arange(float(len(fixed)))))
         method, seed = name_of(self._options.method), self._options.seed
         found = Told(seconds=spent.seconds, method=method, seed=seed, **told)
         return Motion.made(robot, scene, q, times, Steps(answers), found)

@@ -35,19 +35,19 @@ def check_limits(robot: Robot, key: str, q: Floats) -> None:
         raise InputError(key, str(violated), q.tolist(), "a configuration within all limits")
 
 
-def blocked_by(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
-    """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself.
+def blocked_by(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:
+    """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself at a time.
 
     `None` when it is within all limits and no overlap is seen. What is too near to contact to be proved clear is no
     claim that it is clear: the first step is not proved then.
     """
-    return violated_by(robot, q) or overlap_at(robot, q, prover)
+    return violated_by(robot, q) or overlap_at(robot, q, prover, when)
 
 
-def overlap_at(robot: Robot, q: Floats, prover: Prover) -> Worst | None:
-    """Return where a configuration (n, 3) overlaps an obstacle or itself; `None` when no overlap is seen."""
-    if prover.prove(np.stack([q, q]), slack=1.0)[0, VERDICT] == CLEAR:
+def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:
+    """Return where a configuration (n, 3) overlaps an obstacle or itself at a time; `None` when no overlap is seen."""
+    if prover.prove(np.stack([q, q]), slack=1.0, times=np.array([when, when]))[0, VERDICT] == CLEAR:
         return None
-    worst = find_overlap(robot, prover.scene, q)
+    worst = find_overlap(robot, prover.scene.at(when), q)
     # So near to contact that a proof fails: no overlap is seen.
     return worst if worst.amount > SLACK * max(1.0, robot.mean_length) else None

@@ -5,8 +5,10 @@ from typing import Any, Unpack
 
 from sinuous import checks
 from sinuous.arguments import Number, Shortest, Vector
+from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
+from sinuous.motion.following.timetable import Timetable
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
 from sinuous.motion.plain import MOST_WAYPOINTS
@@ -16,7 +18,7 @@ from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Targets
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import SceneLike
+from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solution.solution import Solution
 from sinuous.solving.options import SolveArguments
 from sinuous.solving.solver import Initial, Solver
@@ -56,6 +58,7 @@ def track(
         The waypoints; the targets of a list are met at once. Or arrays of the tip's goals: `positions`, `directions`,
         `rotations` and `xyzw`, as for `Solver.solve_many`.
     scene : Scene or list of obstacles, optional
+        Where obstacles are `Moving`, waypoints are solved in the scene at their times, and steps proved in time.
     start : Solution or array_like (n, 3), optional
         The configuration that the robot is in: the first knot of the motion.
     deviation : float, optional
@@ -93,8 +96,10 @@ def track(
     when = None if given_times is None else checks.increasing("times", given_times, len(path))
     if given.get("prefer") is None:
         given["prefer"] = wish(robot, given.get("method", "newton"))
-    solver = Solver(robot, scene, **given)
-    tracker = Tracker(solver, start, read_deviation(solver, deviation))
+    place = as_scene(scene)
+    timetable = timetable_of(place, when, len(path), start is not None)
+    solver = Solver(robot, place if timetable is None else timetable.live, **given)
+    tracker = Tracker(solver, start, read_deviation(solver, deviation), timetable)
     if tracker.blocked is not None:
         return tracker.motion(len(path), when)
     for i in range(len(path)):
@@ -104,6 +109,12 @@ def track(
     if wanted is not None:
         tracker.shorten(wanted)
     return tracker.motion(times=when)
+
+
+def timetable_of(scene: Scene, times: Floats | None, waypoints: int, started: bool) -> Timetable | None:
+    """When the robot is where, if obstacles of a scene move; `None` where they all stand still."""
+    snapshot = scene.snapshot()
+    return Timetable(snapshot, times, waypoints, started) if snapshot.moves else None
 
 
 def wish(robot: Robot, method: Choice) -> Preferences:

@@ -73,7 +73,8 @@ class Uses(Frozen):
         Raises
         ------
         InputError
-            When `rates` do not limit all that moves, or an argument is not what it should be.
+            When `rates` do not limit all that moves, an argument is not what it should be, or obstacles move: then what
+            is proved is proved for its times.
         """
         from sinuous.motion.timing.timed import timed  # noqa: PLC0415
 
@@ -82,8 +83,12 @@ class Uses(Frozen):
     def reversed(self) -> Self:
         """Return the same motion backwards: the knots from the last to the first, in the same time.
 
-        What is proved of a step holds in both directions.
+        What is proved of a step holds in both directions. Where obstacles move, it is another motion in the same time:
+        all of it is proved anew, and it has no solutions.
         """
+        if self.scene.moves and len(self.q) > 1:
+            times = self.times[:1] + self.times[-1:] - self.times[::-1]
+            return type(self)(self.robot, self.q[::-1], self.scene, times)
         last, tried = len(self.q) - 1, len(self.solutions)
         told = Told(
             solutions=self.solutions[::-1],

@@ -27,6 +27,7 @@ from sinuous.pictures.plot import (
 from sinuous.pictures.shapes.paint import add, paint_arm, paint_walls, places_of, tones, walls_of
 from sinuous.pictures.shapes.stage import Stage, fill, set_stage, stage_of
 from sinuous.pictures.style import TIP_PATH, View, tidy_space
+from sinuous.scene.courses.moving import Moving
 
 AREA, DPI = 4.6, 110.0
 """Longer side of a moving picture, in inches, and pixels in one."""
@@ -87,13 +88,16 @@ def _moving(contents: Contents, view: View, count: int, area: float) -> Iterator
     fill(axes, stage, room_of(figure))
     on_the_way = [moving.at(share) for moving in contents.moving for share in np.linspace(0.0, 1.0, LOOKS).tolist()]
     bodies = places_of([*contents.arms, *on_the_way], stage)
-    walls = paint_walls(walls_of(contents.obstacles, stage), *bodies, view)
-    draw_dots(axes, contents, stage)
+    still = [obstacle for obstacle in contents.obstacles if not isinstance(obstacle, Moving)]
+    walls = paint_walls(walls_of(still, stage), *bodies, view)
+    draw_dots(axes, still, stage)
     draw_lines(axes, contents, stage, tips=False)
     paths = [tip_path(moving) for moving in contents.moving]
     for share in np.linspace(0.0, 1.0, count).tolist():
         arms = [*contents.arms, *(moving.at(share) for moving in contents.moving)]
-        drawn = [add(axes, walls + _painted(arms, stage, view))]
+        there = [own for own in contents.obstacles_at(share) if not any(own is one for one in still)]
+        moved = paint_walls(walls_of(there, stage), *bodies, view) if there else []
+        drawn = [add(axes, walls + moved + _painted(arms, stage, view)), *draw_dots(axes, there, stage)]
         for path in paths:
             until = 1 + round(share * (len(path) - 1))
             drawn += axes.plot(*path[:until].T, color=TIP_PATH, linewidth=1.6, zorder=4)

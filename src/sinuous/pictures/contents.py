@@ -14,6 +14,7 @@ from sinuous.motion.motion import Motion
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
+from sinuous.scene.courses.moving import standing_at
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
@@ -94,6 +95,13 @@ class Contents:
         elif arm is None:
             raise InputError("things", "has no place", target, "a robot before a target without a position")
         self.asked.append(Asked(target, end))
+
+    def obstacles_at(self, share: float) -> list[Obstacle]:
+        """All obstacles after this share of the time of the first motion; without one, where their courses begin."""
+        if not self.moving:
+            return standing_at(self.obstacles)
+        begin, end = self.moving[0].times[0], self.moving[0].times[-1]
+        return standing_at(self.obstacles, float(begin + share * (end - begin)))
 
     @property
     def all_arms(self) -> list[Arm]:

@@ -83,14 +83,20 @@ def diagrams_of(answer: Solution | Motion) -> list[str]:
     return [*near, *(["clearance map"] if near else []), *driven, "bends", "lengths", *times]
 
 
-def clearances(robot: Robot, scene: Snapshot, q: Floats) -> tuple[Floats, Floats]:
+def clearances(robot: Robot, scene: Snapshot, q: Floats, times: Floats | None = None) -> tuple[Floats, Floats]:
     """Distances (..., m) of the surface of the body from obstacles in configurations (..., n, 3), and the places (m,).
 
-    Places are numbers of segments, 0 at the base and n at the tip. Those within the mount are infinite.
+    Places are numbers of segments, 0 at the base and n at the tip. Those within the mount are infinite. Where obstacles
+    move, configurations (k, n, 3) are those at `times` (k,).
     """
     places = np.linspace(0.0, len(robot), len(robot) * ALONG + 1)
     radii = np.array(robot.radii)[np.minimum(places.astype(np.int64), len(robot) - 1)]
-    clearance = scene.distance(robot.backbone(q, ALONG)) - radii
+    body = robot.backbone(q, ALONG)
+    if scene.moves and times is not None:
+        distances = np.stack([scene.at(t).distance(own) for t, own in zip(times.tolist(), body, strict=True)])
+    else:
+        distances = scene.distance(body)
+    clearance = distances - radii
     return np.where(_along(q) < robot.mount, np.inf, clearance), places
 
 
@@ -112,7 +118,7 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
         _draw_along(axes, answer)
         return
     moments, q = _moments(answer)
-    least = clearances(answer.robot, answer.scene, q)[0].min(axis=-1)
+    least = clearances(answer.robot, answer.scene, q, moments)[0].min(axis=-1)
     axes.plot(moments, least, color=CURVES[0], linewidth=1.8)
     _mark_least(axes, moments, least)
     _limit(axes, least)
@@ -184,7 +190,7 @@ def _limit(axes: Any, clearance: Floats) -> None:
 def _draw_map(axes: Any, answer: Solution | Motion) -> None:
     assert isinstance(answer, Motion)
     moments, q = _moments(answer)
-    clearance, places = clearances(answer.robot, answer.scene, q)
+    clearance, places = clearances(answer.robot, answer.scene, q, moments)
     known = np.where(np.isfinite(clearance), clearance, np.nan)
     most = float(np.nanquantile(known, 0.9))
     drawn = axes.pcolormesh(

@@ -1,6 +1,6 @@
 """Pictures in space with Matplotlib: robots, scenes, targets, solutions and motions."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from sinuous.pictures.shapes.dots import Dotted, dots
 from sinuous.pictures.shapes.paint import GHOST, add, paint_arm, paint_walls, places_of, tones, walls_of
 from sinuous.pictures.shapes.stage import ARROW, Stage, extent, fill, set_stage, stage_of
 from sinuous.pictures.style import DOTS, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, View, X, Y, Z, tidy_space
+from sinuous.scene.obstacles import Obstacle
 from sinuous.solution.solution import Solution
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ def room_of(figure: Any, head: float = HEAD) -> Floats:
 
 
 def draw_contents(axes: Any, contents: Contents, stage: Stage, view: View) -> None:
-    """Draw everything at its place on the stage, motions at their end."""
+    """Draw everything at its place on the stage, motions and obstacles that move at their end."""
     tidy_space(axes)
     set_stage(axes, stage, view)
     draw_shapes(axes, contents, stage, view)
@@ -143,18 +144,22 @@ def draw_shapes(axes: Any, contents: Contents, stage: Stage, view: View) -> None
     for moving, (_, colours) in zip(contents.moving, arms[len(contents.arms) :], strict=True):
         for share in np.linspace(0.0, 1.0, GHOSTS + 1)[:-1].tolist():
             painted += paint_arm(moving.at(share), colours, stage, view, GHOST)
-    walls = walls_of(contents.obstacles, stage)
+    obstacles = contents.obstacles_at(1.0)
+    walls = walls_of(obstacles, stage)
     add(axes, paint_walls(walls, *places_of(contents.all_arms, stage), view) + painted)
-    draw_dots(axes, contents, stage)
+    draw_dots(axes, obstacles, stage)
 
 
-def draw_dots(axes: Any, contents: Contents, stage: Stage) -> None:
-    """Draw clouds, grids and fields."""
-    for obstacle in contents.obstacles:
+def draw_dots(axes: Any, obstacles: Iterable[Obstacle], stage: Stage) -> list[Any]:
+    """Draw clouds, grids and fields; return what was drawn."""
+    drawn = []
+    for obstacle in obstacles:
         if isinstance(obstacle, Dotted):
             points = dots(obstacle)
             inside = ((points >= stage.low) & (points <= stage.high)).all(axis=-1)
-            axes.scatter(*points[inside].T, color=DOTS, s=1.6, linewidths=0.0, depthshade=False, zorder=1)
+            look = {"color": DOTS, "s": 1.6, "linewidths": 0.0, "depthshade": False, "zorder": 1}
+            drawn.append(axes.scatter(*points[inside].T, **look))
+    return drawn
 
 
 def draw_lines(axes: Any, contents: Contents, stage: Stage, *, tips: bool = True) -> None:

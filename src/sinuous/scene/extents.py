@@ -4,6 +4,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.courses.moving import Moving
 from sinuous.scene.grids.field import Field
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
@@ -15,6 +16,8 @@ def box_of(obstacle: Obstacle) -> Floats | None:
 
     Of a `Field` and of a `Grid` of distances it is the box that their samples fill.
     """
+    if isinstance(obstacle, Moving):
+        return _on_the_way(obstacle)
     if isinstance(obstacle, Primitive):
         return None if isinstance(obstacle, HalfSpace) else _of_primitive(obstacle)
     if isinstance(obstacle, Mesh):
@@ -24,6 +27,12 @@ def box_of(obstacle: Obstacle) -> Floats | None:
     if isinstance(obstacle, Grid | Field):
         return _of_samples(obstacle)
     raise NotImplementedError(f"no extents of {type(obstacle).__name__}")
+
+
+def _on_the_way(moving: Moving) -> Floats | None:
+    """Box around an obstacle at all of its times, and so all the way, but where it turns far from where it is."""
+    boxes = [box_of(moving.at(t)) for t in moving.times.tolist()]
+    return None if boxes[0] is None else _around(np.concatenate([box for box in boxes if box is not None]), 0.0)
 
 
 def _of_primitive(obstacle: Primitive) -> Floats:
@@ -36,10 +45,11 @@ def _of_primitive(obstacle: Primitive) -> Floats:
 
 def _of_samples(obstacle: Grid | Field) -> Floats | None:
     if isinstance(obstacle, Grid) and obstacle.occupancy:
-        occupied = np.argwhere(obstacle.values)
-        return _around(obstacle.origin + obstacle.spacing * occupied, 0.5 * obstacle.spacing) if len(occupied) else None
-    last = obstacle.origin + obstacle.spacing * (np.array(obstacle.values.shape) - 1)
-    return np.stack([obstacle.origin, last])
+        occupied, half = np.argwhere(obstacle.values), 0.5 * obstacle.spacing * np.abs(obstacle.axes).sum(axis=1)
+        return _around(obstacle.points(occupied), half) if len(occupied) else None
+    last = np.array(obstacle.values.shape) - 1
+    corners = obstacle.points(last * np.array(list(np.ndindex(2, 2, 2))))
+    return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
 
 def _around(points: Floats, reach: Floats | float) -> Floats:

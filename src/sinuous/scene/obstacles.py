@@ -43,6 +43,31 @@ class Obstacle(Frozen, ABC):
         """What problem files call such an obstacle: `half_space`."""
         return "".join(f"_{c.lower()}" if c.isupper() else c for c in type(self).__name__).lstrip("_")
 
+    @property
+    def place(self) -> "tuple[Obstacle, Floats] | None":
+        """The obstacle that it was before it was moved, and by which pose (4, 4) it was; `None`: it never was.
+
+        What was computed of that one serves for this one.
+        """
+        return vars(self).get("_place")
+
+    def placed(self, pose: Floats, **changes: Any) -> Self:
+        """Return the same obstacle, moved by a pose (4, 4), with these attributes changed; see `courses.moved`."""
+        root, before = self.place or (self, np.eye(4))
+        twin = object.__new__(type(self))
+        twin._set(**vars(self))
+        twin._set(**changes, _source=None, _place=(root, pose @ before))
+        return twin
+
+    def _in_place(self, points: Floats) -> Floats:
+        """Points (m, 3) of the obstacle as it was before it was moved, where they are now; read-only."""
+        if self.place is None:
+            return points
+        _, pose = self.place
+        there: Floats = points @ pose[:3, :3].T + pose[:3, 3]
+        there.flags.writeable = False
+        return there
+
     def named(self, name: str | None) -> Self:
         """Return the same obstacle with another name, or None for none."""
         twin = object.__new__(type(self))

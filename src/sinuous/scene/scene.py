@@ -13,14 +13,17 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.notebook import Shown
 from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.entries import entries_of
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.snapshot import Snapshot
-from sinuous.scene.sources import entries_of
 from sinuous.writing.documents import write_document
 
 
 class Scene(Shown):
     """A union of obstacles. Distances are positive outside, negative inside, in the length unit.
+
+    Where obstacles are `Moving`, there are distances and solutions `at` a time only. `track`, `plan` and `Motion` look
+    at all times of a motion.
 
     Nothing of it changes but by `update`; `snapshot` gives what is there now, frozen. A copy goes on by itself.
 
@@ -63,6 +66,13 @@ class Scene(Shown):
         """Return the obstacles as they are now, frozen; the same object until the next update."""
         return self._snapshot
 
+    def at(self, t: Number) -> "Scene":
+        """Return the scene as it is at a time, with all obstacles standing still.
+
+        What was computed of meshes, clouds and grids serves for all times.
+        """
+        return Scene.of(self._snapshot.at(t))
+
     def prepare(self, progress: Callable[[str, float], object] | None = None) -> None:
         """Compute what solving needs to know of meshes, clouds and grids; without this, the first use does.
 
@@ -90,7 +100,7 @@ class Scene(Shown):
 
     @property
     def table(self) -> Floats:
-        """Rows (m, 18) for the kernels, read-only."""
+        """Rows (m, 31) for the kernels, read-only."""
         return self._snapshot.table
 
     @property
@@ -102,7 +112,7 @@ class Scene(Shown):
         return len(self.obstacles)
 
     def __repr__(self) -> str:
-        return f"Scene({len(self)} obstacles)"
+        return f"Scene({len(self)} obstacles{', some of which move' if self._snapshot.moves else ''})"
 
     def equals(self, other: object) -> bool:
         """Whether `other` is a scene of equal obstacles in the same order, as both are now."""

@@ -1,7 +1,7 @@
 """The obstacles as they are at one moment, and how far points are from them. Nothing of it changes."""
 
 import threading
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
 from typing import Any
 
@@ -9,10 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks, packing
-from sinuous.arguments import Stack
+from sinuous.arguments import Number, Stack
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.courses.course import Course
+from sinuous.scene.courses.moving import Moving, standing_at
 from sinuous.scene.grids.field import Field, evaluate
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
@@ -26,7 +29,7 @@ class Snapshot(Frozen):
     """A union of obstacles, frozen. Distances are positive outside, negative inside, in the length unit.
 
     Problems and solutions hold the snapshot of the scene that they were solved in. What the kernels read of it is
-    computed when it is first asked for, or by `prepare`.
+    computed when it is first asked for, or by `prepare`. Where obstacles move there are distances `at` a time only.
 
     Parameters
     ----------
@@ -43,8 +46,7 @@ class Snapshot(Frozen):
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        group = None if parts is None else join(parts)
-        self._set(_obstacles=obstacles, _parts=parts, _group=group, _lock=threading.Lock())
+        self._set(_obstacles=obstacles, _parts=parts, _group=None, _lock=threading.Lock())
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
@@ -63,6 +65,7 @@ class Snapshot(Frozen):
         return self._made() if self._group is None else self._group
 
     def _made(self) -> Floats:
+        self.refuse_moving()
         self.prepare()
         assert self._group is not None
         return self._group
@@ -70,20 +73,66 @@ class Snapshot(Frozen):
     def prepare(self, progress: Callable[[str, float], object] | None = None) -> None:
         """Compute what the kernels read, if that is not done yet; see `Scene.prepare`."""
         with self._lock:
-            if self._group is None:
-                parts = [self._part(i, progress) for i in range(len(self))]
-                self._set(_parts=parts, _group=join(parts))
+            if self._parts is None:
+                self._set(_parts=[self._part(i, progress) for i in range(len(self))])
+            if self._group is None and not self.moves:
+                assert self._parts is not None
+                self._set(_group=join(self._parts))
+
+    def forget(self) -> None:
+        """Let go of the array that the kernels read: it is put together again when it is asked for."""
+        self._set(_group=None)
+
+    @property
+    def courses(self) -> dict[int, Course]:
+        """How the obstacles move that do, by their index."""
+        return {i: own.course for i, own in enumerate(self._obstacles) if isinstance(own, Moving)}
+
+    @property
+    def moves(self) -> bool:
+        """Whether an obstacle moves."""
+        return any(isinstance(obstacle, Moving) for obstacle in self._obstacles)
+
+    def refuse_moving(self) -> None:
+        """Refuse obstacles that move, where they have to stand still.
+
+        Raises
+        ------
+        InputError
+        """
+        for i, obstacle in enumerate(self._obstacles):
+            if isinstance(obstacle, Moving):
+                raise InputError("scene", f"{self.name(i)} moves", obstacle, "the scene at one time: scene.at(t)")
+
+    def at(self, t: Number) -> "Snapshot":
+        """Return the obstacles as they are at a time, standing still; itself where none moves. Nothing is sampled."""
+        when = checks.number("t", t)
+        if not self.moves:
+            return self
+        self.prepare()
+        assert self._parts is not None
+        there = tuple(standing_at(self._obstacles, when))
+        parts = [part if own is old else prepare(own, "") for own, old, part in self._each(there)]
+        return Snapshot(there, parts)
+
+    def _each(self, there: tuple[Obstacle, ...]) -> Iterator[tuple[Obstacle, Obstacle, Part]]:
+        assert self._parts is not None
+        return zip(there, self._obstacles, self._parts, strict=True)
 
     def _part(self, index: int, progress: Callable[[str, float], object] | None) -> Part:
         name = self.name(index)
-        return prepare(self._obstacles[index], name, None if progress is None else partial(progress, name))
+        obstacle = self._obstacles[index]
+        still = obstacle.obstacle if isinstance(obstacle, Moving) else obstacle
+        return prepare(still, name, None if progress is None else partial(progress, name))
 
     def replaced(self, index: int, cloud: PointCloud) -> "Snapshot":
         """Return a snapshot with this cloud in the place of an obstacle. It is not sampled: only its tree is built."""
         self.prepare()
         parts = list(self._parts or ())
         parts[index] = unsampled(cloud)
-        return Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
+        snapshot = Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
+        snapshot.prepare()
+        return snapshot
 
     def with_row(self, index: int, obstacle: Obstacle, part: Part, group: Floats) -> "Snapshot":
         """Return a snapshot with this in the place of an obstacle; `group` is what kernels read of the whole scene."""
@@ -109,21 +158,24 @@ class Snapshot(Frozen):
     def _content(self) -> dict[str, Any]:
         return {"obstacles": self._obstacles}
 
-    def __getstate__(self) -> tuple[tuple[Obstacle, ...], Sequence[Part] | None]:
-        return self._obstacles, self._parts
+    def __getstate__(self) -> tuple[tuple[Obstacle, ...], Sequence[Part] | None, bool]:
+        return self._obstacles, self._parts, self._group is not None
 
     def __setstate__(self, state: Any) -> None:
-        Snapshot.__init__(self, *state)
+        obstacles, parts, joined = state
+        Snapshot.__init__(self, obstacles, parts)
+        if joined:
+            self.prepare()
 
     def __len__(self) -> int:
         return len(self.obstacles)
 
     def __repr__(self) -> str:
-        return f"Snapshot({len(self)} obstacles)"
+        return f"Snapshot({len(self)} obstacles{', some of which move' if self.moves else ''})"
 
     @property
     def table(self) -> Floats:
-        """Rows (m, 18) for the kernels, read-only."""
+        """Rows (m, 31) for the kernels, read-only."""
         rows: Floats = packing.scene_parts(self.group)[0]
         return rows
 

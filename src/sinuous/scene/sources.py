@@ -1,15 +1,10 @@
-"""Which file an obstacle was read from, and how obstacles are written into problem files."""
+"""Which file an obstacle was read from."""
 
 import os
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-from sinuous.errors import InputError
-from sinuous.writing.plain import described, plain
-
-if TYPE_CHECKING:
-    from sinuous.scene.obstacles import Obstacle
+from sinuous.writing.plain import plain
 
 
 class Source(NamedTuple):
@@ -42,41 +37,3 @@ class Source(NamedTuple):
         except ValueError:  # on another drive
             name = str(self.file)
         return {"file": name, **self.arguments}
-
-
-def entries_of(obstacles: Sequence["Obstacle"], folder: Path) -> list[dict[str, Any]]:
-    """Return obstacles as a problem file in `folder` lists them.
-
-    Those from a file stay there; a mesh of which only some parts are left is written out.
-
-    Raises
-    ------
-    InputError
-        For an obstacle that is a function.
-    """
-    entries = []
-    rest = list(obstacles)
-    while rest:
-        obstacle, source, parts = rest[0], rest[0].source, 1
-        if source is not None and _whole(rest, source):
-            name = {} if obstacle.name is None else {"name": obstacle.name}
-            entries.append({obstacle.kind: source.entry(folder) | name})
-            parts = source.parts
-        elif obstacle.is_function:
-            place = f"scene[{len(obstacles) - len(rest)}]"
-            raise InputError(place, "is a function", obstacle, "an obstacle that a file can hold")
-        else:
-            entries.append({obstacle.kind: described(obstacle)})
-        del rest[:parts]
-    return entries
-
-
-def _whole(rest: Sequence["Obstacle"], source: Source) -> bool:
-    """Whether obstacles begin with all parts of one file, and have the names that a reader gives them.
-
-    It names the parts, and what comes after several of them.
-    """
-    together = rest[: source.parts]
-    named = source.parts == 1 or all(each.name is not None for each in rest)
-    whole = len(together) == source.parts and all(part.source is source for part in together)
-    return whole and named and len({part.name for part in together}) == 1

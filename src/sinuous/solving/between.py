@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from sinuous import packing
 from sinuous.brief import call
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
-from sinuous.kernels.between.sweep import SEEN_WIDTH, WHEN, sweep_size
+from sinuous.kernels.between.sweep import DRIFT_WIDTH, SEEN_WIDTH, WHEN, sweep_size
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.in_time.drifts import Drifts, divided_knots, together
 
 SLACK = 0.1
 """How far below the true clearance its proved bound may be, as a share of it."""
@@ -102,30 +104,55 @@ class Steps:
 class Prover:
     """Proves one motion after the other for a robot in a scene, without making anything anew.
 
+    Where obstacles move, motions have times, and where these are between them is looked at in the same time.
+
     `finest`: length, in robot lengths, below which a proof gives up.
     """
 
     def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
         self.scene = scene
-        self._group, self._scene_group = packing.robot_group(robot), scene._kernel_group
+        self._group, self._scene_group = packing.robot_group(robot), scene.at(0.0)._kernel_group
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(robot), len(scene)))
+        self._drifts = Drifts(scene) if scene.moves else None
+        if self._drifts is not None:
+            self._scene_group = self._scene_group.copy()  # rows of it are written
 
-    def prove(self, knots: Floats, slack: float = SLACK, seconds: float = SECONDS) -> Floats:
+    def prove(
+        self, knots: Floats, slack: float = SLACK, seconds: float = SECONDS, times: Floats | None = None
+    ) -> Floats:
         """Return answers (T - 1, 14) about the motions between neighbouring `knots`; see `prove_steps`."""
+        if self._drifts is None:
+            return self._prove(knots, np.empty((len(knots) - 1, 0, DRIFT_WIDTH)), slack, seconds)
+        if times is None:
+            raise InputError("times", "missing: obstacles move", None, "when the robot is at each knot")
+        finer = self._drifts.divided(times)
+        if len(finer) == len(times):
+            return self._prove(knots, self._drifts.rows(times), slack, seconds)
+        answers = self._prove(divided_knots(knots, times, finer), self._drifts.rows(finer), slack, seconds)
+        return together(answers, times, finer)
+
+    def _prove(self, knots: Floats, drifts: Floats, slack: float, seconds: float) -> Floats:
         answers = np.zeros((len(knots) - 1, ANSWER_WIDTH))
         terms = self._mount, slack, self._finest, seconds * len(answers)
-        prove_motions(self._group, self._scene_group, knots, terms, self._workspace, answers)
+        prove_motions(self._group, self._scene_group, knots, drifts, terms, self._workspace, answers)
         return answers
 
 
-def prove_steps(robot: Robot, scene: Snapshot, knots: Floats, slack: float = SLACK, seconds: float = SECONDS) -> Steps:
+def prove_steps(
+    robot: Robot,
+    scene: Snapshot,
+    knots: Floats,
+    slack: float = SLACK,
+    seconds: float = SECONDS,
+    times: Floats | None = None,
+) -> Steps:
     """Prove the motions linear in q between neighbouring `knots` (T, n, 3), which are within all limits.
 
     `slack`: how far below the truth clearances may be, as a share of them; with 1 it is enough that they are greater
-    than 0. `seconds` are those of a step, on average.
+    than 0. `seconds` are those of a step, on average. `times` (T,) count where obstacles move.
     """
-    return Steps(Prover(robot, scene).prove(np.array(knots, np.float64), slack, seconds))
+    return Steps(Prover(robot, scene).prove(np.array(knots, np.float64), slack, seconds, times))
 
 
 def unproved(count: int) -> Floats:
@@ -137,4 +164,4 @@ def unproved(count: int) -> Floats:
 
 def load_motions(robot: Robot, scene: Snapshot) -> None:
     """Compile what proves motions, or load it."""
-    prove_steps(robot, scene, np.zeros((1, len(robot), 3)))
+    prove_steps(robot, scene, np.zeros((1, len(robot), 3)), times=np.zeros(1))

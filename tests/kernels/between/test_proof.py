@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
-from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEEN_WIDTH, SEGMENT, WHEN, sweep_size
+from sinuous.kernels.between.sweep import DRIFT_WIDTH, FRACTION, LEAST, LOW, SEEN_WIDTH, SEGMENT, WHEN, sweep_size
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.packing import robot_group
 from sinuous.scene.scene import Scene
@@ -25,7 +25,8 @@ def prove(case: Case, slack: float = SLACK, seconds: float = 60.0, knots: Floats
     terms = float(case.robot.mount), slack, 1e-7 * case.robot.mean_length, seconds
     snapshot = case.scene.snapshot()
     workspace = np.full(sweep_size(len(case.robot), len(snapshot)), np.nan)
-    prove_motions(robot_group(case.robot), snapshot.group.copy(), path, terms, workspace, answers)
+    still = np.empty((len(path) - 1, 0, DRIFT_WIDTH))
+    prove_motions(robot_group(case.robot), snapshot.group.copy(), path, still, terms, workspace, answers)
     return answers
 
 

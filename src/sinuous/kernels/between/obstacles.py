@@ -10,6 +10,7 @@ decided is halved: the piece of the segment, or, where motion is what leaves it 
 import math
 from collections import namedtuple
 
+from sinuous.kernels.between.drift import drift_of
 from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Motion, Sweep, bow
 from sinuous.kernels.body.chords import sag
 from sinuous.kernels.body.pieces import following, free_part, look_here
@@ -127,13 +128,14 @@ def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, aim: A
     count = 0
     for e in range(sweep.counts[interval.level, k]):
         i = near[k, e]
-        enough = reach + max(wanted(aim, seen), aim.rounding)  # beyond that, what is returned may be no more than that
+        far = reach + drift_of(sweep, i, interval.h, piece.center, piece.reach)
+        enough = far + max(wanted(aim, seen), aim.rounding)  # beyond that, what is returned may be no more than that
         d, _ = look_here(scene, i, piece.center, enough, BOUND)
         if d < enough:
             near[k, e], near[k, count] = near[k, count], i
             count += 1
         else:
-            seen[LOW] = min(seen[LOW], d - reach)
+            seen[LOW] = min(seen[LOW], d - far)
     return count
 
 
@@ -149,7 +151,8 @@ def _decide(
     reach = piece.reach + aim.rounding
     for e in range(count):
         i = sweep.near[piece.k, e]
-        enough = reach + max(wanted(aim, seen), aim.rounding)
+        drift = drift_of(sweep, i, interval.h, piece.center, piece.reach)
+        enough = reach + drift + max(wanted(aim, seen), aim.rounding)
         looks += price_of(scene, i)
         d, most = look_here(scene, i, piece.center, enough, BOUND)
         if d < enough and most - d > LOOSENESS * (piece.reach - piece.radius):
@@ -160,16 +163,16 @@ def _decide(
             seen[FRACTION], seen[WHICH] = piece.s, i
             if gap < 0.0:
                 verdict = TOUCHING
-        low, place, motion = d - reach, piece.half, reach - piece.half - piece.radius
+        low, place, motion = d - reach - drift, piece.half, reach - piece.half - piece.radius
         if scene.table[i, KIND] < TREE and not (low > 0.0 and low >= wanted(aim, seen)):
             by_corners, place, motion = _by_corners(scene, sweep, interval, i, piece)
-            low = max(low, by_corners - piece.radius - aim.rounding)
+            low = max(low, by_corners - piece.radius - aim.rounding - drift)
             looks += 2
         if low > 0.0 and low >= wanted(aim, seen):
             seen[LOW] = min(seen[LOW], low)
             continue
         verdict = max(verdict, UNDECIDED) if verdict != TOUCHING else TOUCHING
-        space, time = max(space, place), max(time, motion)
+        space, time = max(space, place), max(time, motion + drift)
     return verdict, space, time, looks
 
 

@@ -1,11 +1,12 @@
 """The proof that the body is clear of obstacles and of itself all the way from one configuration to another.
 
 The motion is linear in q. All limits are convex in q: what holds at both ends holds all the way. Time is halved until
-each interval is decided: for obstacles see `obstacles`, for the body itself see `itself`.
+each interval is decided: for obstacles see `obstacles`, for those that move `drift`, for the body itself see `itself`.
 """
 
 import math
 
+from sinuous.kernels.between.drift import measure_paces, place_obstacles
 from sinuous.kernels.between.itself import cannot_meet, clear_of_itself, list_pairs, passed_over
 from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment
 from sinuous.kernels.between.pairs import Course
@@ -52,6 +53,7 @@ def _note(seen: Array, verdict: int, gap: float, t: float, k: int, s: float, whi
 def _look_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> int:
     """Verdict about the configuration at time t."""
     knot(motion, t, sweep, HALFWAY)
+    place_obstacles(motion, t, sweep)
     q, frames = sweep.q[HALFWAY], sweep.frames[HALFWAY]
     verdict = CLEAR
     if motion.scene.table.shape[0] > 0:
@@ -93,6 +95,7 @@ def list_obstacles(sweep: Sweep) -> None:
 def touches_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """Whether the body is seen to touch something at time t, among the obstacles that are listed."""
     knot(motion, t, sweep, 0)
+    place_obstacles(motion, t, sweep)
     for k in range(motion.q0.shape[0] - 1, -1, -1):
         if clear_segment(motion, sweep, Interval(0, t, 0.0, 0, 0), k, aim, seen[0]) == TOUCHING:
             return True
@@ -104,7 +107,7 @@ def touches_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) ->
 
 @kernel
 def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
-    """Verdict about obstacles, and until when everything is clear; `travel`: how far anything moves, at most."""
+    """Verdict about obstacles, and until when everything is clear; `travel`: how far anything comes nearer, at most."""
     n = motion.q0.shape[0]
     list_obstacles(sweep)
     a, b = 0, 1
@@ -114,7 +117,8 @@ def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, s
         h = 1.0 / (1 << level)
         interval = Interval(level, piece * h, h, a, b)
         knot(motion, (piece + 1) * h, sweep, b)
-        if spend(sweep.clock, SEGMENT_LOOKS * n):
+        place_obstacles(motion, interval.begin + 0.5 * h, sweep)
+        if spend(sweep.clock, SEGMENT_LOOKS * n + motion.drifts.shape[0]):
             return UNDECIDED, interval.begin
         undecided = False
         for k in range(n - 1, -1, -1):
@@ -196,17 +200,19 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
         seen[row, LOW] = seen[row, LEAST] = math.inf
         seen[row, WHEN], seen[row, SEGMENT], seen[row, FRACTION], seen[row, WHICH] = 0.0, -1.0, 0.0, -1.0
     travel = measure_rates(motion.q0, motion.q1, sweep.rates)
-    reach = norm(frame(sweep.frames[0], 0)[1])
+    base, reach = frame(sweep.frames[0], 0)[1], 0.0
     for k in range(motion.q0.shape[0]):
         reach += max(motion.q0[k, 2], motion.q1[k, 2])
-    own = Aim(aim.slack, aim.finest, ROUNDING * reach, aim.mount, aim.prefix)
+    nearing, far = measure_paces(motion, base, reach + _thickest(motion.limits), sweep)
+    rounding = ROUNDING * (norm(base) + reach + far)
+    own = Aim(aim.slack, aim.finest, rounding, aim.mount, aim.prefix)
     if own.slack < 1.0:  # then a bound has to be known from the beginning that is worth having
         verdict = _look_at(motion, 0.0, sweep, own, seen)
         if verdict != CLEAR:
             return verdict, 0.0
     verdict, until = CLEAR, 1.0
     if motion.scene.table.shape[0] > 0:
-        verdict, until = _clear_of_obstacles(motion, travel, sweep, own, seen[0])
+        verdict, until = _clear_of_obstacles(motion, travel + nearing, sweep, own, seen[0])
     if motion.avoids_itself and _thickest(motion.limits) > 0.0 and (verdict == CLEAR or (own.prefix and until > 0.0)):
         other, proved = _clear_of_itself(motion, travel, until, sweep, own, seen[1])
         if verdict == CLEAR or (other != CLEAR and proved < until):
@@ -214,8 +220,8 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
     if (
         verdict == UNDECIDED
         and not own.prefix
-        and travel > 0.0
-        and _touches_later(motion, until, travel, sweep, own, seen)
+        and travel + nearing > 0.0
+        and _touches_later(motion, until, travel + nearing, sweep, own, seen)
     ):
         verdict = TOUCHING
     return verdict, until

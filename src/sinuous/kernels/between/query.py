@@ -24,10 +24,13 @@ it is enough that they are greater than 0); the length below which nothing is ha
 
 
 @entry
-def prove_motions(robot: Array, scene: Array, knots: Array, terms: Terms, workspace: Array, answers: Array) -> None:
+def prove_motions(
+    robot: Array, scene: Array, knots: Array, drifts: Array, terms: Terms, workspace: Array, answers: Array
+) -> None:
     """Prove the motions linear in q between neighbouring `knots` (T, n, 3), one after the other.
 
-    Fills `answers` (T - 1, 14). What is not proved when the time is over is UNDECIDED.
+    `drifts` (T - 1, c, 31): how obstacles move in each of them, see `drift`; where c is not 0, the rows of these in the
+    scene are written. Fills `answers` (T - 1, 14). What is not proved when the time is over is UNDECIDED.
     """
     own, around = read_robot(robot), read_scene(scene)
     mount, slack, finest, seconds = terms
@@ -37,7 +40,7 @@ def prove_motions(robot: Array, scene: Array, knots: Array, terms: Terms, worksp
     aim = Aim(slack, finest, 0.0, mount, False)
     for i in range(knots.shape[0] - 1):
         seen = shaped(answers[i, SEEN:], (2, SEEN_WIDTH))
-        motion = Motion(own.limits, knots[i], knots[i + 1], around, own.avoids_itself)
+        motion = Motion(own.limits, knots[i], knots[i + 1], around, own.avoids_itself, drifts[i])
         verdict, until = prove_between(motion, sweep, aim, seen)
         answers[i, VERDICT], answers[i, UNTIL] = verdict, until
         if late(sweep.clock):

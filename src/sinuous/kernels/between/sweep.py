@@ -34,12 +34,16 @@ which time, on which segment, at which fraction of it, and to which obstacle or 
 
 SEEN_WIDTH = 6
 
+PACE_WIDTH, DRIFT_WIDTH = 5, 31
+"""Numbers of the pace of an obstacle, and of its drift: see `drift`."""
+
 KNOTS, HALFWAY = 3, 2
 """Configurations at hand: where an interval begins, where it ends, and the one half-way."""
 
-Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself"])
-"""Rows of the segments (n, 7), the first and the last configuration (n, 3; rad and length unit), the scene, and whether
-the body must not run through itself."""
+Motion = namedtuple("Motion", ["limits", "q0", "q1", "scene", "avoids_itself", "drifts"])
+"""Rows of the segments (n, 7), the first and the last configuration (n, 3; rad and length unit), the scene, whether the
+body must not run through itself, and how obstacles move meanwhile (c, 31), see `drift`: the rows of these in the scene
+are written as time goes on. `Sweep.still` (0, 31) says that none does."""
 
 Sweep = namedtuple(
     "Sweep",
@@ -55,6 +59,8 @@ Sweep = namedtuple(
         "looked",
         "pairs",
         "left",
+        "paces",
+        "still",
         "clock",
     ],
 )
@@ -63,7 +69,8 @@ first rows are the base; of every segment the obstacles that it can reach at all
 (n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
 (46, n) int64; `rates` (n, 5); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of
 segments i <= j as i n + j (n (n + 1) / 2,) int64, those that may still touch first, and how many of them that are after
-so many halvings (46,) int64; and the clock, see `kernels.clock`."""
+so many halvings (46,) int64; how fast every obstacle moves, `paces` (m, 5) of `drift`; no drifts (0, 31); and the
+clock, see `kernels.clock`."""
 
 
 def sweep_size(segments: int, obstacles: int) -> int:
@@ -71,19 +78,20 @@ def sweep_size(segments: int, obstacles: int) -> int:
     own = KNOTS * (15 * segments + 12 + SPAN_WIDTH * (segments + 1))
     pairs = segments * (segments + 1) // 2
     each = 2 * obstacles + 1 + LEVELS + 2 + RATES_WIDTH
-    return own + segments * each + obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
+    return own + segments * each + (1 + PACE_WIDTH) * obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
 
 
 @kernel
 def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     """Lay out the scratch of n segments among m obstacles in `buffer` (at least `sweep_size`); `base` (1, 12).
 
-    Every segment may reach every obstacle, at first.
+    Every segment may reach every obstacle, at first, and none of these moves.
     """
     a = 3 * KNOTS * n
     b = a + 12 * KNOTS * (n + 1)
     c = b + SPAN_WIDTH * KNOTS * (n + 1)
-    d = c + RATES_WIDTH * n
+    paces = c + RATES_WIDTH * n
+    d = paces + PACE_WIDTH * m
     whole = buffer[d:].view(np.int64)
     e = n * m
     f = e + n
@@ -96,6 +104,7 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     rotation, position = frame(base, 0)
     for at in range(KNOTS):
         put_frame(frames[at], 0, rotation, position)
+    buffer[paces:d] = 0.0
     reach, reached = shaped(whole[:e], (n, m)), whole[e:f]
     for at in range(n):
         reached[at] = m
@@ -108,11 +117,13 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
         reached,
         shaped(whole[f:g], (n, m)),
         shaped(whole[g:h], (LEVELS + 2, n)),
-        shaped(buffer[c:d], (n, RATES_WIDTH)),
+        shaped(buffer[c:paces], (n, RATES_WIDTH)),
         shaped(buffer[b:c], (KNOTS, n + 1, SPAN_WIDTH)),
         whole[h:i],
         whole[i:j],
         whole[j:k],
+        shaped(buffer[paces:d], (m, PACE_WIDTH)),
+        shaped(buffer[:0], (0, DRIFT_WIDTH)),
         whole[k : k + CLOCK_SIZE],
     )
 

@@ -13,12 +13,16 @@ from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.primitives import primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.shapes import shaped
-from sinuous.kernels.maths.vectors import Array, Vec, get_vec, norm, sub
+from sinuous.kernels.maths.vectors import Array, Vec, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import (
     CENTER,
     FIRST_SAMPLE,
     KIND,
     OBSTACLE_WIDTH,
+    PLACE,
+    PLACED,
+    POSE_POSITION,
+    POSE_ROTATION,
     ROUNDING,
     SAMPLES,
     SCENE_HEADER,
@@ -29,7 +33,7 @@ from sinuous.kernels.tables import (
 )
 
 Scene = namedtuple("Scene", ["table", "store"])
-"""Rows (m, 18), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
+"""Rows (m, 31), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
 
 Where there is nothing, `None` may stand for it: that is another type, for which nothing is compiled that looks at
 obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""
@@ -45,9 +49,18 @@ def read_scene(scene: Array | None) -> Any:
 
 
 @kernel
+def _own(scene: Scene, i: int, p: Vec) -> Vec:
+    """The point `p` in the frame in which obstacle `i`, which is in the store, is described."""
+    if scene.table[i, PLACED] == 0.0:
+        return p
+    away = sub(p, get_vec(scene.table, i, PLACE + POSE_POSITION))
+    return vec_mat(away, get_mat(scene.table, i, PLACE + POSE_ROTATION))
+
+
+@kernel
 def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     if scene.table[i, KIND] >= TREE:
-        return solids.look(scene.table, scene.store, i, p, reach, mode)
+        return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
     d, _ = primitive(scene.table, i, p)
     return d, d
 
@@ -69,7 +82,10 @@ def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, 
 def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
     """Signed distance of the point `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
     if scene.table[i, KIND] >= TREE:
-        return solids.slope(scene.table, scene.store, i, p, reach, mode)
+        d, g = solids.slope(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
+        if scene.table[i, PLACED] != 0.0:
+            g = mat_vec(get_mat(scene.table, i, PLACE + POSE_ROTATION), g)
+        return d, g
     return primitive(scene.table, i, p)
 
 

@@ -71,7 +71,7 @@ def draw(space: Space, start: Array, index: int, seed: int, out: Array) -> None:
 @kernel
 def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, float]:
     """Whether the motion from `p` to `q` (n, 3) is proved clear, and until when it is; see `prove_between`."""
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself)
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     verdict, until = prove_between(motion, space.sweep, Aim(1.0, finest, 0.0, space.mount, True), space.seen)
     return verdict == CLEAR, until
 
@@ -79,7 +79,7 @@ def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, 
 @kernel
 def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
     """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first."""
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself)
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     aim = Aim(1.0, finest, 0.0, space.mount, False)
     list_obstacles(space.sweep)
     parts = 2
@@ -94,5 +94,5 @@ def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
 @kernel
 def prove_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
     """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `prove_between`."""
-    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself)
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     return prove_between(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)

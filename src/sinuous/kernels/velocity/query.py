@@ -271,7 +271,7 @@ def _leave_contact(problem: Problem, tick: Tick, start: Array) -> float:
 def _prove(problem: Problem, tick: Tick, start: Array, answer: Array) -> None:
     """Prove the motion from `start` to `tick.trial`, which is shortened to what is proved."""
     aim = Aim(1.0, FINEST * problem.unit, 0.0, problem.mount, True)
-    motion = Motion(problem.limits, start, tick.trial, problem.scene, problem.avoids_itself)
+    motion = Motion(problem.limits, start, tick.trial, problem.scene, problem.avoids_itself, tick.sweep.still)
     verdict, until = prove_between(motion, tick.sweep, aim, shaped(answer[SEEN:SHAPE], (2, SEEN_WIDTH)))
     answer[PROVED], answer[SHARE], answer[START] = 1.0, 1.0, CLEAR
     if verdict == CLEAR:

@@ -26,6 +26,8 @@ class Knot(NamedTuple):
         The part of that line.
     fixed : bool
         Whether it has to stay: the start.
+    time : float
+        When the robot is there, where obstacles move.
     """
 
     q: Floats
@@ -35,3 +37,4 @@ class Knot(NamedTuple):
     way: Straight | None = None
     shares: tuple[float, float] = (0.0, 1.0)
     fixed: bool = False
+    time: float = 0.0

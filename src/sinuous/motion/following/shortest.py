@@ -38,13 +38,13 @@ class Means(NamedTuple):
     Attributes
     ----------
     solve : callable
-        Takes targets and a configuration; returns what meets them near there, or `None`.
+        Takes a knot and a configuration; returns the knot near there that meets the same targets, or `None`.
     prove : callable
-        Takes a knot and the configuration before it; returns what is proved of the step (1, 14), or `None`.
+        Takes two knots; returns what is proved of the step from one to the other (1, 14), or `None`.
     """
 
-    solve: Callable[[tuple[Target, ...], Floats], Knot | None]
-    prove: Callable[[Knot, Floats], Floats | None]
+    solve: Callable[[Knot, Floats], Knot | None]
+    prove: Callable[[Knot, Knot], Floats | None]
 
 
 def shorten(robot: Robot, knots: Sequence[Knot], metric: Floats, durations: Floats, means: Means) -> list[Knot]:
@@ -169,7 +169,7 @@ def _tried(path: list[Knot], change: Floats, means: Means) -> tuple[list[Knot], 
     wrong = {i for i, knot in enumerate(tried) if knot is None}
     knots = [knot or before for knot, before in zip(tried, path, strict=True)]
     for i in range(1, len(knots)):
-        came = means.prove(knots[i], knots[i - 1].q)
+        came = means.prove(knots[i - 1], knots[i])
         if came is None:
             wrong |= {i - 1, i}
         else:
@@ -181,5 +181,4 @@ def _moved(knot: Knot, move: Floats, means: Means) -> Knot | None:
     """Change a knot and meet its targets again; `None` where that fails."""
     if not move.any():
         return knot
-    found = means.solve(knot.targets, knot.q + move)
-    return None if found is None else knot._replace(q=found.q, solution=found.solution)
+    return means.solve(knot, knot.q + move)

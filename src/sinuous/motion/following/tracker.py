@@ -13,6 +13,9 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.following.knots import Knot
 from sinuous.motion.following.shortest import Means, metric_of, shorten
 from sinuous.motion.following.straight import Straight
+from sinuous.motion.following.timetable import Timetable
+from sinuous.motion.in_time.find import find_in_time
+from sinuous.motion.in_time.question import TimedQuestion
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.goals import Goals
 from sinuous.motion.planning.question import Question
@@ -49,6 +52,8 @@ class Tracker:
         The configuration that the robot is in.
     deviation : float
         How far the tip may be from the straight line between waypoints (length unit).
+    timetable : Timetable, optional
+        Where obstacles move: its live scene is that of the solver.
 
     Attributes
     ----------
@@ -61,8 +66,15 @@ class Tracker:
         When the start is no configuration of the robot.
     """
 
-    def __init__(self, solver: Solver, start: Initial | None = None, deviation: float = math.inf) -> None:
-        scene = solver.scene.snapshot()
+    def __init__(
+        self,
+        solver: Solver,
+        start: Initial | None = None,
+        deviation: float = math.inf,
+        timetable: Timetable | None = None,
+    ) -> None:
+        scene = solver.scene.snapshot() if timetable is None else timetable.scene
+        self._timetable = timetable
         load_motions(solver.robot, scene)
         self._solver, self._began = solver, clock.perf_counter()
         self._prover = Prover(solver.robot, scene)
@@ -79,8 +91,9 @@ class Tracker:
             self._begin_at(solver.configuration("start", start))
 
     def _begin_at(self, q: Floats) -> None:
-        self._knots.append(Knot(q, None, fixed=True))
-        self.blocked = blocked_by(self._solver.robot, q, self._prover)
+        begin = 0.0 if self._timetable is None else self._timetable.begin
+        self._knots.append(Knot(q, None, fixed=True, time=begin))
+        self.blocked = blocked_by(self._solver.robot, q, self._prover, begin)
 
     def go_to(self, targets: Targets) -> Solution:
         """Solve the next waypoint from where the robot is, and move there on a way that is proved, where one is found.
@@ -89,6 +102,8 @@ class Tracker:
         an obstacle or a limit, the robot changes its configuration on another way; where no way is found either, the
         step is left unproved.
         """
+        if self._timetable is not None:
+            self._timetable.look_at(self._timetable.of(len(self._tried)))
         solution = self._solver.solve(targets, self._knots[-1].q if self._knots else None)
         if solution.solved:
             solution = self._move_to(solution)
@@ -97,32 +112,47 @@ class Tracker:
 
     def _move_to(self, solution: Solution) -> Solution:
         """Move to a waypoint; return its solution, which another may replace that is nearer."""
-        if self._prover.scene is not solution.problem.scene:  # it was updated, and the robot moves after that
+        when = 0.0 if self._timetable is None else self._timetable.of(len(self._tried))
+        updated = self._timetable is None and self._prover.scene is not solution.problem.scene
+        if updated:  # the robot moves after that
             self._prover = Prover(self._solver.robot, solution.problem.scene)
         if not self._knots:
-            self._knots.append(Knot(solution.q, None, solution.problem.targets, solution))
-        elif len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q):
+            self._knots.append(Knot(solution.q, None, solution.problem.targets, solution, time=when))
+        elif self._timetable is None and self._stays(solution):
             self._approaches = False  # the robot is at its first waypoint already
         else:
             solution = self._go_straight(solution) or self._go_around(solution)
         self._at = solution.problem.targets
         return solution
 
+    def _stays(self, solution: Solution) -> bool:
+        """Whether a robot that is at its start is at the first waypoint already."""
+        return len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q)
+
     def _go_straight(self, solution: Solution) -> Solution | None:
-        """Lead the tip straight to a waypoint, in smaller steps where one is not proved or leaves the line."""
-        goal = solution.problem.targets
+        """Lead the tip straight to a waypoint, in smaller steps where one is not proved or leaves the line.
+
+        Where obstacles move, it goes on evenly in time.
+        """
+        goal, begin, end = solution.problem.targets, self._knots[-1].time, self._knots[-1].time
+        if self._timetable is not None:
+            end = self._timetable.of(len(self._tried))
         way = Straight.between(self._at, goal)
         done, step = 0.0, 1.0
         while done < 1.0:
             share = min(1.0, done + step)
-            q = self._knots[-1].q
+            before, when = self._knots[-1], (1.0 - share) * begin + share * end
             found: Solution | None = solution
             if way is not None and (share < 1.0 or done > 0.0):
-                found = self._follower().solve(way.at(share) if share < 1.0 else goal, q)
-            came = None if found is None or not found.solved else self._prove(q, found.q, way, (done, share))
-            if found is not None and came is not None:
-                asked = found.problem.targets
-                self._knots.append(Knot(found.q, came, asked, found, way, (done, share)))
+                if self._timetable is not None:
+                    self._timetable.look_at(when)
+                found = self._follower().solve(way.at(share) if share < 1.0 else goal, before.q)
+            knot = None
+            if found is not None and found.solved:
+                knot = Knot(found.q, None, found.problem.targets, found, way, (done, share), time=when)
+            came = None if knot is None else self._prove(before, knot)
+            if found is not None and knot is not None and came is not None:
+                self._knots.append(knot._replace(came=came))
                 done, step, solution = share, min(2.0 * step, 1.0), found
             elif way is None or step <= SHORTEST:
                 return None
@@ -130,18 +160,20 @@ class Tracker:
                 step *= 0.5
         return solution
 
-    def _prove(self, q0: Floats, q1: Floats, way: Straight | None, shares: tuple[float, float]) -> Floats | None:
+    def _prove(self, before: Knot, knot: Knot) -> Floats | None:
         """Return what is proved of a step that stays near enough to the line and is clear; `None` of any other."""
-        if way is not None:
+        if knot.way is not None:
             robot, enough = self._solver.robot, self._deviation
-            if way.deviation(robot, (q0, q1), shares, enough) > enough:
+            if knot.way.deviation(robot, (before.q, knot.q), knot.shares, enough) > enough:
                 return None
-        came = self._prover.prove(self._two(q0, q1), SLACK)
+        came = self._prover.prove(self._two(before.q, knot.q), SLACK, times=np.array([before.time, knot.time]))
         return came if came[0, VERDICT] == CLEAR else None
 
     def _go_around(self, solution: Solution) -> Solution:
         """Change the configuration to one of a waypoint on any way; the step is not proved where none is found."""
         self._reconfigured.append(len(self._tried) + 1)
+        if self._timetable is not None:
+            return self._go_around_in_time(solution, self._timetable)
         way, goals = self._find_way(solution)
         if way is not None:
             steps = np.split(way.answers, len(way.answers))
@@ -153,6 +185,29 @@ class Tracker:
         came = self._prover.prove(ends, SLACK)
         self._knots.append(Knot(solution.q, came, solution.problem.targets, solution))
         return solution
+
+    def _go_around_in_time(self, solution: Solution, timetable: Timetable) -> Solution:
+        """The same where obstacles move: the robot is at the waypoint when the waypoint is."""
+        robot, options, last = self._solver.robot, self._solver.options, self._knots[-1]
+        when = timetable.of(len(self._tried))
+        timetable.look_at(when)
+        end, goals = clock.perf_counter() + options.time, Goals(self._solver, solution)
+        way = find_in_time(
+            TimedQuestion(
+                *(robot, self._prover, last.q, last.time, when, False, goals, None, options.seed),
+                lambda: end - clock.perf_counter(),
+            )
+        )
+        if way is None:
+            came = self._prover.prove(self._two(last.q, solution.q), SLACK, times=np.array([last.time, when]))
+            self._knots.append(Knot(solution.q, came, solution.problem.targets, solution, time=when))
+            return solution
+        steps = np.split(way.answers, len(way.answers))
+        inner = zip(way.q[1:-1], steps[:-1], way.times[1:-1].tolist(), strict=True)
+        self._knots += [Knot(q, came, time=t) for q, came, t in inner]
+        reached = next(each for each in goals.solutions if np.array_equal(each.q, way.q[-1]))
+        self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached, time=when))
+        return reached
 
     def _find_way(self, solution: Solution) -> tuple[Way | None, Goals]:
         """Plan a way from where the robot is to a waypoint, in the time that a solve may take."""
@@ -180,20 +235,19 @@ class Tracker:
         """Make the motion so far shorter in configurations or actuators, all knots together."""
         if len(self._knots) < 3 or self.blocked is not None:
             return
-        robot, means = self._solver.robot, Means(self._meet, self._prove_again)
-        durations = np.diff(self._times(np.stack([knot.q for knot in self._knots])))
+        robot, means = self._solver.robot, Means(self._meet, self._prove)
+        durations = np.diff(self.motion().times)
         self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, means)
         self._tried = [
             (solution if at is None else self._knots[at].solution or solution, at) for solution, at in self._tried
         ]
 
-    def _meet(self, targets: tuple[Target, ...], q: Floats) -> Knot | None:
-        """Meet targets from a configuration beside them."""
-        found = self._follower().solve(targets, q)
-        return Knot(found.q, None, targets, found) if found.solved else None
-
-    def _prove_again(self, knot: Knot, before: Floats) -> Floats | None:
-        return self._prove(before, knot.q, knot.way, knot.shares)
+    def _meet(self, knot: Knot, q: Floats) -> Knot | None:
+        """Meet the targets of a knot from a configuration beside it."""
+        if self._timetable is not None:
+            self._timetable.look_at(knot.time)
+        found = self._follower().solve(knot.targets, q)
+        return knot._replace(q=found.q, came=None, solution=found) if found.solved else None
 
     def motion(self, remaining: int = 0, times: Floats | None = None) -> Motion:
         """Return the motion so far; `remaining` waypoints were not tried, `times` (m,) are those of all waypoints."""
@@ -212,7 +266,8 @@ class Tracker:
             ended=None if self.blocked is None else Status.START_BLOCKED,
             blocking=self.blocked,
         )
-        return Motion.made(robot, self._prover.scene, q, self._times(q, times), steps, told)
+        when = self._times(q, times) if self._timetable is None else np.array([knot.time for knot in self._knots])
+        return Motion.made(robot, self._prover.scene, q, when, steps, told)
 
     def _times(self, q: Floats, of_waypoints: Floats | None = None) -> Floats:
         """Times of the knots: the first one is at 0, and every waypoint takes 1, unless they have times."""

@@ -19,6 +19,8 @@ def timed(motion: "Motion", rates: "Rates", blend: Number = 0.0) -> Trajectory:
     """Pass the way of a motion as fast as rates and accelerations allow; see `Motion.timed`."""
     if not isinstance(rates, Rates):
         raise InputError("rates", "", rates, "Rates")
+    if motion.scene.moves:
+        raise InputError("motion", "obstacles move", motion, "one among obstacles that stand still: it has other times")
     limits, accelerations = rates.spread(motion.robot), None
     if rates.acceleration is not None:
         with checks.inside("acceleration"):

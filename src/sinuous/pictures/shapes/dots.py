@@ -19,9 +19,9 @@ def dots(obstacle: Dotted) -> Floats:
     if isinstance(obstacle, PointCloud):
         points = obstacle.points
     elif isinstance(obstacle, Grid) and obstacle.occupancy:
-        points = obstacle.origin + obstacle.spacing * np.argwhere(_outermost(obstacle.values.astype(np.bool_)))
+        points = obstacle.points(np.argwhere(_outermost(obstacle.values.astype(np.bool_))))
     else:
-        points = obstacle.origin + obstacle.spacing * _crossings(obstacle.values)
+        points = obstacle.points(_crossings(obstacle.values))
     return points[:: -(-len(points) // MOST)] if len(points) > MOST else points
 
 

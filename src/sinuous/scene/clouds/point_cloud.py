@@ -38,17 +38,25 @@ class PointCloud(Obstacle):
         When there is no point, or something is not finite, negative, or of the wrong shape.
     """
 
-    points: Floats
     radii: Floats
 
     def __init__(self, points: Rows, radius: Number | Vector, *, name: str | None = None) -> None:
         places = checks.points("points", points)
-        self._keep(name, points=places, radii=_radii(radius, len(places)))
+        self._keep(name, _points=places, radii=_radii(radius, len(places)))
+
+    @property
+    def points(self) -> Floats:
+        """Centers (m, 3) of the balls, in the world."""
+        own: Floats = vars(self)["_points"]
+        return self._in_place(own)
 
     @property
     def kind(self) -> str:
         """See `Obstacle.kind`."""
         return "points"
+
+    def _content(self) -> dict[str, Any]:
+        return {**super()._content(), "points": self.points}
 
     @property
     def radius(self) -> float | Floats:

@@ -3,16 +3,17 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Number, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene.grids.samples import check_lipschitz, sample_points
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.grids.samples import along_axes, check_lipschitz, sample_points
+from sinuous.scene.obstacles import IDENTITY, Obstacle
 
 MOST = 2**26
 """Samples of a field: half a gigabyte."""
@@ -43,6 +44,8 @@ class Field(Obstacle):
     ----------
     values : ndarray (nx, ny, nz)
         Samples at the points `low + spacing * (i, j, k)`.
+    axes : ndarray (3, 3)
+        Along which these lie, as columns: those of the world, unless it was turned by a course.
 
     Raises
     ------
@@ -58,6 +61,7 @@ class Field(Obstacle):
     high: Floats
     spacing: float
     values: Floats
+    axes: Floats
 
     def __init__(
         self,
@@ -77,12 +81,16 @@ class Field(Obstacle):
         values = _sampled(function, start, step, _shape(end - start, step))
         check_lipschitz("function", values, step, float(np.finfo(np.float64).eps))
         values.flags.writeable = False
-        self._keep(name, function=function, low=start, high=end, spacing=step, values=values)
+        self._keep(name, function=function, low=start, high=end, spacing=step, values=values, axes=IDENTITY)
 
     @property
     def origin(self) -> Floats:
         """Point (3,) of `values[0, 0, 0]`: `low`."""
         return self.low
+
+    def points(self, steps: NDArray[Any]) -> Floats:
+        """Places (m, 3) that are so many steps (m, 3) from the first point along the axes."""
+        return along_axes(self.low, self.axes, self.spacing * steps)
 
 
 def _shape(extent: Floats, spacing: float) -> tuple[int, ...]:

@@ -11,8 +11,8 @@ from sinuous import checks
 from sinuous.arguments import Number, Occupancy, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene.grids.samples import check_lipschitz
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.grids.samples import along_axes, check_lipschitz
+from sinuous.scene.obstacles import IDENTITY, Obstacle
 from sinuous.scene.sources import Source
 
 
@@ -42,6 +42,8 @@ class Grid(Obstacle):
         float64 or bool.
     occupancy : bool
         Whether the values are true and false.
+    axes : ndarray (3, 3)
+        Along which its points lie, as columns: those of the world, unless it was turned by a course.
 
     Raises
     ------
@@ -53,15 +55,20 @@ class Grid(Obstacle):
     values: NDArray[Any]
     origin: Floats
     spacing: float
+    axes: Floats
 
     def __init__(self, values: Occupancy, origin: Vector, spacing: Number, *, name: str | None = None) -> None:
         start, step = checks.vector("origin", origin), checks.number("spacing", spacing, above=0.0)
-        self._keep(name, values=_checked("values", values, step), origin=start, spacing=step)
+        self._keep(name, values=_checked("values", values, step), origin=start, spacing=step, axes=IDENTITY)
 
     @property
     def occupancy(self) -> bool:
         """See `Grid`."""
         return bool(self.values.dtype == np.bool_)
+
+    def points(self, steps: NDArray[Any]) -> Floats:
+        """Places (m, 3) that are so many steps (m, 3) from the first point along the axes."""
+        return along_axes(self.origin, self.axes, self.spacing * steps)
 
     @classmethod
     def load(cls, file: str | Path, name: str | None = None) -> "Grid":

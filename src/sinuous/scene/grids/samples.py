@@ -69,3 +69,8 @@ def sample_points(origin: Floats, spacing: float, shape: tuple[int, ...], first:
     index: NDArray[np.int64] = np.stack(np.unravel_index(np.arange(first, last), shape), axis=-1)
     result: Floats = origin + spacing * index
     return result
+
+
+def along_axes(origin: Floats, axes: Floats, offsets: Floats) -> Floats:
+    """Points (m, 3) that are so far (m, 3) from an origin along axes, the columns of (3, 3)."""
+    return origin + (offsets if np.array_equal(axes, np.eye(3)) else offsets @ axes.T)

@@ -69,7 +69,6 @@ class Mesh(Obstacle):
         `thickness` or `inside` do not fit to what the mesh is.
     """
 
-    vertices: Floats
     faces: Integers
     thickness: float
     inside: bool
@@ -97,7 +96,7 @@ class Mesh(Obstacle):
         clean.flags.writeable = used.flags.writeable = False
         self._keep(
             name,
-            vertices=clean,
+            _vertices=clean,
             faces=used,
             thickness=width,
             inside=within,
@@ -106,6 +105,12 @@ class Mesh(Obstacle):
             extent=float(np.linalg.norm(np.ptp(clean, axis=0))),
             scale=None,
         )
+
+    @property
+    def vertices(self) -> Floats:
+        """Corners (v, 3) of the triangles, in the world."""
+        own: Floats = vars(self)["_vertices"]
+        return self._in_place(own)
 
     @classmethod
     def load(
@@ -184,7 +189,9 @@ class Mesh(Obstacle):
 
     def _content(self) -> dict[str, Any]:
         """What it is, without what is told of where it came from."""
-        return {name: value for name, value in super()._content().items() if name not in ("defects", "extent", "scale")}
+        told = ("defects", "extent", "scale")
+        own = {name: value for name, value in super()._content().items() if name not in told}
+        return own | {"vertices": self.vertices}
 
     def _shown(self) -> Iterator[str]:
         yield f"{len(self.vertices)} vertices, {len(self.faces)} triangles, {'solid' if self.watertight else 'shell'}"
@@ -193,7 +200,7 @@ class Mesh(Obstacle):
     @cached_property
     def _longest(self) -> float:
         """The longest side of a triangle."""
-        corners = self.vertices[self.faces]
+        corners = vars(self)["_vertices"][self.faces]
         return float(np.sqrt(((np.roll(corners, -1, axis=1) - corners) ** 2).sum(axis=-1).max()))
 
     def check_size(self, length: float) -> None:

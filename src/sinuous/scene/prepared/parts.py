@@ -23,6 +23,9 @@ from sinuous.kernels.tables import (
     NORMALS,
     OBSTACLE_WIDTH,
     ORIGIN,
+    PLACE,
+    PLACED,
+    POSE_WIDTH,
     ROUNDING,
     SAMPLES,
     SHAPE,
@@ -48,7 +51,7 @@ class Part:
 
     Attributes
     ----------
-    row : ndarray (18,)
+    row : ndarray (31,)
         Its places in the store are counted from the beginning of its own.
     store : ndarray (s,)
     """
@@ -90,6 +93,9 @@ def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> 
     """
     if isinstance(obstacle, Primitive):
         return Part(obstacle.row, NOTHING)
+    if obstacle.place is not None:
+        root, pose = obstacle.place
+        return put(prepare(root, name, progress), pose)
     entry = _entry(obstacle)
     with entry.lock:
         if entry.part is None:
@@ -97,8 +103,20 @@ def prepare(obstacle: Obstacle, name: str, progress: Progress | None = None) -> 
         return entry.part
 
 
+def put(part: Part, pose: Floats) -> Part:
+    """Return what the kernels read of an obstacle that is in the store, moved by a pose (4, 4); the store is shared."""
+    row = part.row.copy()
+    row[PLACED] = 1.0
+    row[PLACE : PLACE + POSE_WIDTH] = packing.pose_row(pose)[0]
+    return Part(row, part.store)
+
+
 def unsampled(obstacle: PointCloud | Mesh) -> Part:
     """Make what the kernels read of an obstacle that will soon be replaced: without samples, which take longer."""
+    if obstacle.place is not None:
+        root, pose = obstacle.place
+        assert isinstance(root, PointCloud | Mesh)
+        return put(unsampled(root), pose)
     entry = _entry(obstacle)
     with entry.lock:
         if entry.part is None:

@@ -115,10 +115,20 @@ class Obstacles:
         if known is not None:
             if known[0] is obstacle and known[1] == chosen:
                 return
+            if known[1] == chosen and self._moved(known, obstacle):
+                return
             known[2].remove()
         handle = self._single(f"/obstacles/{i}", obstacle, CHOSEN if chosen else GREY)
         self._singles[i] = obstacle, chosen, handle
         self._listen(handle, lambda _: i)
+
+    def _moved(self, known: tuple[Obstacle, bool, SceneNodeHandle], obstacle: Obstacle) -> bool:
+        """Move what is shown already, where the same obstacle is elsewhere now; say whether that is so."""
+        if known[0].place is None or obstacle.place is None or known[0].place[0] is not obstacle.place[0]:
+            return False
+        motion = obstacle.place[1] @ np.linalg.inv(known[0].place[1])
+        known[2].position, known[2].wxyz = motion[:3, 3], wxyz(motion[:3, :3])
+        return True
 
     def _listen(self, handle: Any, which: Callable[[Any], int]) -> None:
         """Tell which obstacle is clicked on."""

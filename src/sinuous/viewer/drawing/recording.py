@@ -11,6 +11,7 @@ from viser import ViserServer
 from sinuous.checks import Floats
 from sinuous.pictures.contents import Arm, Contents, Moving
 from sinuous.pictures.style import ROUTE, TIP_PATH
+from sinuous.scene.courses.moving import Moving as MovingObstacle
 from sinuous.viewer.drawing.colours import tones
 from sinuous.viewer.drawing.obstacles import Obstacles
 from sinuous.viewer.drawing.robots import Body, Look
@@ -45,7 +46,8 @@ def record(contents: Contents) -> str:
     try:
         frame = Frame(_seen(contents), contents.obstacles)
         frame.look(server)
-        Obstacles(server.scene, frame.view).show(contents.obstacles)
+        obstacles = Obstacles(server.scene, frame.view)
+        obstacles.show(contents.obstacles_at(0.0))
         for i, asked in enumerate(contents.asked):
             show_target(server.scene, f"/targets/{i}", asked.target, asked.end[:3, 3], frame.span)
         for i, path in enumerate(contents.paths):
@@ -54,7 +56,7 @@ def record(contents: Contents) -> str:
         for i, route in enumerate(contents.routes):
             show_line(server.scene, f"/routes/{i}", route, ROUTE, 0.003 * frame.span)
         _show_standing(server, contents.arms, frame.span)
-        page = _show_moving(server, contents.moving, frame.span, len(contents.arms))
+        page = _show_moving(server, contents, frame.span, obstacles)
     finally:
         close_server(server)
     return _finished(page, contents)
@@ -95,8 +97,10 @@ def _show_standing(server: ViserServer, arms: list[Arm], span: float) -> None:
         Body(server.scene, f"/robots/{i}", arm.robot, look).show(arm.q, tones(len(arm.robot), arm.solved, i))
 
 
-def _show_moving(server: ViserServer, motions: list[Moving], span: float, first: int) -> str:
+def _show_moving(server: ViserServer, contents: Contents, span: float, obstacles: Obstacles) -> str:
     """Show what moves, frame by frame, and return the page with everything on it."""
+    motions, first = contents.moving, len(contents.arms)
+    others = any(isinstance(obstacle, MovingObstacle) for obstacle in contents.obstacles)
     if not motions:
         return server.get_scene_serializer().as_html()
     grain = 2.0 ** math.floor(math.log2(GRAIN * span))
@@ -115,6 +119,8 @@ def _show_moving(server: ViserServer, motions: list[Moving], span: float, first:
         recording.insert_sleep(now - before)
         for body, (q, own_times), own in zip(bodies, ways, colours, strict=True):
             body.show(q[min(int(np.searchsorted(own_times, now)), len(q) - 1)], own)
+        if others:
+            obstacles.show(contents.obstacles_at(min(1.0, now / float(ways[0][1][-1]))))
     recording.insert_sleep(float(times[-1] - times[-2]))
     return recording.as_html()
 

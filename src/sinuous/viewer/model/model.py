@@ -18,7 +18,7 @@ from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.scene.moving import Mover
+from sinuous.scene.mover import Mover
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot

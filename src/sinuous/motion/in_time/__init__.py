@@ -1,0 +1,1 @@
+"""Ways through space and time, past obstacles that move."""

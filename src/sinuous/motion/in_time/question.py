@@ -1,0 +1,111 @@
+"""From where to where a way in time is sought, and how fast the robot may be."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import VERDICT
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.motion.timing.scaling import largest
+from sinuous.robot.rates import Rates
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.between import SLACK, Prover
+
+SECONDS = 0.5
+"""Time for the proof of a step that is only to be clear, without a tight bound."""
+
+ROUNDING = 1e-9
+"""Share by which a step may be quicker than rates allow: rounding."""
+
+
+class TimedWay(NamedTuple):
+    """Knots (T, n, 3) from a start to a goal, their times (T,), and what is proved of the steps (T - 1, 14)."""
+
+    q: Floats
+    times: Floats
+    answers: Floats
+
+
+@dataclass(frozen=True)
+class TimedQuestion:
+    """What is asked of a search in time.
+
+    Attributes
+    ----------
+    robot : Robot
+    prover : Prover
+        Of the scene whose obstacles move.
+    start : ndarray (n, 3)
+        Within all limits, and clear when it begins.
+    begin : float
+    end : float
+        When the robot is at a goal; where `early`, at the latest.
+    early : bool
+        Whether it may be there before, as early as it can.
+    goals : callable
+        Takes configurations (m, n, 3) that are reached, and returns all goals so far (g, n, 3), within all limits.
+    rates : Rates or None
+    seed : int
+    seconds_left : callable
+    """
+
+    robot: Robot
+    prover: Prover
+    start: Floats
+    begin: float
+    end: float
+    early: bool
+    goals: Callable[[Floats], Floats]
+    rates: Rates | None
+    seed: int
+    seconds_left: Callable[[], float]
+
+    @property
+    def scene(self) -> Snapshot:
+        """Where obstacles move."""
+        return self.prover.scene
+
+    def least(self, moves: Floats) -> Floats:
+        """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound of those of any way."""
+        if self.rates is None:
+            return np.zeros(len(moves))
+        most = largest(self.robot, self.rates.spread(self.robot), moves)
+        durations: Floats = 1.0 / most
+        return durations
+
+    def clear(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
+        """Return what is proved of a step (14,), `None` where it is not clear."""
+        pair, times = np.stack([q0, q1]), np.array([t0, t1])
+        answer: Floats = self.prover.prove(pair, 1.0, SECONDS, times)[0]
+        return answer if answer[VERDICT] == CLEAR else None
+
+    def passes(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
+        """The same for a step that need not be as slow as rates want it: `None` where it is too quick, too."""
+        if t1 <= t0 or self.least((q1 - q0)[None])[0] > (t1 - t0) * (1.0 + ROUNDING):
+            return None
+        return self.clear(q0, q1, t0, t1)
+
+    def tightened(self, way: TimedWay) -> TimedWay:
+        """Join steps where that is clear, and bound the clearances of what is left as tightly as is usual."""
+        q, times, answers = [way.q[0]], [way.times[0]], []
+        at, last = 0, len(way.q) - 1
+        while at < last:
+            far = last - at
+            joined = None
+            while far > 1 and joined is None:
+                if self.seconds_left() > 0.0:
+                    joined = self.passes(q[-1], way.q[at + far], times[-1], way.times[at + far])
+                far = far if joined is not None else far // 2
+            answer = way.answers[at] if joined is None else joined
+            at += max(1, far)
+            tight = self.prover.prove(
+                np.stack([q[-1], way.q[at]]), SLACK, SECONDS, np.array([times[-1], way.times[at]])
+            )[0]
+            q.append(way.q[at])
+            times.append(way.times[at])
+            answers.append(tight if tight[VERDICT] == CLEAR else answer)
+        return TimedWay(np.stack(q), np.array(times), np.stack(answers))

@@ -1,0 +1,1 @@
+"""Obstacles that move: where they are at which time."""

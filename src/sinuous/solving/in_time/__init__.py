@@ -1,0 +1,1 @@
+"""Motions among obstacles that move."""

@@ -1,0 +1,22 @@
+"""What is claimed of motions in time, judged by sampling with distances that share no code."""
+
+import numpy as np
+
+import sinuous as sn
+from sinuous.measures.obstacles import measure
+
+
+def least_clearance(motion: sn.Motion, count: int = 250) -> float:
+    """Least clearance over many times and places of the body."""
+    least, radii = np.inf, np.array(motion.robot.radii)
+    for t in np.linspace(motion.times[0], motion.times[-1], count).tolist():
+        places = motion.robot.backbone(motion.at(t), 16)
+        thick = np.append(np.repeat(radii, 16), radii[-1])
+        least = min(least, *(float((measure(one, places) - thick).min()) for one in motion.scene.at(t).obstacles))
+    return least
+
+
+def fastest(motion: sn.Motion) -> tuple[float, float]:
+    """Largest rate of a bend (rad) and of a length, in a unit of time."""
+    rates = np.diff(motion.q, axis=0) / np.diff(motion.times)[:, None, None]
+    return float(np.hypot(rates[..., 0], rates[..., 1]).max()), float(np.abs(rates[..., 2]).max())

@@ -1,0 +1,144 @@
+"""Obstacles that move: where they are, and that the scene at a time is the scene of what was moved there."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation, Slerp
+
+import sinuous as sn
+from sinuous.measures.obstacles import measure
+from tests.helpers import Floats, refused
+from tests.scene.shapes import cube
+
+RNG = np.random.default_rng(0)
+TIMES = [0.0, 1.0, 3.0]
+POSITIONS, TURNS = RNG.normal(size=(3, 3)), RNG.normal(size=(3, 4))
+POINTS = RNG.normal(size=(150, 3)) * 1.5
+
+
+def away(points: Floats) -> Floats:
+    return np.asarray(np.linalg.norm(points, axis=-1)) - 0.5
+
+
+INDICES = np.moveaxis(np.indices((7, 7, 7)), 0, -1) * 0.3 - 0.9
+OBSTACLES: list[sn.Sphere | sn.Mesh | sn.Field | sn.Grid | sn.PointCloud | sn.Box | sn.Capsule | sn.Cylinder] = [
+    sn.Sphere((0.1, 0.2, 0.3), 0.4),
+    sn.Sphere((0, 0, 0), 3.0, inside=True),
+    sn.Box((0.1, 0, 0), (1, 0.5, 0.3), rotation=(1, 2, 3, 4)),
+    sn.Capsule((0, 0, 0), (1, 0, 0), 0.2),
+    sn.Cylinder((0, 0, 0), (0, 1, 1), 0.3, inside=True),
+    sn.Mesh(*cube()),
+    sn.Mesh(*cube(), inside=True),
+    sn.PointCloud(RNG.normal(size=(300, 3)), 0.05),
+    sn.Grid(RNG.random((4, 5, 6)) > 0.8, (0, 0, 0), 0.3),
+    sn.Grid(away(INDICES.reshape(-1, 3)).reshape(7, 7, 7), (-0.9, -0.9, -0.9), 0.3),
+    sn.Field(away, (-1, -1, -1), (1, 1, 1), 0.25),
+]
+
+
+@pytest.mark.parametrize("obstacle", [*OBSTACLES, sn.HalfSpace((0, 0, -1), (0, 0.2, 1))], ids=lambda o: o.kind)
+@pytest.mark.parametrize("when", [-1.0, 0.0, 0.3, 2.2, 9.0])
+def test_distances_at_a_time_are_those_in_the_moved_frame(obstacle: sn.Sphere, when: float) -> None:
+    moving = sn.Moving(obstacle, TIMES, POSITIONS, TURNS)
+    pose = moving.pose(when)
+    own = (POINTS - pose[:3, 3]) @ pose[:3, :3]
+    there, still = sn.Scene([moving]).at(when), sn.Scene([obstacle])
+    np.testing.assert_allclose(there.distance(POINTS), still.distance(own), atol=1e-9)
+    np.testing.assert_allclose(there.at_most(POINTS), still.at_most(own), atol=1e-9)
+    np.testing.assert_allclose(measure(there.obstacles[0], POINTS), measure(obstacle, own), atol=1e-9)
+    if not isinstance(obstacle, sn.Field):  # whose gradient is one of differences
+        np.testing.assert_allclose(there.gradient(POINTS), still.gradient(own) @ pose[:3, :3].T, atol=1e-6)
+
+
+def test_positions_are_linear_and_turns_even_between_times() -> None:
+    moving = sn.Moving(sn.Sphere((0, 0, 0), 1.0), TIMES, POSITIONS, TURNS)
+    when = np.linspace(0.0, 3.0, 31)
+    turns = Rotation.from_quat(np.roll(TURNS, -1, axis=1))
+    poses = moving.pose(when)
+    np.testing.assert_allclose(poses[:, :3, :3], Slerp(TIMES, turns)(when).as_matrix(), atol=1e-12)
+    places = np.stack([np.interp(when, TIMES, column) for column in POSITIONS.T], axis=-1)
+    np.testing.assert_allclose(poses[:, :3, 3], places, atol=1e-12)
+    np.testing.assert_array_equal(moving.pose(-5.0), moving.pose(0.0))
+    np.testing.assert_array_equal(moving.pose(5.0), moving.pose(3.0))
+
+
+def test_nothing_is_computed_again_where_a_cloud_or_mesh_is_elsewhere() -> None:
+    obstacles = [sn.Moving(obstacle, [0, 1], [(0, 0, 0), (1, 2, 3)]) for obstacle in (sn.Mesh(*cube()), OBSTACLES[7])]
+    scene = sn.Scene(obstacles)
+    one, other = (scene.at(t).snapshot() for t in (0.2, 0.7))
+    for a, b in zip(one._parts or (), other._parts or (), strict=True):
+        assert a.store is b.store
+
+
+def test_poses_may_be_given_in_several_ways() -> None:
+    ball = sn.Sphere((1, 0, 0), 0.1)
+    turns = Rotation.from_rotvec([(0, 0, 0), (0, 0, 1), (0, 0, 2)])
+    one = sn.Moving(ball, TIMES, POSITIONS, turns)
+    poses = np.zeros((3, 4, 4))
+    poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = turns.as_matrix(), POSITIONS, 1.0
+    assert one.equals(sn.Moving(ball, TIMES, poses=poses))
+    np.testing.assert_allclose(sn.Moving(ball, TIMES, POSITIONS, xyzw=turns.as_quat()).rotations, one.rotations)
+    spinning = sn.Moving(ball, TIMES, rotations=turns)
+    np.testing.assert_allclose(spinning.at(1.0).center, (np.cos(1.0), np.sin(1.0), 0.0))  # type: ignore[attr-defined]
+    shifted = np.tile(np.eye(4), (3, 1, 1))
+    assert sn.Moving(ball, TIMES, poses=shifted).rotations is None
+    assert sn.Moving(ball, [2.0], [(0, 0, 1)]).at(-7.0).equals(sn.Sphere((1, 0, 1), 0.1))
+
+
+def test_a_moving_scene_has_distances_and_solutions_at_a_time_only() -> None:
+    scene = sn.Scene([sn.Sphere((9, 0, 0), 1.0), sn.Moving(sn.Sphere((0, 0, 0), 1.0), [0, 1], [(9, 0, 0), (9, 9, 0)])])
+    robot = sn.Robot.uniform(2, (0.8, 1.2))
+    for ask in (lambda: scene.distance([0, 0, 0]), lambda: sn.solve(robot, sn.Target((0, 0, 2)), scene)):
+        error = refused("scene", ask)
+        assert "scene.at(t)" in str(error)
+        assert "sphere[1] moves" in str(error)
+    assert sn.solve(robot, sn.Target((0, 0, 2)), scene.at(0.5)).solved
+    assert scene.at(0.5).at(0.7).equals(scene.at(0.5))
+    assert "move" in repr(scene)
+
+
+def test_it_is_frozen_and_travels() -> None:
+    moving = sn.Moving(sn.PointCloud([(0, 0, 0)], 0.1, name="dust"), TIMES, POSITIONS, TURNS)
+    again = pickle.loads(pickle.dumps(moving))
+    assert again.equals(moving)
+    assert (moving.name, moving.kind) == ("dust", "points")
+    assert moving.named("other").at(0.0).name == "other"
+    there = pickle.loads(pickle.dumps(sn.Scene([moving]).at(0.4)))
+    assert there.equals(sn.Scene([moving]).at(0.4))
+    with pytest.raises(AttributeError):
+        moving.times = np.zeros(3)  # type: ignore[misc]
+    for array in (moving.times, moving.positions, moving.rotations, again.positions):
+        assert array is not None
+        assert not array.flags.writeable
+
+
+def test_a_file_says_the_same(tmp_path: Path) -> None:
+    cloud = tmp_path / "points.xyz"
+    cloud.write_text("0 0 0\n1 0 0\n")
+    scene = sn.Scene(
+        [
+            sn.Moving(sn.Sphere((0, 0, 0), 1.0, name="ball"), TIMES, POSITIONS),
+            sn.Moving(sn.PointCloud.load(cloud, 0.1), TIMES, POSITIONS, TURNS),
+            sn.Sphere((1, 2, 3), 1.0),
+        ]
+    )
+    scene.save(tmp_path / "scene.yaml")
+    again = sn.load(tmp_path / "scene.yaml", sn.Scene)
+    assert again.equals(scene)
+    assert "points.xyz" in (tmp_path / "scene.yaml").read_text()
+
+
+def test_what_is_wrong_is_refused_by_name() -> None:
+    ball = sn.Sphere((0, 0, 0), 1.0)
+    refused("obstacle", lambda: sn.Moving(sn.Moving(ball, [0], [(0, 0, 0)]), [0], [(0, 0, 0)]))
+    refused("obstacle", lambda: sn.Moving((0, 0, 0), [0], [(0, 0, 0)]))  # type: ignore[arg-type]
+    refused("times[1]", lambda: sn.Moving(ball, [0, 0], [(0, 0, 0)] * 2))
+    refused("times", lambda: sn.Moving(ball, [], np.zeros((0, 3))))
+    refused("positions", lambda: sn.Moving(ball, [0, 1], [(0, 0, 0)]))
+    refused("positions", lambda: sn.Moving(ball, [0, 1]))
+    refused("rotations", lambda: sn.Moving(ball, [0, 1], rotations=[(1, 0, 0, 0)]))
+    refused("poses", lambda: sn.Moving(ball, [0], [(0, 0, 0)], poses=[np.eye(4)]))
+    refused("poses", lambda: sn.Moving(ball, [0], poses=[np.zeros((4, 4))]))
+    refused("t", lambda: sn.Moving(ball, [0], [(0, 0, 0)]).at(float("nan")))

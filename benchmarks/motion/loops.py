@@ -16,6 +16,9 @@ from benchmarks.judges.judge import within_limits
 from sinuous.checks import Floats
 
 SEGMENTS, SPHERES, TICKS, LOOPS, DT = 5, 40, 1000, 12, 1e-3
+REPEATS = 5
+"""How often every tick is taken: the answer is the same, and the least of its times is the one without others' work."""
+
 RATES = sn.Rates(bend=1.0, length=20.0)
 LOOKED_AT = 10
 """Ticks between two configurations that are judged for obstacles and the body itself."""
@@ -23,7 +26,10 @@ LOOKED_AT = 10
 GRACE = 1e-9
 """What rounding may make of a rate, relative to it."""
 
-STEP = "loops of 1,000 ticks at 1 kHz, 5 segments, 40 spheres: one Solver.step from Python, with its proof"
+STEP = (
+    "loops of 1,000 ticks at 1 kHz, 5 segments, 40 spheres: one Solver.step from Python, with its proof; "
+    "of every tick the least of 5 times"
+)
 WRONG = "loops: ticks in which a judge finds a limit, a rate, an obstacle or the body itself violated"
 SINGULAR = "steps from singular shapes (straight, one arc): largest motion, of the motion asked for"
 ERROR = "steps from singular shapes: largest error of the twist, of the twist asked for"
@@ -70,9 +76,12 @@ def drive(seed: int) -> Loop:
     for tick in range(TICKS):
         if tick % (TICKS // 5) == 0:
             twist = rng.normal(0.0, (0.3, 0.3, 0.3, 100.0, 100.0, 100.0))
-        began = perf_counter()
-        step = ik.step(q, twist, DT, rates=RATES)
-        seconds.append(perf_counter() - began)
+        spent = []
+        for _ in range(REPEATS):
+            began = perf_counter()
+            step = ik.step(q, twist, DT, rates=RATES)
+            spent.append(perf_counter() - began)
+        seconds.append(min(spent))
         held += step.status != "reached"
         q = step.q
         knots.append(q)

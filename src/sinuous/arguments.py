@@ -80,7 +80,9 @@ Shortest = Literal["configuration", "actuators"]
 
 LimitKind = Literal["length", "bend", "curvature", "actuator"]
 
-Constraint = Literal["length", "bend", "curvature", "actuator", "clearance", "self_clearance"]
+RateKind = Literal["length_rate", "bend_rate", "actuator_rate"]
+
+Constraint = Literal[LimitKind, RateKind, "clearance", "self_clearance"]
 """What may hold a configuration back."""
 
 StepConstraint = Literal[

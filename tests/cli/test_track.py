@@ -117,7 +117,8 @@ def test_a_real_interrupt(problem: Write, tmp_path: Path) -> None:
     assert strict(first)["status"] == "solved"
     assert strict(rest)["remaining"] > 0
     assert out.read_text() == first + rest
-    assert err.endswith("sinuous: interrupted after 1 of 2 files; the results so far are written\n")
+    told = "sinuous: interrupted after 1 of 2 files; the results so far are written, the same command goes on\n"
+    assert err.endswith(told)
     assert "Traceback" not in err
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import sinuous as sn
 from sinuous.cli.app import main
 from sinuous.cli.view import is_loopback
 from sinuous.errors import InputError
@@ -34,6 +35,26 @@ def test_answers_are_drawn_as_pages(problem: Write, tmp_path: Path, capsys: pyte
         assert page.stat().st_size > 500_000
     assert main(["track", problem("path.yaml"), "--plot", str(page), "--json"]) == 0
     assert capsys.readouterr().out.count("\n{") <= 1
+
+
+def test_what_plan_wrote_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
+    straight = [[0.0, 0.0, 1.0]] * 3
+    file, other = str(tmp_path / "goal.yaml"), str(tmp_path / "other.yaml")
+    sn.Job(robot, start=straight, goal=[[0.5, 0.0, 1.0]] * 3).save(file)
+    sn.Job(sn.Robot.uniform(4, 1.0), start=[[0.0, 0.0, 1.0]] * 4, goal=[[0.5, 0.0, 1.0]] * 4).save(other)
+    results, page = str(tmp_path / "results.jsonl"), tmp_path / "page.html"
+    assert main(["plan", file, "--out", results]) == 0
+    for arguments in (["view", file, "--result", results], ["view", file]):
+        page.unlink(missing_ok=True)
+        assert main([*arguments, "--html", str(page)]) == 0
+        assert page.stat().st_size > 500_000
+    capsys.readouterr()
+    for wrong, words in ((["view", other, "--result", results], "knots"), (["view", file, "--result", file], "line 1")):
+        assert main([*wrong, "--html", str(page)]) == 2
+        error = capsys.readouterr().err
+        assert words in error
+        assert error.count("\n") == 1
 
 
 def test_what_is_wrong_is_one_line(problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

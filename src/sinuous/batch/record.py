@@ -24,15 +24,15 @@ def asked(robot: Robot, scene: Snapshot, options: SolveOptions) -> dict[str, str
     names = [scene.name(i) for i in range(len(scene))]
     return {
         "version": f"{sinuous.__version__}, kernels {sources_hash()[:12]}",
-        "robot": _hash(json.dumps(robot.to_dict(), sort_keys=True).encode()),
-        "scene": f"{len(scene)} obstacles, {_hash(scene.group.tobytes(), repr(names).encode())}",
+        "robot": hash_of(json.dumps(robot.to_dict(), sort_keys=True).encode()),
+        "scene": f"{len(scene)} obstacles, {hash_of(scene.group.tobytes(), repr(names).encode())}",
         **{name: str(value) for name, value in vars(options).items()},
     }
 
 
 def record_of(question: Mapping[str, str], source: Source, chunk: int, initial: Any, warm: bool) -> dict[str, Any]:
     """Return all that results depend on."""
-    begun = "none" if initial is None else _hash(np.ascontiguousarray(initial).tobytes())
+    begun = "none" if initial is None else hash_of(np.ascontiguousarray(initial).tobytes())
     return {
         **question,
         "initial": f"{begun}{', then near targets' if warm else ''}",
@@ -41,8 +41,8 @@ def record_of(question: Mapping[str, str], source: Source, chunk: int, initial: 
     }
 
 
-def check_same(before: Mapping[str, Any], now: Mapping[str, Any], where: Path) -> None:
-    """Refuse to go on with what was asked otherwise.
+def check_same(before: Mapping[str, Any], now: Mapping[str, Any], where: Path, what: str = "this batch") -> None:
+    """Refuse to go on with what was asked otherwise; `what` began then.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def check_same(before: Mapping[str, Any], now: Mapping[str, Any], where: Path) -
     for key, value in now.items():
         if before.get(key) != value:
             wanted = f"{before.get(key)}, as in {where}, or another file for the results"
-            raise InputError(key, "it has changed since this batch began", value, wanted)
+            raise InputError(key, f"it has changed since {what} began", value, wanted)
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,8 @@ def draft_of(file: Path) -> Path:
     return file.with_name(f".{file.stem}.{os.uname().nodename}-{os.getpid()}{file.suffix}")
 
 
-def _hash(*parts: bytes) -> str:
+def hash_of(*parts: bytes) -> str:
+    """Return what tells some bytes from others."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(part)

@@ -94,6 +94,10 @@ Html = Annotated[
 ]
 Host = Annotated[str, typer.Option(metavar="ADDRESS", help="Address to listen at; of this machine alone by default.")]
 Port = Annotated[int, typer.Option(min=0, max=65535, help="Port to listen at, or the next one that is free.")]
+Result = Annotated[
+    Path | None,
+    typer.Option("--result", metavar="RESULTS", help="Begin with what solve, track or plan wrote (--out) for it."),
+]
 Browser = Annotated[bool, typer.Option(help="Open the page in the browser.")]
 New = Annotated[Path, typer.Argument(metavar="FILE", help="The file to write.", show_default=False)]
 Force = Annotated[bool, typer.Option("--force", help="Write over a file that is there.")]
@@ -259,12 +263,17 @@ def check(files: Files, json: Json = False) -> None:
 
 @app.command()
 def view(
-    file: ViewFile, html: Html = None, host: Host = "127.0.0.1", port: Port = 8080, browser: Browser = True
+    file: ViewFile,
+    html: Html = None,
+    result: Result = None,
+    host: Host = "127.0.0.1",
+    port: Port = 8080,
+    browser: Browser = True,
 ) -> None:
     """Show a problem in the browser, to be solved by dragging."""
     from sinuous.cli.view import view_file  # noqa: PLC0415
 
-    raise typer.Exit(view_file(file, html, host, port, browser=browser))
+    raise typer.Exit(view_file(file, html, host, port, result, browser=browser))
 
 
 @app.command()

@@ -20,8 +20,8 @@ TURN = 0.001
 """Seconds after which a thread hands on Python's lock: what answers the mouse shall not wait for what sends."""
 
 
-def view_file(file: str, html: Path | None, host: str, port: int, *, browser: bool) -> int:
-    """Show a problem file; return the exit code.
+def view_file(file: str, html: Path | None, host: str, port: int, result: Path | None = None, *, browser: bool) -> int:
+    """Show a problem file, with its answer in a file of results where there is one; return the exit code.
 
     Raises
     ------
@@ -34,20 +34,21 @@ def view_file(file: str, html: Path | None, host: str, port: int, *, browser: bo
     require_viser("view", file)
     alone = is_loopback(host)
     job = load(file, Job)
+    answer = None if result is None else job.result(result)
     for note in job.notes:
         typer.echo(f"note: {file}: {note}", err=True)
     if html is not None:
-        show(answer_of(job), path=html)
+        show(answer or answer_of(job), path=html)
         return DONE
     if not alone:
         folder = Path(file).resolve().parent
         typer.echo(f"warning: whoever reaches {host} can use this page, and read files in {folder} by it", err=True)
-    return _serve(job, host, port, browser)
+    return _serve(job, host, port, browser, answer)
 
 
 def answer_of(job: Job) -> Solution | Motion:
-    """The path followed, or the target met."""
-    return job.track() if job.is_path else job.solve()
+    """The path followed, the motion to the goal, or the target met."""
+    return job.track() if job.is_path else job.plan() if job.goal is not None else job.solve()
 
 
 def is_loopback(host: str) -> bool:
@@ -66,13 +67,13 @@ def is_loopback(host: str) -> bool:
         raise InputError("--host", "", host, "an address like 127.0.0.1, or localhost") from None
 
 
-def _serve(job: Job, host: str, port: int, browser: bool) -> int:
+def _serve(job: Job, host: str, port: int, browser: bool, answer: Solution | Motion | None) -> int:
     """Serve the page until it is interrupted."""
     from sinuous.viewer.page.page import Page  # noqa: PLC0415
 
     job.scene.prepare()
     sys.setswitchinterval(TURN)
-    page = Page(job, host, port)
+    page = Page(job, host, port, answer)
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{page.port}"
     try:

@@ -10,13 +10,16 @@ import typer
 
 from sinuous import checks
 from sinuous.bar import Bar
+from sinuous.batch.record import asked, hash_of
 from sinuous.cli.answers.alternatives import Alternatives
+from sinuous.cli.answers.journal import Journal
 from sinuous.cli.answers.output import Answer, Output
 from sinuous.cli.options import Options
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.methods.registry import Choice
+from sinuous.motion.following.entries import read_entry, write_entry
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.job import rates_in_time
 from sinuous.motion.motion import Motion
@@ -24,8 +27,10 @@ from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.start import check_limits
 from sinuous.motion.track import read_deviation, timetable_of, wish
 from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.problem.target import target_table
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
+from sinuous.solving.options import SolveOptions
 from sinuous.solving.several import KINDS, Kind
 from sinuous.solving.solver import OneSolve, Solver
 
@@ -66,7 +71,31 @@ def track_files(files: list[str], options: Options, deviation: float | None = No
     read = [Read(with_room(one.problem, options.choice()), one.seconds) for one in read_all(files)]
     for one in read:
         _refuse(one.problem, "goal")
-    return _answer_all(read, options, partial(_track, deviation), _solver_at_first)
+    asked = asked_of([one.problem for one in read], options, deviation)
+    with Journal(options.out or options.csv or options.plot, asked) as journal:
+        code = _answer_all(read, options, partial(_track, deviation, journal), _solver_at_first, journal)
+        if code != INTERRUPTED:
+            journal.remove()
+    return code
+
+
+def asked_of(problems: list[ProblemFile], options: Options, deviation: float | None) -> dict[str, str]:
+    """Return all that the motions along some paths depend on."""
+    told = {"files": ", ".join(problem.file for problem in problems), "--deviation": str(deviation)}
+    for problem in problems:
+        own = SolveOptions(**options.solve_options(problem.tolerance, problem.prefer))
+        scene = problem.scene.snapshot()
+        parts = {
+            **asked(problem.robot, scene.at(0.0), own),
+            "moving": hash_of(
+                *(part.tobytes() for one in scene.courses.values() for part in (one.times, *one.poses(one.times)))
+            ),
+            "path": hash_of(*(target_table(problem.robot, targets).tobytes() for targets in problem.waypoints)),
+            "times": "none" if problem.times is None else hash_of(problem.times.tobytes()),
+            "start": "none" if problem.start is None else hash_of(problem.start.tobytes()),
+        }
+        told |= {f"{problem.file}: {key}": value for key, value in parts.items()}
+    return told
 
 
 def _solver(kind: type[Solver], problem: ProblemFile, **options: Any) -> Solver:
@@ -120,7 +149,9 @@ def _refuse(problem: ProblemFile, *kinds: str) -> None:
         raise InputError("goal", "is for the command plan", problem.goal.tolist(), "target or targets", problem.file)
 
 
-def _answer_all(read: list[Read], options: Options, question: Question, kind: Prepared) -> int:
+def _answer_all(
+    read: list[Read], options: Options, question: Question, kind: Prepared, journal: Journal | None = None
+) -> int:
     done = solved = 0
     total = sum(max(1, len(one.problem.waypoints)) for one in read)
     say_notes([one.problem for one in read])
@@ -139,7 +170,9 @@ def _answer_all(read: list[Read], options: Options, question: Question, kind: Pr
                 done += 1
                 solved += found.solved
     except KeyboardInterrupt:
-        typer.echo(f"sinuous: interrupted after {done} of {len(read)} files; the results so far are written", err=True)
+        on = ", the same command goes on" if journal is not None and journal.keeps else ""
+        text = f"sinuous: interrupted after {done} of {len(read)} files; the results so far are written{on}"
+        typer.echo(text, err=True)
         return INTERRUPTED
     return SOLVED if solved == len(read) else UNSOLVED
 
@@ -191,19 +224,31 @@ def _plan(planner: Planner, problem: ProblemFile, bar: Bar) -> Motion:
     return motion
 
 
-def _track(deviation: float | None, solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:
-    """Follow the path; when interrupted, return what is there."""
+def _track(deviation: float | None, journal: Journal, solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:
+    """Follow the path, on from where the journal ends; when interrupted, return what is there."""
     waypoints, started = len(problem.waypoints), problem.start is not None
     timetable = timetable_of(problem.scene, problem.times, waypoints, started)
     if timetable is not None:
         solver = Solver.prepared(solver.robot, timetable.live, solver.options)
     tracker, done = Tracker(solver, problem.start, read_deviation(solver, deviation), timetable), 0
+    for values in journal.begin():
+        try:
+            tracker.go_on(problem.waypoints[done], read_entry(values, len(problem.robot)))
+        except (KeyError, TypeError, ValueError, IndexError):
+            raise journal.unreadable() from None
+        done += 1
+        bar.advance()
     try:
-        for targets in problem.waypoints if tracker.blocked is None else ():
+        for targets in problem.waypoints[done:] if tracker.blocked is None else ():
             tracker.go_to(targets)
+            journal.add(partial(_added, tracker, done))
             done += 1
             bar.advance()
     except KeyboardInterrupt:
         if not done:
             raise
     return tracker.motion(len(problem.waypoints) - done, problem.times)
+
+
+def _added(tracker: Tracker, waypoint: int) -> dict[str, Any]:
+    return write_entry(tracker.entry(waypoint))

@@ -34,7 +34,7 @@ class Spread(NamedTuple):
 
 
 class Changes(Frozen):
-    """The largest changes that are allowed, of a configuration and of actuators.
+    """The largest changes that are allowed, of a configuration and of actuators; `2 * changes` are twice as large.
 
     Parameters
     ----------
@@ -57,6 +57,12 @@ class Changes(Frozen):
 
     def __init__(self, bend: Most = None, length: Most = None, actuator: Most = None) -> None:
         self._set(**{key: _most(key, value) for key, value in zip(KEYS, (bend, length, actuator), strict=True)})
+
+    def __mul__(self, factor: Number) -> "Changes":
+        times = checks.number("factor", factor, above=0.0)
+        return Changes(*(None if own is None else own * times for own in (getattr(self, key) for key in KEYS)))
+
+    __rmul__ = __mul__
 
     def spread(self, robot: "Robot") -> Spread:
         """Return the numbers for every segment and every actuator of a robot.
@@ -112,8 +118,7 @@ class Rates(Frozen):
         return any(getattr(self, key) is not None for key in (*KEYS, "acceleration"))
 
     def __mul__(self, dt: Number) -> Changes:
-        seconds = checks.number("dt", dt, above=0.0)
-        return Changes(*(None if own is None else own * seconds for own in (getattr(self, key) for key in KEYS)))
+        return Changes(self.bend, self.length, self.actuator) * checks.number("dt", dt, above=0.0)
 
     __rmul__ = __mul__
 

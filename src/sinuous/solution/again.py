@@ -35,7 +35,10 @@ class Again(Protocol):
         ...
 
     def solve(self, problem: "Problem", initial: Floats | None = None, **options: Any) -> "Solution":
-        """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve."""
+        """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
+
+        Among them may be `within`: the changes from there that are allowed.
+        """
         ...
 
 

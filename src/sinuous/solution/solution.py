@@ -14,8 +14,9 @@ from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.notebook import Shown
+from sinuous.robot.rates import Changes
 from sinuous.solution.again import Elsewhere
-from sinuous.solution.binding.binding import Binding, find_binding
+from sinuous.solution.binding.binding import Binding, find_binding, rate_binding
 from sinuous.solution.binding.wording import in_words
 from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import read_result
@@ -82,6 +83,7 @@ class Solution(Shown):
         "_route_class",
         "_seconds",
         "_status",
+        "_within",
         "_worst",
     )
 
@@ -97,6 +99,7 @@ class Solution(Shown):
         again: "Again",
         given: Floats,
         route_class: RouteClass | None = None,
+        within: Changes | None = None,
     ) -> None:
         self._problem = problem
         self._status = status_of(outcome)
@@ -105,6 +108,7 @@ class Solution(Shown):
         self._again = again
         self._given = given
         self._route_class = route_class
+        self._within = within
         # By position: by its name, or by `flags`, it takes three times as long.
         outcome.q.setflags(False)  # type: ignore[call-arg]
 
@@ -115,7 +119,8 @@ class Solution(Shown):
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Solution, (self.problem, self._outcome, self.seconds, self._again, self._given, self._route_class)
+        own = self.problem, self._outcome, self.seconds, self._again, self._given, self._route_class, self._within
+        return Solution, own
 
     @property
     def problem(self) -> "Problem":
@@ -229,7 +234,7 @@ class Solution(Shown):
 
     @property
     def binding(self) -> tuple[Binding, ...]:
-        """The limits and obstacles that hold the best configuration back, strongest first; empty when solved."""
+        """The limits, rates and obstacles that hold the best configuration back, strongest first; empty when solved."""
         if not hasattr(self, "_binding"):
             self._binding = () if self.solved else self._find_binding()
         return self._binding
@@ -266,10 +271,12 @@ class Solution(Shown):
         end = perf_counter() + checks.number("time", time, low=0.0)
         given = self._given.reshape(-1, *self.q.shape)
         own = self.problem, self.status, self.q, given[0] if len(given) else None
-        return explain(self, Case(*own, self.binding, self.reason, self._again, self.starts), end)
+        return explain(self, Case(*own, self.binding, self.reason, self._again, self.starts, self._within), end)
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
+        if self._within is not None:
+            return rate_binding(self.problem, self.q, self._given[0], self._within)
         found = find_binding(self.problem, self.q, any_limit=self.status is Status.LIMIT_BOUND)
         reason = self.reason
         if reason is None or reason.obstacle is None or self.status is Status.NO_ROUTE:

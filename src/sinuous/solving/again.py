@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from sinuous.checks import Floats
 from sinuous.methods import registry
 from sinuous.problem.problem import Problem
+from sinuous.robot.rates import Changes
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -50,8 +51,10 @@ class Again:
         """Most starts of a solve."""
         return self.options.max_starts
 
-    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Solution:
+    def solve(
+        self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any
+    ) -> Solution:
         """Solve a problem; `options` replace those of the earlier solve."""
         chosen = replace(self.options, tolerance=problem.tolerance, **options)
         solver = self.prepare(problem.robot, Scene.of(problem.scene), chosen)
-        return solver.solve(problem.targets, initial)
+        return solver.solve(problem.targets, initial, within=within)

@@ -144,10 +144,10 @@ class Solver(Stepping):
             scene, blocked = self._look_at_base()
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
-        given = self._no_initial if initial is None else self._given("initial", initial)
+        given = self._given(initial)
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
         if within is not None:
-            return self._solve_within(problem, given, within, budget[3])
+            return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
@@ -157,20 +157,23 @@ class Solver(Stepping):
             outcome = self._go_on(outcome, problem, given, budget[3])
         return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
 
-    def _solve_within(self, problem: Problem, given: Floats, within: Changes, seconds: float) -> Solution:
-        began = clock.perf_counter()
+    def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
             raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
-        outcome = self._within(problem, given[0], within, seconds)
-        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
+        began = clock.perf_counter()
+        outcome = self._within(problem, given[0], within, budget[3])
+        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given, within=within)
+
+    def told(self, target: Targets, outcome: Outcome, seconds: float, initial: Initial | None = None) -> Solution:
+        """Return the solution that `solve` made of this outcome, in so many seconds."""
+        return Solution(self._problem(target)[0], outcome, seconds, self._again, self._given(initial))
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
-        problem, _ = self._problem(target)
-        given = self._no_initial if initial is None else self._given("initial", initial)
-        return self._prepared.build(problem, given, self._first_budgets[len(given)])
+        budget = self._first_budgets[int(initial is not None)]
+        return self._prepared.build(self._problem(target)[0], self._given(initial), budget)
 
     def solve_many(
         self,
@@ -286,22 +289,20 @@ class Solver(Stepping):
             self.options.max_starts,
             self.options.time if time is None else checks.number("time", time, low=0.0),
         )
-        problem, blocked = self._problem(target)
-        given = self._no_initial if initial is None else self._given("initial", initial)
+        (problem, blocked), given = self._problem(target), self._given(initial)
         if blocked:
             return []
         several = Several(problem, wanted, partial(self._dislike, reference=None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
-        batches = several.batches(self._portfolio, self._router, question)
-        several.search.pursue(batches, self._follow(problem, given))
+        several.search.pursue(several.batches(self._portfolio, self._router, question), self._follow(problem, given))
         return [
             Solution(problem, outcome, outcome.seconds, self._again, given, route_class)
             for outcome, route_class in several.best()
         ]
 
     def __repr__(self) -> str:
-        sizes = [f"{len(self.robot)} segments", f"{len(self.scene)} obstacles"]
-        return call(type(self).__name__, [*sizes, f"method={text(self.method)}", f"time={self.options.time:g}"])
+        parts = f"{len(self.robot)} segments", f"{len(self.scene)} obstacles", f"method={text(self.method)}"
+        return call(type(self).__name__, [*parts, f"time={self.options.time:g}"])
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self).prepared, (self.robot, self.scene, self.options)
@@ -334,8 +335,8 @@ class Solver(Stepping):
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
         search = FirstSolved(first, self.options.max_starts, seconds)
-        question = Question(problem, given, lambda: search.seconds_left)
-        search.pursue(self._portfolio.further(question), self._follow(problem, given))
+        further = self._portfolio.further(Question(problem, given, lambda: search.seconds_left))
+        search.pursue(further, self._follow(problem, given))
         return search.outcome
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
@@ -353,15 +354,17 @@ class Solver(Stepping):
         q = np.array(found).reshape(-1, len(self.robot), 3)
         if reference is None:
             return np.asarray((q[..., :2] ** 2).sum(axis=(1, 2)))
-        unit = self.robot.mean_length / len(self.robot)
-        return np.asarray((((q - reference) / [1.0, 1.0, unit]) ** 2).sum(axis=(1, 2)))
+        units = 1.0, 1.0, self.robot.mean_length / len(self.robot)
+        return np.asarray((((q - reference) / units) ** 2).sum(axis=(1, 2)))
 
     def configuration(self, key: str, initial: Initial) -> Floats:
         """Check what is called `key`: a solution, or a configuration (n, 3) of this robot; return the configuration."""
         return checks.array(key, initial.q if isinstance(initial, Solution) else initial, (len(self.robot), 3))
 
-    def _given(self, key: str, initial: Initial) -> Floats:
-        return self.configuration(key, initial).reshape(1, len(self.robot), 3).copy()
+    def _given(self, initial: Initial | None) -> Floats:
+        if initial is None:
+            return self._no_initial
+        return self.configuration("initial", initial).reshape(1, len(self.robot), 3).copy()
 
 
 class OneSolve(Solver):

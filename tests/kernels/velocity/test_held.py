@@ -14,7 +14,8 @@ def held_of(system: np.ndarray, values: np.ndarray) -> Held:
     about = np.zeros((r, ROW_WIDTH))
     about[:, VALUE] = values
     none = np.zeros((r, 3))
-    return Held(none, none, about, system, np.zeros((r, r + 1)), np.zeros(r, np.int64), np.zeros((1, 3)), none)
+    active, pushing = np.zeros((2, r), np.int64)
+    return Held(none, none, about, system, np.zeros((r, r + 1)), active, pushing, np.zeros((1, 3)), none)
 
 
 @pytest.mark.parametrize("seed", range(20))

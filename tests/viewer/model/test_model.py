@@ -1,11 +1,14 @@
 """The state of the page: every change asks another question, and what is refused changes nothing."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import sinuous as sn
 from sinuous.errors import InputError
 from sinuous.viewer.model.model import Model, straight
+from sinuous.viewer.model.saving import loaded, saved
 from sinuous.viewer.model.solvers import QUICK, Solvers
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.05)
@@ -151,6 +154,37 @@ def test_a_motion_is_played_and_ends_with_the_next_change() -> None:
     assert moved is not None
     assert moved.tolist() == [1.0, 0.3, 2.0]
     assert page.job.waypoints[0][0] is path[0]
+
+
+def test_a_goal_asks_no_target_and_stays() -> None:
+    still = [[0.0, 0.0, 1.0]] * len(ROBOT)
+    page = model(target=None, start=still, goal=[[0.2, 0.0, 1.0]] * len(ROBOT))
+    assert page.targets == ()
+    np.testing.assert_array_equal(page.shown, still)
+    page.add("sphere")
+    assert page.job.goal is not None
+    page.bend(0, 0.1, 0.0, 1.0)
+    page.begin_here()
+    assert page.job.start is not None
+    assert page.job.start[0].tolist() == [0.1, 0.0, 1.0]
+    page.show_motion(page.job.plan())
+    np.testing.assert_array_equal(page.shown, page.job.start)
+    again = loaded("goal.yaml", saved(page).encode(), Path())
+    assert again.goal is not None
+    np.testing.assert_array_equal(again.goal, page.job.goal)
+    np.testing.assert_array_equal(again.start, page.job.start)
+    assert saved(page).startswith("# sinuous plan ")
+    with pytest.raises(InputError, match="goes nowhere"):
+        page.show_motion(sn.track(page.robot, [sn.Target((0, 0, 99.0))]))
+
+
+def test_what_is_changed_keeps_rates_and_times() -> None:
+    rates, path = sn.Rates(bend=1.0), [sn.Target((1, 0, 2)), sn.Target((1, 0.1, 2))]
+    page = model(target=None, path=path, times=[0, 3], rates=rates)
+    page.tolerate(0.01, 0.02)
+    assert page.job.times is not None
+    assert page.job.times.tolist() == [0.0, 3.0]
+    assert page.job.rates.equals(rates)
 
 
 def test_a_second_method_begins_from_its_own_shape() -> None:

@@ -16,6 +16,12 @@ from tests.viewer.browser import chromium, opened, pixels, projected, until
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
 JOB = sn.Job(ROBOT, sn.Target((1, 0, 2)), [sn.Sphere((0.2, 0.9, 1.2), radius=0.25, name="ball")])
+GOAL = sn.Job(
+    ROBOT,
+    scene=[sn.Sphere((0.5, 0.0, 1.8), radius=0.4, name="ball")],
+    start=[[0.9, 0.0, 1.0], [0.3, 0.0, 1.0], [0.0, 0.0, 1.0]],
+    goal=[[-0.9, 0.2, 1.0], [-0.3, 0.0, 1.0], [0.0, 0.0, 0.9]],
+)
 PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
 
 
@@ -192,6 +198,55 @@ def test_a_path_is_followed_and_played(page: Page, fresh: Any) -> None:
     assert page.model.motion is not None
     np.testing.assert_allclose(page.model.shown, page.model.motion.q[-1])
     np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (1, 0.2, 2), atol=1e-3)
+
+
+def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> None:
+    page.do("load", lambda: page._replace(GOAL))
+    until(lambda: page.model.job is GOAL, "the goal")
+    fresh.locator(".badge", has_text="the start").wait_for()
+    assert fresh.get_by_role("tab", name="Target").count() == 0
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    assert page.model.motion is not None
+    assert page.model.motion.solved
+    assert GOAL.start is not None
+    assert GOAL.goal is not None
+    np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
+    np.testing.assert_allclose(page.model.shown, GOAL.goal)
+    fresh.locator(".badge", has_text="proved clear here").wait_for()
+
+
+def test_a_motion_begins_where_somebody_says(page: Page, fresh: Any) -> None:
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Plan a motion").click()
+    fresh.locator(".notice", has_text="start").wait_for()
+    fresh.get_by_role("button", name="Start here").click()
+    until(lambda: page.model.job.start is not None, "a start")
+    start = page.model.q
+    page.do("move", lambda: page.model.place_target(0, np.array([-1.0, 0.3, 2.0])))
+    until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_array_equal(page.model.motion.q[0], start)
+    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (-1, 0.3, 2), atol=1e-3)
+
+
+def test_a_motion_that_was_found_before_is_played(browser: Any) -> None:
+    motion = GOAL.plan()
+    served = Page(GOAL, answer=motion)
+    try:
+        shown = opened(browser, f"http://127.0.0.1:{served.port}")
+        shown.locator(".badge", has_text="proved clear here").wait_for()
+        np.testing.assert_array_equal(served.model.shown, motion.q[0])
+        shown.get_by_role("tab", name="Motion").click()
+        shown.get_by_label("play").click()
+        until(lambda: np.allclose(served.model.shown, motion.q[-1]), "the motion played to its end")
+        assert shown.problems == []
+        shown.close()
+    finally:
+        served.stop()
 
 
 def test_two_browsers_show_the_same(page: Page, fresh: Any, browser: Any) -> None:

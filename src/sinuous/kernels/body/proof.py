@@ -5,24 +5,32 @@ point is farther than h / 2 from the midpoint, so `distance(midpoint) - h / 2 - 
 piece from below. Pieces are halved until that bound decides. Obstacles that a whole segment is clear of are not asked
 again for its pieces. Where an obstacle has samples, their lower bound is tried first; the exact distance is asked only
 where that bound is what keeps a piece from being decided.
+
+Close to a convex primitive that would take pieces as short as the clearance. Its distance is a convex function: on a
+chord it is no less than its tangent at the middle says at the worse end, and the piece is no farther from its chord
+than it sags. Both are of second order in h where the tangent is across the gradient, as it is at the closest place.
 """
 
 import math
 
-from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, near, price_among
+from sinuous.kernels.body.chords import sag
+from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, look_here, near, price_among
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene
+from sinuous.kernels.fields.distances import Scene, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
-from sinuous.kernels.maths.vectors import Array, norm
-from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
+from sinuous.kernels.tables import KIND, RADIUS, SIGN, TREE
 
 ROUNDING = 1e-13
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
 
 LOOSENESS = 2.0
 """How much of half a piece the samples may leave open before the exact distance is asked for, not a shorter piece."""
+
+FLAT = 100.0
+"""Longest half of a chord, in distances, for which a tangent is used: a gradient is as exact as a distance is large."""
 
 CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 """Verdicts."""
@@ -32,6 +40,28 @@ CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 def _decided(sure: float, least: float, slack: float) -> bool:
     """Whether a bound proves something, and as much as is worth proving when `least` is the best that can be true."""
     return sure > 0.0 and sure >= (1.0 - slack) * least
+
+
+@kernel
+def _by_tangents(
+    scene: Scene, among: Array, count: int, middle: Vec, ends: tuple[Vec, Vec], half: float, sagging: float
+) -> float:
+    """Lower bound of the distance of a piece, of arc length 2 `half`, to the first `count` obstacles of `among`.
+
+    `middle`: the place in its middle; `ends`: those of its ends.
+    """
+    center, chord = scale(0.5, add(ends[0], ends[1])), sub(ends[1], ends[0])
+    least = math.inf
+    for j in range(count):
+        i = among[j]
+        d, _ = look_here(scene, i, middle, least + half, BOUND)
+        low = d - half
+        if low < least and scene.table[i, KIND] < TREE and scene.table[i, SIGN] > 0.0:
+            d, g = slope(scene, i, center, math.inf, EXACT)
+            if half < FLAT * d:
+                low = max(low, d - 0.5 * abs(dot(g, chord)) - sagging)
+        least = min(least, low)
+    return least
 
 
 @kernel
@@ -81,6 +111,13 @@ def prove(
             if not decided and most > d and (most - d > LOOSENESS * half or 2.0 * half <= finest):
                 d, most, nearest_one = closest(scene, among, count, p, away, EXACT)
                 sure = d - half - radius - rounding
+                decided = _decided(sure, min(least, most - radius), slack)
+            bend = width * math.hypot(q[k, 0], q[k, 1])
+            sagging = sag(2.0 * half, bend) if bend <= math.pi else math.inf
+            low = d - sagging - radius - rounding
+            if not decided and _decided(low, min(least, most - radius), slack):
+                ends = body_point(q, frames, k, s - 0.5 * width), body_point(q, frames, k, s + 0.5 * width)
+                sure = max(sure, _by_tangents(scene, among, count, p, ends, half, sagging) - radius - rounding)
                 decided = _decided(sure, min(least, most - radius), slack)
             if most - radius < least:
                 least, where, fraction, which = most - radius, k, s, nearest_one

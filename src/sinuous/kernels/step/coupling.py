@@ -52,12 +52,13 @@ def _seen(pairs: Array, a: int, step: Array) -> float:
 def solve_symmetric(system: Array, m: int) -> None:
     """Solve the positive definite m x m system in `system` (m, m + 1 or wider), whose column m is the right side.
 
-    The answer takes the place of the right side.
+    The answer takes the place of the right side. What is below the diagonal is never read.
     """
     for a in range(m):
+        inverse = 1.0 / system[a, a]
         for b in range(a + 1, m):
-            f = system[b, a] / system[a, a]
-            for c in range(a, m + 1):
+            f = system[a, b] * inverse
+            for c in range(b, m + 1):
                 system[b, c] -= f * system[a, c]
     for a in range(m - 1, -1, -1):
         for c in range(a + 1, m):

@@ -7,7 +7,7 @@ from sinuous.kernels.maths.vectors import Array, put_vec, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.velocity.asked import Asked
-from sinuous.kernels.velocity.bounds import LEFT, worst_cut
+from sinuous.kernels.velocity.bounds import LEFT, Cut, Limits, worst_cut
 from sinuous.kernels.velocity.held import HARD, along, combine, most_left, push, take_in
 from sinuous.kernels.velocity.working import (
     HIGH,
@@ -44,16 +44,16 @@ CUTS_FOR_WISHES = 12
 
 
 @kernel
-def _worst_bound(tick: Tick, bounds: int) -> tuple[float, int, int]:
-    """By how much `tick.step` leaves the bound that it leaves the most, which one, and which of its sides.
+def _worst_bound(rows: Array, step: Array) -> tuple[float, int, int]:
+    """By how much a step (n, 3) leaves the bound that it leaves the most, which one, and which of its sides.
 
     Sides: 0 and 1 what must be at least and at most, 2 and 3 what is wished for.
     """
     worst, which, side = 0.0, -1, 0
-    own = 3 * tick.q.shape[0]
-    for at in range(bounds):
-        row = tick.bounds[at]
-        value, taken = along(row, tick.step), int(row[own + TAKEN])
+    own = 3 * step.shape[0]
+    for at in range(rows.shape[0]):
+        row = rows[at]
+        value, taken = along(row, step), int(row[own + TAKEN])
         if taken & 1 == 0 and row[own + LOW] - value > worst:
             worst, which, side = row[own + LOW] - value, at, 0
         if taken & 2 == 0 and value - row[own + HIGH] > worst:
@@ -81,10 +81,9 @@ def _take_bound(tick: Tick, count: int, at: int, side: int, softness: float) -> 
 
 
 @kernel
-def _take_cut(problem: Problem, asked: Asked, tick: Tick, start: Array, at: tuple[int, int], softness: float) -> bool:
-    """Make the worst cut of a segment a row; `at`: the row, and the segment. Says whether it is a mere wish."""
-    count, k = at
-    held, cut = tick.held, worst_cut(problem, asked, tick, start, k)
+def _take_cut(tick: Tick, count: int, cut: Cut, k: int, softness: float) -> None:
+    """Make a cut of segment `k` row `count` of those held."""
+    held = tick.held
     for i in range(3 * tick.q.shape[0]):
         held.weights[count, i] = 0.0
     put_vec(held.weights, count, 3 * k, scale(-1.0, cut.weights))
@@ -92,42 +91,39 @@ def _take_cut(problem: Problem, asked: Asked, tick: Tick, start: Array, at: tupl
     held.about[count, SOFTNESS] = softness if cut.soft else HARD
     held.about[count, WHAT], held.about[count, WHERE], held.about[count, WHICH] = cut.kind, k, -1.0
     take_in(tick, count)
-    return bool(cut.soft)
 
 
 @kernel
 def bounded(problem: Problem, asked: Asked, tick: Tick, start: Array, bounds: int, mu: float) -> int:
     """Fill `tick.step` with the step of damping `mu` that keeps all bounds; returns how many rows were taken in."""
-    held, n = tick.held, tick.q.shape[0]
+    held, q, step, rows = tick.held, tick.q, tick.step, tick.bounds[:bounds]
+    within, n = Limits(problem.limits, asked.boxes, tick.root, start), q.shape[0]
     for at in range(bounds):
-        tick.bounds[at, 3 * n + TAKEN] = 0.0
+        rows[at, 3 * n + TAKEN] = 0.0
     sweeps.forward(tick.columns, tick.root, tick.none, tick.rows, mu, False)
     sweeps.backward(tick.columns, tick.root, tick.none, tick.rows, held.free, False)
     count = wishes = 0
-    combine(tick, count)
+    combine(held, count, step)
     for _ in range(4 * held.active.shape[0]):
         again, missing = most_left(held, count)
-        worst, which, side = _worst_bound(tick, bounds)
-        beyond, where = 0.0, -1
-        for k in range(n):
-            cut = worst_cut(problem, asked, tick, start, k)
-            if cut.kind >= 0 and cut.excess > beyond and (cut.soft == 0 or wishes < CUTS_FOR_WISHES * n):
-                beyond, where = cut.excess, k
+        worst, which, side = _worst_bound(rows, step)
+        cut, where = worst_cut(within, q, step, wishes < CUTS_FOR_WISHES * n)
         if max(missing, worst) <= LEFT and where < 0:
             break
-        if missing > LEFT and missing >= max(worst, beyond):
+        if missing > LEFT and missing >= max(worst, cut.excess):
             push(held, count, again)
-            combine(tick, count)
+            combine(held, count, step)
             continue
         if count == held.active.shape[0]:
             break
-        if worst >= beyond:
+        if worst >= cut.excess:
             _take_bound(tick, count, which, side, SOFT * mu)
-        elif _take_cut(problem, asked, tick, start, (count, where), SOFT * mu):
-            wishes += 1
+        else:
+            _take_cut(tick, count, cut, where, SOFT * mu)
+            wishes += cut.soft
         count += 1
         push(held, count, count - 1)
-        combine(tick, count)
+        combine(held, count, step)
     return count
 
 

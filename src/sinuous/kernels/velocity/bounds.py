@@ -8,7 +8,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import ZERO, Array, Vec, scale
+from sinuous.kernels.maths.vectors import ZERO, Array, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH
 from sinuous.kernels.velocity.asked import (
@@ -61,6 +61,13 @@ Cut = namedtuple("Cut", ["excess", "weights", "soft", "kind"])
 """A bound of one segment that a step leaves: by how much, in units of the metric; weights of its coordinates, so that
 their sum has to be less by that excess; 1 for a mere wish; and what it is called."""
 
+NO_CUT = Cut(0.0, ZERO, 0, -1)
+
+Limits = namedtuple("Limits", ["limits", "boxes", "root", "start"])
+"""What bounds the segments: their limits (n, 7), their rates (n, 7), the root of the metric (n, 9), and where the tick
+began (n, 3). No more than that: these are looked at some hundred times in a tick, and all that a call hands over takes
+time."""
+
 
 @kernel
 def add_lines(asked: Asked, tick: Tick, start: Array, first: int) -> int:
@@ -96,53 +103,52 @@ def add_lines(asked: Asked, tick: Tick, start: Array, first: int) -> int:
 
 
 @kernel
-def _disc(root: Array, k: int, x: float, y: float, cap: float, slope: float, left: float) -> tuple[float, Vec]:
-    """How far a bend `(x, y)` is beyond `cap`, which grows by `slope` with the length; weights of the coordinates.
+def _disc(root: Array, k: int, bend: tuple[float, float], cap: float, slope: float, left: float, kind: int) -> Cut:
+    """The cut of a `bend` that is beyond `cap`, which grows by `slope` with the length.
 
     Nothing, where that is not more than `left`.
     """
-    bend = math.hypot(x, y)
-    if not (bend > cap + left and root[k, 0] > 0.0):
-        return 0.0, ZERO
+    x, y = bend
+    most = math.hypot(x, y)
+    if not (most > cap + left and root[k, 0] > 0.0):
+        return NO_CUT
     size = math.hypot(root[k, 0], root[k, 8] * slope)
-    return (bend - cap) / size, (x / (bend * size), y / (bend * size), -slope / size)
+    weights = (x / (most * size), y / (most * size), -slope / size)
+    return Cut((most - cap) / size, weights, int(kind == ACCELERATION), kind)
 
 
 @kernel
-def _bend_cut(problem: Problem, asked: Asked, tick: Tick, start: Array, k: int) -> Cut:
-    """The bound of the bend of segment `k` that `tick.step` leaves the most."""
-    limits, root, box = problem.limits, tick.root, asked.boxes[k]
-    dx, dy = tick.step[k, 0], tick.step[k, 1]
-    ux, uy, length = tick.q[k, 0] + dx, tick.q[k, 1] + dy, tick.q[k, 2] + tick.step[k, 2]
+def _bend_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
+    """The bound of the bend of segment `k` that the step from `q` leaves the most."""
+    limits, root, box, start = within.limits, within.root, within.boxes[k], within.start
+    dx, dy = step[k, 0], step[k, 1]
+    ux, uy, length = q[k, 0] + dx, q[k, 1] + dy, q[k, 2] + step[k, 2]
     x0, y0 = start[k, 0], start[k, 1]
     bent, left = math.hypot(x0, y0), CUT * math.hypot(dx, dy)
-    worst = Cut(0.0, ZERO, 0, -1)
-    excess, weights = _disc(root, k, ux, uy, max(limits[k, MAX_BEND], bent), 0.0, left)
-    if excess > worst.excess:
-        worst = Cut(excess, weights, 0, BEND)
+    worst = _disc(root, k, (ux, uy), max(limits[k, MAX_BEND], bent), 0.0, left, BEND)
     curvature = limits[k, MAX_CURVATURE]
     if curvature < math.inf:
         cap = curvature * length + max(0.0, bent - curvature * start[k, 2])
-        excess, weights = _disc(root, k, ux, uy, cap, curvature, left)
-        if excess > worst.excess:
-            worst = Cut(excess, weights, 0, CURVATURE)
+        cut = _disc(root, k, (ux, uy), cap, curvature, left, CURVATURE)
+        if cut.excess > worst.excess:
+            worst = cut
     cap = box[BEND_CHANGE]
-    excess, weights = _disc(root, k, ux - x0, uy - y0, (1.0 - ROOM) * cap, 0.0, ROOM * cap)
-    if excess > worst.excess:
-        worst = Cut(excess, weights, 0, BEND_RATE)
+    cut = _disc(root, k, (ux - x0, uy - y0), (1.0 - ROOM) * cap, 0.0, ROOM * cap, BEND_RATE)
+    if cut.excess > worst.excess:
+        worst = cut
     cap, vx, vy = box[BEND_TURN], ux - x0 - box[BEFORE], uy - y0 - box[BEFORE + 1]
-    excess, weights = _disc(root, k, vx, vy, (1.0 - ROOM) * cap, 0.0, ROOM * cap)
-    return Cut(excess, weights, 1, ACCELERATION) if excess > worst.excess else worst
+    cut = _disc(root, k, (vx, vy), (1.0 - ROOM) * cap, 0.0, ROOM * cap, ACCELERATION)
+    return cut if cut.excess > worst.excess else worst
 
 
 @kernel
-def worst_cut(problem: Problem, asked: Asked, tick: Tick, start: Array, k: int) -> Cut:
-    """The bound of segment `k` that `tick.step` leaves the most; its kind is -1 where it leaves none."""
-    worst, stretch, box, l0 = _bend_cut(problem, asked, tick, start, k), tick.root[k, 8], asked.boxes[k], start[k, 2]
+def _cut_of(within: Limits, q: Array, step: Array, k: int) -> Cut:
+    """The bound of segment `k` that the step from `q` leaves the most; its kind is -1 where it leaves none."""
+    worst, stretch, box, l0 = _bend_cut(within, q, step, k), within.root[k, 8], within.boxes[k], within.start[k, 2]
     if not stretch > 0.0:
         return worst
-    length, along = tick.q[k, 2] + tick.step[k, 2], (0.0, 0.0, 1.0 / stretch)
-    least, most = min(problem.limits[k, MIN_LENGTH], l0), max(problem.limits[k, MAX_LENGTH], l0)
+    length, along = q[k, 2] + step[k, 2], (0.0, 0.0, 1.0 / stretch)
+    least, most = min(within.limits[k, MIN_LENGTH], l0), max(within.limits[k, MAX_LENGTH], l0)
     shortest, longest = l0 - box[LENGTH_CHANGE], l0 + box[LENGTH_CHANGE]
     under, over = (max(least, shortest) - length) / stretch, (length - min(most, longest)) / stretch
     if under > max(LEFT, worst.excess):
@@ -154,6 +160,20 @@ def worst_cut(problem: Problem, asked: Asked, tick: Tick, start: Array, k: int) 
     if beyond > max(LEFT, worst.excess):
         worst = Cut(beyond, scale(1.0 if off > 0.0 else -1.0, along), 1, ACCELERATION)
     return worst
+
+
+@kernel
+def worst_cut(within: Limits, q: Array, step: Array, wishes: bool) -> tuple[Cut, int]:
+    """The bound of a segment that the step from `q` (n, 3) leaves the most, and which segment; -1 where there is none.
+
+    Segments that leave a mere wish the most count only with `wishes`.
+    """
+    worst, where = NO_CUT, -1
+    for k in range(q.shape[0]):
+        cut = _cut_of(within, q, step, k)
+        if cut.kind >= 0 and cut.excess > worst.excess and (wishes or cut.soft == 0):
+            worst, where = cut, k
+    return worst, where
 
 
 @kernel

@@ -61,9 +61,8 @@ def most_left(held: Held, count: int) -> tuple[int, float]:
     for a in range(count):
         if held.active[a] == 0:
             missing = held.about[a, VALUE]
-            for b in range(count):
-                if held.active[b] != 0:
-                    missing -= held.system[a, b] * held.about[b, FORCE]
+            for b in range(count):  # who does not push has no force
+                missing -= held.system[a, b] * held.about[b, FORCE]
             if missing > excess:
                 worst, excess = a, missing
     return worst, excess
@@ -75,18 +74,13 @@ def _solve_active(held: Held, count: int) -> int:
     m = 0
     for a in range(count):
         if held.active[a] != 0:
+            held.pushing[m] = a
             m += 1
-    i = 0
-    for a in range(count):
-        if held.active[a] == 0:
-            continue
-        j = 0
-        for b in range(count):
-            if held.active[b] != 0:
-                held.scratch[i, j] = held.system[a, b]
-                j += 1
+    for i in range(m):
+        a = held.pushing[i]
+        for j in range(i, m):  # what is below the diagonal is never read
+            held.scratch[i, j] = held.system[a, held.pushing[j]]
         held.scratch[i, m] = held.about[a, VALUE]
-        i += 1
     solve_symmetric(held.scratch, m)
     return m
 
@@ -97,20 +91,15 @@ def push(held: Held, count: int, a: int) -> None:
     held.active[a] = 1
     for _ in range(2 * count + 2):
         m = _solve_active(held, count)
-        share, i = 1.0, 0
-        for b in range(count):
-            if held.active[b] != 0:
-                force = held.scratch[i, m]
-                if force <= 0.0:
-                    before = held.about[b, FORCE]
-                    share = min(share, before / (before - force) if before > force else 0.0)
-                i += 1
-        i, left = 0, False
-        for b in range(count):
-            if held.active[b] == 0:
-                continue
+        share = 1.0
+        for i in range(m):
             force = held.scratch[i, m]
-            i += 1
+            if force <= 0.0:
+                before = held.about[held.pushing[i], FORCE]
+                share = min(share, before / (before - force) if before > force else 0.0)
+        left = False
+        for i in range(m):
+            b, force = held.pushing[i], held.scratch[i, m]
             before = held.about[b, FORCE]
             moved = before + share * (force - before)
             if share < 1.0 and force <= 0.0 and moved <= 1e-12 * (abs(force) + before):
@@ -122,14 +111,14 @@ def push(held: Held, count: int, a: int) -> None:
 
 
 @kernel
-def combine(tick: Tick, count: int) -> None:
-    """Fill `tick.step` with the step that the forces make."""
-    held, n = tick.held, tick.q.shape[0]
+def combine(held: Held, count: int, step: Array) -> None:
+    """Fill `step` (n, 3) with the step that the forces make."""
+    n = step.shape[0]
     for k in range(n):
-        put_vec(tick.step, k, 0, get_vec(held.free, k, 0))
+        put_vec(step, k, 0, get_vec(held.free, k, 0))
     for a in range(count):
         if held.active[a] != 0:
             force = held.about[a, FORCE]
             for k in range(n):
                 for i in range(3):
-                    tick.step[k, i] += force * held.replies[a, 3 * k + i]
+                    step[k, i] += force * held.replies[a, 3 * k + i]

@@ -56,10 +56,10 @@ of what is asked; root of the metric (n, 9), no motion (n, 3) and the step (n, 3
 obstacles (m,) int64; self-contacts and spans as `body.self_contacts` has them; the rows that are held, see `Held`; and
 scratch of the proof of a motion, with the clock."""
 
-Held = namedtuple("Held", ["weights", "replies", "about", "system", "scratch", "active", "free", "pull"])
+Held = namedtuple("Held", ["weights", "replies", "about", "system", "scratch", "active", "pushing", "free", "pull"])
 """Rows that a step was found to leave, up to r of them: weights `c` and what each moves, `H^-1 c` (r, 3 n); `about`
-them (r, 6); how they move each other (r, r), and scratch (r, r + 1); which of them push (r,) int64; the step without
-any of them, and a motion (n, 3)."""
+them (r, 6); how they move each other (r, r), and scratch (r, r + 1); which of them push (r,) int64, and the numbers of
+those (r,) int64; the step without any of them, and a motion (n, 3)."""
 
 
 def most_bounds(segments: int, obstacles: int, lines: int) -> int:
@@ -77,7 +77,7 @@ def tick_size(segments: int, obstacles: int, targets: int, lines: int) -> int:
     n, b, r = segments, most_bounds(segments, obstacles, lines), most_rows(segments)
     capacity = max(6, 6 * targets)
     own = 2 * 3 * n + 12 * (n + 1) + 18 * n + 9 * n + 3 * n + 3 * n + rows_width(n, capacity)
-    held = r * (6 * n + ROW_WIDTH + r + r + 1) + r + 6 * n
+    held = r * (6 * n + ROW_WIDTH + r + r + 1) + 2 * r + 6 * n
     return (
         own
         + b * (3 * n + BOUND_WIDTH)
@@ -140,6 +140,7 @@ def _carve_held(buffer: Array, n: int, r: int) -> tuple[Held, int]:
     d = c + r * r
     e = d + r * (r + 1)
     f = e + r
+    g = f + r
     held = Held(
         shaped(buffer[:a], (r, 3 * n)),
         shaped(buffer[a:b], (r, 3 * n)),
@@ -147,7 +148,8 @@ def _carve_held(buffer: Array, n: int, r: int) -> tuple[Held, int]:
         shaped(buffer[c:d], (r, r)),
         shaped(buffer[d:e], (r, r + 1)),
         buffer[e:f].view(np.int64),
-        shaped(buffer[f : f + 3 * n], (n, 3)),
-        shaped(buffer[f + 3 * n : f + 6 * n], (n, 3)),
+        buffer[f:g].view(np.int64),
+        shaped(buffer[g : g + 3 * n], (n, 3)),
+        shaped(buffer[g + 3 * n : g + 6 * n], (n, 3)),
     )
-    return held, f + 6 * n
+    return held, g + 6 * n

@@ -10,6 +10,7 @@ from sinuous.arguments import Shortest
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.motion.following.entries import Entry
 from sinuous.motion.following.knots import Knot
 from sinuous.motion.following.shortest import Means, metric_of, shorten
 from sinuous.motion.following.straight import Straight
@@ -89,6 +90,7 @@ class Tracker:
         self.blocked: Worst | None = None
         if start is not None:
             self._begin_at(solver.configuration("start", start))
+        self._done = [self._now()]
 
     def _begin_at(self, q: Floats) -> None:
         begin = 0.0 if self._timetable is None else self._timetable.begin
@@ -102,12 +104,46 @@ class Tracker:
         an obstacle or a limit, the robot changes its configuration on another way; where no way is found either, the
         step is left unproved.
         """
-        if self._timetable is not None:
-            self._timetable.look_at(self._timetable.of(len(self._tried)))
+        self._look_ahead()
         solution = self._solver.solve(targets, self._knots[-1].q if self._knots else None)
         if solution.solved:
             solution = self._move_to(solution)
+        self._keep(solution)
+        return solution
+
+    def _look_ahead(self) -> None:
+        """Let obstacles that move be where they are when the next waypoint is."""
+        if self._timetable is not None:
+            self._timetable.look_at(self._timetable.of(len(self._tried)))
+
+    def _keep(self, solution: Solution) -> None:
+        """Count a waypoint that was tried."""
         self._tried.append((solution, len(self._knots) - 1 if solution.solved else None))
+        self._done.append(self._now())
+
+    def _now(self) -> tuple[int, bool, float]:
+        """How many knots there are, whether the way from the start is a step of its own, and seconds so far."""
+        return len(self._knots), self._approaches, clock.perf_counter() - self._began
+
+    def entry(self, waypoint: int) -> Entry:
+        """Return what a waypoint (0 = first) added; see `go_on`."""
+        solution, (count, approaches, seconds) = self._tried[waypoint][0], self._done[waypoint + 1]
+        knots, reconfigured = self._knots[self._done[waypoint][0] : count], waypoint + 1 in self._reconfigured
+        return Entry(solution._outcome, solution.seconds, knots, reconfigured, approaches, seconds)
+
+    def go_on(self, targets: Targets, entry: Entry) -> Solution:
+        """Take the next waypoint as it was found before, by a tracker that was interrupted."""
+        self._look_ahead()
+        initial = self._knots[-1].q if self._knots else None
+        solution = self._solver.told(targets, entry.outcome, entry.solve_seconds, initial)
+        self._knots += entry.knots
+        self._approaches = entry.approaches
+        if entry.reconfigured:
+            self._reconfigured.append(len(self._tried) + 1)
+        if solution.solved:
+            self._at = solution.problem.targets
+        self._began = clock.perf_counter() - entry.seconds
+        self._keep(solution)
         return solution
 
     def _move_to(self, solution: Solution) -> Solution:

@@ -18,9 +18,11 @@ from sinuous.arguments import Constraint
 from sinuous.brief import Brief
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
+from sinuous.robot.rates import Changes
 from sinuous.solution.binding.contacts import Contact, contacts_of, self_contacts_of
 from sinuous.solution.binding.limits import Limit, limits_of, normal
 from sinuous.solution.binding.pull import pull_of
+from sinuous.solution.binding.rates import rates_of
 from sinuous.solution.binding.rest import at_rest
 
 ACTIVE, WIDER = 1e-6, (1e-3, 0.1)
@@ -43,17 +45,19 @@ class Binding(Brief):
     Attributes
     ----------
     constraint : str
-        `length`, `bend`, `curvature`, `actuator`, `clearance` of an obstacle, or `self_clearance`.
+        `length`, `bend`, `curvature`, `actuator`, `clearance` of an obstacle, or `self_clearance`; with `within` also
+        `length_rate`, `bend_rate` or `actuator_rate`.
     segment : int or None
         1 = first.
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     value, limit : float
-        What the configuration has, and what is allowed: lengths, rad for `bend`, 1 / length for `curvature`.
+        What the configuration has, and what is allowed: lengths, rad for `bend`, 1 / length for `curvature`; for rates
+        the change from where it began.
     actuator : str or None
-        Name of the tendon or chamber, for `actuator`: `s1.t2`.
+        Name of the tendon or chamber, for `actuator` and `actuator_rate`: `s1.t2`.
     key : str or None
-        What the problem file calls the limit: `max_bend`, `length[1]` (the upper end).
+        What the problem file calls the limit: `max_bend`, `length[1]` (the upper end), `rates.bend`.
     other_segment : int or None
         The segment that it touches, for `self_clearance`.
     """
@@ -95,13 +99,28 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
     keeps the body from coming free. Where no obstacle takes part, the configuration is first brought to rest. With
     `any_limit` at least one limit is named: if none takes part, the nearest one.
     """
+    contacts = _all_contacts(problem, q)
+    if not contacts:
+        q = at_rest(problem, q)
+    found = _balanced(problem, q, contacts, list(limits_of(problem.robot, q)))
+    if any_limit and all(each.key is None for each in found):
+        return (*found, *nearest_limits(problem, q, 1))
+    return found
+
+
+def rate_binding(problem: Problem, q: Floats, initial: Floats, within: Changes) -> tuple[Binding, ...]:
+    """What holds `q` (n, 3) back, the best that is within some changes of `initial` (n, 3): rates are limits then."""
+    rates = list(rates_of(problem.robot, q, initial, within))
+    return _balanced(problem, q, _all_contacts(problem, q), [*rates, *limits_of(problem.robot, q)])
+
+
+def _balanced(problem: Problem, q: Floats, touched: list[Contact], limits: list[Limit]) -> tuple[Binding, ...]:
+    """Those of the contacts and limits whose forces balance the pull of the targets at `q` (n, 3)."""
     robot = problem.robot
     unit = robot.mean_length / len(robot)
     scale = np.tile([1.0, 1.0, unit], len(robot))
-    contacts = [_Column(c, c.gradient * scale / robot.mean_length) for c in _all_contacts(problem, q)]
-    if not contacts:
-        q = at_rest(problem, q)
-    pull, limits = pull_of(problem, q), list(limits_of(robot, q))
+    contacts = [_Column(c, c.gradient * scale / robot.mean_length) for c in touched]
+    pull = pull_of(problem, q)
     wanted, free = scale * (pull.misses @ pull.rows), np.empty((0, len(scale)))
     first: list[Limit | Contact] = []
     deepest = contacts[0].met if contacts else None
@@ -113,10 +132,7 @@ def find_binding(problem: Problem, q: Floats, any_limit: bool = False) -> tuple[
         forces = _forces(wanted, [*contacts, *met], free)
         if forces or first:
             break
-    found = _ranked(first, forces)
-    if any_limit and all(each.key is None for each in found):
-        return (*found, *nearest_limits(problem, q, 1))
-    return found
+    return _ranked(first, forces)
 
 
 def nearest_limits(problem: Problem, q: Floats, count: int = 3) -> tuple[Binding, ...]:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous.arguments import LimitKind
+from sinuous.arguments import LimitKind, RateKind
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
 
@@ -20,7 +20,7 @@ class Limit(NamedTuple):
     Attributes
     ----------
     constraint : str
-        `length`, `bend`, `curvature` or `actuator`.
+        `length`, `bend`, `curvature` or `actuator`, or one of their rates, see `rates`.
     segment : int
         1 = first.
     actuator : str or None
@@ -38,7 +38,7 @@ class Limit(NamedTuple):
         By how much the slack shrinks with `bend_x`, `bend_y`, `length` of each segment.
     """
 
-    constraint: LimitKind
+    constraint: LimitKind | RateKind
     segment: int
     actuator: str | None
     key: str
@@ -56,17 +56,17 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
         for i, sign in enumerate((-1.0, 1.0)):
             slack = sign * (segment.length[i] - length)
             end = number, None, f"length[{i}]", length, segment.length[i]
-            yield Limit("length", *end, slack, _at(count, number, (0.0, 0.0, sign)))
+            yield Limit("length", *end, slack, at(count, number, (0.0, 0.0, sign)))
         bend = math.hypot(ux, uy)
         most = segment.max_bend if segment.length[1] > 0.0 else 0.0
         outward = [(ux / bend, uy / bend)] if bend > 0.0 else [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)]
         for x, y in outward:
-            yield Limit("bend", number, None, "max_bend", bend, most, most - bend, _at(count, number, (x, y, 0.0)))
+            yield Limit("bend", number, None, "max_bend", bend, most, most - bend, at(count, number, (x, y, 0.0)))
             if math.isfinite(tightest):
                 curvature = bend / length if length > 0.0 else 0.0
                 key = "max_curvature" if tightest == segment.max_curvature else "radius"
                 own = number, None, key, curvature, tightest
-                yield Limit("curvature", *own, tightest * length - bend, _at(count, number, (x, y, -tightest)))
+                yield Limit("curvature", *own, tightest * length - bend, at(count, number, (x, y, -tightest)))
     yield from _actuators(robot, q)
 
 
@@ -82,7 +82,7 @@ def _actuators(robot: Robot, q: Floats) -> Iterator[Limit]:
                 yield Limit("actuator", *own, sign * (limit - value) / gain, (sign / gain) * row.reshape(-1, 3))
 
 
-def _at(segments: int, number: int, weights: tuple[float, float, float]) -> Floats:
+def at(segments: int, number: int, weights: tuple[float, float, float]) -> Floats:
     """A gradient (n, 3) that has these weights at one segment, 1 = first, and zeros elsewhere."""
     gradient = np.zeros((segments, 3))
     gradient[number - 1] = weights

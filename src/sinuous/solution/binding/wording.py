@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from sinuous.solution.binding.binding import ACTIVE, Binding
 from sinuous.words import listed, number, segments
 
+KINDS = {"bend_rate": "bend", "length_rate": "length"}
+
 ENDS = {"length[0]": "least ", "length[1]": "greatest "}
 
 
@@ -27,6 +29,8 @@ def _what(binding: Binding) -> str:
     if binding.other_segment is not None:
         whom = "itself" if binding.other_segment == binding.segment else f"segment {binding.other_segment}"
         return f"segment {binding.segment} touches {whom}"
+    if _is_rate(binding):
+        return f"change of the {KINDS[binding.constraint]}" if binding.actuator is None else "change"
     if binding.actuator is not None and binding.key is not None:
         name = binding.key.partition("[")[0]
         return "value" if name == "actuators.limits" else name.rpartition(".")[2]
@@ -50,7 +54,12 @@ def _measured(binding: Binding) -> str:
         where = "the body" if binding.segment is None else f"segment {binding.segment}"
         return f"{where} is {number(-value)} deep in it" if value < 0.0 else f"{where} touches it"
     thick = ", because the body is that thick" if binding.key == "radius" else ""
-    if abs(value - limit) <= ACTIVE * max(1.0, abs(limit)):
+    if abs(value - limit) <= ACTIVE * max(1.0, abs(limit)) or _is_rate(binding):
         return f"at its limit of {number(limit)}{thick}"
     bound = "at least" if binding.key is not None and binding.key.endswith("[0]") else "at most"
     return f"{number(value)}, {bound} {number(limit)} is allowed"
+
+
+def _is_rate(binding: Binding) -> bool:
+    """Whether it is a change that is used up, as only such are named."""
+    return binding.key is not None and binding.key.startswith("rates.")

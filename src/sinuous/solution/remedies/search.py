@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from sinuous.solution.remedies.effort import change_method, go_on
+from sinuous.solution.remedies.effort import allow_more, change_method, go_on
 from sinuous.solution.remedies.limits import widen
 from sinuous.solution.remedies.places import clear_away, free_the_base, let_through, make_thinner
 from sinuous.solution.remedies.remedy import Remedy
@@ -36,7 +36,9 @@ OF_THE_BASE = (free_the_base, clear_away, make_thinner)
 def find_remedies(case: Case, end: float) -> tuple[tuple[Remedy, ...], bool]:
     """Return changes that work, and whether all were tried before `end` (by `time.perf_counter`)."""
     trials = Trials(case, end)
-    kinds = [pair for pair in KINDS if _can_help(pair[0], case.status)]
+    kinds: list[tuple[Kind, float]] = [pair for pair in KINDS if _can_help(pair[0], case.status)]
+    if case.within is not None:  # all others begin anywhere, and go anywhere
+        kinds = [(allow_more, 1.0)]
     found: list[Remedy] = []
     for i, (kind, part) in enumerate(kinds):
         trials.share(part / sum(other for _, other in kinds[i:]))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.problem import Problem
+from sinuous.robot.rates import Changes
 from sinuous.solution.again import Again
 from sinuous.solution.binding.binding import Binding
 from sinuous.solution.reasons import Reason
@@ -57,6 +58,8 @@ class Case(NamedTuple):
     again : Again
     starts : int
         How many starts were tried.
+    within : Changes or None
+        The changes from there that were allowed.
     """
 
     problem: Problem
@@ -67,6 +70,7 @@ class Case(NamedTuple):
     reason: Reason | None
     again: Again
     starts: int
+    within: Changes | None = None
 
 
 class Trials:

@@ -81,7 +81,7 @@ class Model:
     ghosts : list of Solution
         Distinct solutions to choose from.
     motion : Motion or None
-        Along the path, once it was followed.
+        Along the path, or to the goal, once it was found.
     time : float
         Which moment of it is on the page.
     """
@@ -120,8 +120,8 @@ class Model:
 
     @property
     def targets(self) -> tuple[Target, ...]:
-        """What is asked now."""
-        return self.job.waypoints[self.waypoint]
+        """What is asked now; nothing where a configuration is the goal."""
+        return self.job.waypoints[self.waypoint] if self.job.waypoints else ()
 
     @property
     def shown(self) -> Floats:
@@ -159,14 +159,10 @@ class Model:
     def _change(self, **parts: Any) -> None:
         """Ask another question: parts of the job that differ."""
         job = self.job
-        own: dict[str, Any] = {
-            "scene": job.scene,
-            "tolerance": job.tolerance,
-            "start": job.start,
-            "prefer": job.prefer,
-            "file": job.file,
-            "path" if job.is_path else "target": job.waypoints if job.is_path else job.waypoints[0],
-        }
+        kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
+        own: dict[str, Any] = {key: getattr(job, key) for key in kept}
+        if job.waypoints:
+            own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
         self.job = Job(parts.pop("robot", job.robot), **{**own, **parts})
         self._asked_anew()
 
@@ -274,10 +270,26 @@ class Model:
         solution = self.ghosts[checks.integer("solution", index, 0, len(self.ghosts) - 1)]
         self.answer, self.q, self.by_hand = solution, solution.q, False
 
+    def begin_here(self) -> None:
+        """Let motions begin in the shape on the page."""
+        self._change(start=self.shown)
+
+    def show_motion(self, motion: Motion) -> None:
+        """Show a motion, from its beginning.
+
+        Raises
+        ------
+        InputError
+            When it goes nowhere.
+        """
+        if len(motion.q) < 2:
+            raise InputError("motion", "goes nowhere", str(motion.status), "one with at least two knots")
+        self.motion, self.time = motion, float(motion.times[0])
+
     def play(self, time: float) -> None:
         """Show the motion at one of its times."""
         if self.motion is None:
-            raise InputError("time", "nothing moves", time, "a path that was followed")
+            raise InputError("time", "nothing moves", time, "a motion that was found")
         first, last = self.motion.times[[0, -1]].tolist()
         self.time = checks.number("time", time, low=first, high=last)
 

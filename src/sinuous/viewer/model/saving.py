@@ -18,7 +18,7 @@ NAMED = ("robot", "scene", "path", "start", "file")
 
 
 def saved(model: Model) -> str:
-    """Return a problem file in YAML that says what is on the page; where there is no path, it starts with its shape.
+    """Return a problem file in YAML that says what is on the page; where nothing moves, it starts with its shape.
 
     Raises
     ------
@@ -26,15 +26,16 @@ def saved(model: Model) -> str:
         When an obstacle is a function, which no file can hold.
     """
     job, own = model.job, model.settings
-    kept = job if job.is_path else _with_start(model)
-    command = "track" if job.is_path else "solve"
+    moves = job.is_path or job.goal is not None or model.motion is not None
+    kept = job if moves else _with_start(model)
+    command = "track" if job.is_path else "plan" if moves else "solve"
     line = f"# sinuous {command} FILE --method {own.method} --seed {own.seed} --time {own.time:g}\n"
     return line + yaml_text(kept.to_dict(model.folder))
 
 
 def _with_start(model: Model) -> Job:
     job = model.job
-    parts: dict[str, Any] = {"tolerance": job.tolerance, "prefer": job.prefer, "file": job.file}
+    parts: dict[str, Any] = {key: getattr(job, key) for key in ("tolerance", "prefer", "rates", "file")}
     return Job(job.robot, job.waypoints[0], job.scene, start=model.q, **parts)
 
 

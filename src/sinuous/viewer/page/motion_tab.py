@@ -1,4 +1,4 @@
-"""The tab of motion: follow the path, and look at every moment of it."""
+"""The tab of motion: follow the path or plan to the goal, and look at every moment of it."""
 
 from typing import TYPE_CHECKING
 
@@ -13,8 +13,11 @@ if TYPE_CHECKING:
 def build(gui: GuiApi, page: "Page", fields: Fields) -> None:
     """Put the fields into the panel."""
     model = page.model
-    follow = gui.add_button("Follow the path")
-    fields.press(follow, lambda _: page.follow())
+    if not model.job.is_path:
+        here = gui.add_button("Start here", color="gray", hint="Motions begin in the shape on the page.")
+        fields.press(here, lambda _: page.do("start", model.begin_here))
+    found = gui.add_button("Follow the path" if model.job.is_path else "Plan a motion")
+    fields.press(found, lambda _: page.move())
     share = gui.add_slider("moment, %", 0.0, 100.0, 0.1, 0.0)
 
     def moment() -> float:

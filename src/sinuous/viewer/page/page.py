@@ -12,9 +12,11 @@ from viser import ClientHandle
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.motion.job import Job
-from sinuous.motion.track import track
+from sinuous.motion.motion import Motion
+from sinuous.motion.plan import TIME
 from sinuous.poses import pose
 from sinuous.scene.scene import Scene
+from sinuous.solution.solution import Solution
 from sinuous.viewer.drawing.colours import Colouring
 from sinuous.viewer.drawing.stage import close_server, light, open_server
 from sinuous.viewer.model.edits import is_quick
@@ -50,6 +52,8 @@ class Page:
     host : str
     port : int
         0: any that is free.
+    answer : Solution, Motion or None
+        What was found before, to begin with.
 
     Attributes
     ----------
@@ -58,8 +62,14 @@ class Page:
         Called with the number of every state of the model as soon as it has a shape.
     """
 
-    def __init__(self, job: Job, host: str = "127.0.0.1", port: int = 0) -> None:
+    def __init__(
+        self, job: Job, host: str = "127.0.0.1", port: int = 0, answer: Solution | Motion | None = None
+    ) -> None:
         self.model = Model(job)
+        if isinstance(answer, Motion):
+            self.model.show_motion(answer)
+        elif answer is not None:
+            self.model.q = answer.q
         self.server = open_server(host, port)
         self.playing = False
         self.first_segment = 0
@@ -81,7 +91,7 @@ class Page:
     def _build(self) -> None:
         """Make everything on the page anew, for a robot that is where it first gets to."""
         question = self.model.question()
-        if question.method == "newton":
+        if question.targets and question.method == "newton":
             self.model.accept(question.number, self._quick.solve(question, min(QUICK, question.time)))
         self.server.gui.reset()
         self.server.scene.reset()
@@ -122,7 +132,7 @@ class Page:
         model = self.model
         if model.number != self._asked:
             self._asked, self._busy = model.number, False
-            if not model.by_hand:
+            if model.targets and not model.by_hand:
                 self._answer()
             self.answered(model.number)
         self._draw()
@@ -250,28 +260,25 @@ class Page:
         """Take other solutions from the page."""
         self.model.ghosts = []
 
-    def follow(self) -> None:
-        """Follow the path, and play it."""
+    def move(self) -> None:
+        """Follow the path, or plan a motion to the target or goal, and play it."""
         question = self.model.question()
         job, own = question.job, self.model.settings
-        options: dict[str, Any] = {"tolerance": job.tolerance, "prefer": job.prefer, "time": own.time}
 
         def run() -> None:
-            motion = track(
-                job.robot, job.waypoints, job.scene, start=job.start, method=own.method, seed=own.seed, **options
-            )
-            if len(motion.q) < 2:
-                raise InputError("path", "nowhere to go", str(motion.status), "two waypoints that can be met")
+            if job.is_path:
+                motion = job.track(method=own.method, seed=own.seed, time=own.time)
+            else:
+                motion = job.plan(method=own.method, seed=own.seed, time=max(own.time, TIME))
 
             def put() -> None:
                 if self.model.number == question.number:
-                    self.model.motion = motion
-                    self.model.play(float(motion.times[0]))
+                    self.model.show_motion(motion)
                     self.play(True)
 
             self.do("motion", put)
 
-        self._errands.post("follow", run)
+        self._errands.post("move", run)
 
     def play(self, running: bool) -> None:
         """Play the motion from where it is, or hold it."""

@@ -18,7 +18,7 @@ from sinuous.viewer.page.fields import Section
 if TYPE_CHECKING:
     from sinuous.viewer.page.page import Page
 
-WIDTH, WITH_MOTION = 380.0, 440.0
+WIDTH = 440.0
 """Of the panel, in pixels: all tabs stand in one row."""
 
 
@@ -32,14 +32,15 @@ class Panel:
         tabs = gui.add_tab_group()
         sections: list[tuple[str, Any, Any]] = [
             ("Target", target_tab.build, lambda: (_asked(page), model.job.is_path)),
+            ("Motion", motion_tab.build, lambda: model.job.is_path),
             ("Shape", shape_tab.build, lambda: (_sliders(page), page.first_segment)),
             ("Scene", obstacle_tab.build, lambda: None),
             ("Robot", robot_tab.build, lambda: model.robot.segment_names),
             ("Solve", solve_tab.build, lambda: None),
             ("File", file_tab.build, lambda: None),
         ]
-        if model.job.is_path:
-            sections.insert(1, ("Motion", motion_tab.build, lambda: None))
+        if not model.targets:
+            del sections[0]
         self._sections = []
         for name, build, made_for in sections:
             tab = tabs.add_tab(name)
@@ -48,7 +49,7 @@ class Panel:
                 sizes = lambda: (model.grasped, *obstacle_tab.chosen_sizes(page))  # noqa: E731
                 self._sections.append(Section(page, tab, obstacle_tab.build_sizes, sizes))
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(WITH_MOTION if model.job.is_path else WIDTH)
+        gui.main_panel.set_width(WIDTH)
         self.shows_nearest = True
 
     def refresh(self, status: str, notice: str) -> None:

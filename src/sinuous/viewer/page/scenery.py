@@ -81,6 +81,8 @@ class Scenery:
         self._line: LineSegmentsHandle | None = None
         if model.job.is_path:
             self._show_path()
+        if model.job.goal is not None:
+            self._ghost("/goal", model.job.goal)
 
     def show(self, near: Near | None) -> None:
         """Show the model as it is."""
@@ -109,15 +111,15 @@ class Scenery:
         if self._ghosts[0] != others:
             for body in self._ghosts[1]:
                 body.remove()
-            self._ghosts = others, [self._ghost(i, each.q) for i, each in others]
+            self._ghosts = others, [self._ghost(f"/ghosts/{i}", each.q, i) for i, each in others]
 
     def _anew(self, before: Body | None, name: str, look: Look) -> Body:
         if before is not None:
             before.remove()
         return Body(self._server.scene, f"/{name}", self._model.robot, look)
 
-    def _ghost(self, i: int, q: Floats) -> Body:
-        body = Body(self._server.scene, f"/ghosts/{i}", self._model.robot, Look(THINNEST * self.frame.span, 1, GHOST))
+    def _ghost(self, name: str, q: Floats, i: int = 0) -> Body:
+        body = Body(self._server.scene, name, self._model.robot, Look(THINNEST * self.frame.span, 1, GHOST))
         body.show(q, tones(len(self._model.robot), True, 1 + i))
         return body
 
@@ -128,7 +130,7 @@ class Scenery:
             return by_bending(robot, q)
         if self.colouring == "clearance" and len(model.scene):
             return by_clearance(_clearances(body, q, model), FAR * robot.mean_length)
-        solved = model.by_hand or (model.answer is not None and model.answer.solved)
+        solved = model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
         if model.motion is not None:
             solved = model.step_is_proved
         own = tones(len(robot), solved, HAND if model.by_hand else 0)
@@ -227,7 +229,8 @@ def _axis(quaternion: Floats) -> Floats:
 def _seen(model: Model) -> list[Floats]:
     """Places that must be on the page: targets, and the robot, base first and tip last."""
     targets = [t.position[None] for targets in model.job.waypoints for t in targets if t.position is not None]
-    return [_reach(model.robot), *targets, model.robot.backbone(model.q)]
+    shapes = [model.q] if model.job.goal is None else [model.q, model.job.goal]
+    return [_reach(model.robot), *targets, *(model.robot.backbone(q) for q in shapes)]
 
 
 def _reach(robot: Robot) -> Floats:

@@ -38,6 +38,8 @@ def status_of(model: Model, near: Near | None, judged: Judgement | None, busy: b
         return _table([_badge("proved clear here" if proved else "not proved clear here", proved)], rows)
     if model.by_hand and judged is not None:
         return _table([_badge("bent by hand", not judged.violations)], [*_of_judgement(judged), *_of_near(near)])
+    if not model.targets:
+        return _table([_badge("the start" if model.job.start is not None else "no start", True)], _of_near(near))
     if model.answer is None:
         return _table([_badge("not solved yet", False)], _of_near(near))
     answers = [model.answer] if model.beside is None else [model.answer, model.beside]

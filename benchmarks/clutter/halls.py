@@ -15,7 +15,8 @@ from sinuous.checks import Floats
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.roadmap.find import roadmap_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.routes import POINTS, Router
+from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.searches import POINTS
 
 SECTION = "route search alone, in a hall of 1000 radii of the body with one door"
 COUNT, QUICK = 20, 2

@@ -11,8 +11,10 @@ import sinuous as sn
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
+from sinuous.solving.routing.course import CELLS_A_START, Course
 from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.routes import CELLS_A_START, MEMORY, Found, Router
+from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.searches import MEMORY, Found
 from sinuous.solving.sources import Question
 from tests.helpers import Floats
 
@@ -108,7 +110,7 @@ def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target
 
     with ThreadPoolExecutor(4) as threads:
         assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
-    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(CELLS[2])
+    assert MEMORY.kept_bytes <= 2 * 8 * memory_size(CELLS[1])
 
 
 def test_routes_differ_in_the_side_on_which_they_pass() -> None:
@@ -122,7 +124,7 @@ def test_routes_differ_in_the_side_on_which_they_pass() -> None:
 
 
 def test_no_route_of_one_grid_is_handed_over_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Router, "_grown", lambda *_: iter(()))  # that is several starts a route
+    monkeypatch.setattr(Course, "_try", lambda *_: iter(()))  # that is several starts a route
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
     asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
     given: dict[tuple[float, bool], list[bytes]] = {}
@@ -149,7 +151,7 @@ def test_a_route_that_is_too_short_for_the_robot_is_made_longer() -> None:
     longer = finder.lengthen(asked, query, route, 0.0, 60.0)
     assert longer is not None
     assert np.linalg.norm(np.diff(longer, axis=0), axis=1).sum() == pytest.approx(6.0, rel=0.04)
-    plain, bent = finder.fit(asked, Found([route, longer], 0, 0), 0, lambda: 60.0)
+    plain, bent = finder.fit(asked, [route, longer], lambda: 60.0)
     clearances = [scene.distance(robot.backbone(q, 20)).min() for q in (plain, bent)]
     assert clearances[0] < 0.1 < clearances[1]
     solution = Solver(robot, scene, time=60.0, max_starts=30).solve(Target((0.3, 0.0, 3.0)))
@@ -248,8 +250,9 @@ def test_the_dearer_a_search_the_more_scattered_starts_follow_it(narrow: Scene, 
     cells = [finder.find(asked, query, plan, 60.0).cells for plan in finder.plans[:4]]
     then = list(islice((batch.then for batch in finder.batches(question(asked)) if batch.then > 0), 4))
     least = [plan.then for plan in finder.plans[:4]]
-    assert then == [max(few, looked // CELLS_A_START) for few, looked in zip(least, cells, strict=True)]
-    assert then != least
+    asks = [max(few, looked // CELLS_A_START) for few, looked in zip(least, cells, strict=True)]
+    assert all(count >= few for count, few in zip(then, asks, strict=True))
+    assert then != least  # what was tried along the routes counts, too
 
 
 def test_a_base_in_a_closed_room_is_said_to_be() -> None:

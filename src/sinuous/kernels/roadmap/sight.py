@@ -9,7 +9,7 @@ from sinuous.kernels.freespace.grid import Grid, behind
 from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, cross, dot, get_mat, get_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, KIND, SIGN
 
-KEPT = 0.85
+KEPT = 0.95
 """Distance from the obstacles that a straight line keeps, in radii of the body: where it is less, a band that is drawn
 along it still finds more."""
 

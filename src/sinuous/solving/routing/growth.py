@@ -1,6 +1,6 @@
 """Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +34,7 @@ class Beam(NamedTuple):
     width: int
 
 
-ONE, FEW, MANY = Beam(1, 4), Beam(2, 16), Beam(8, 64)
+ONE, SOME, FEW, MANY = Beam(1, 4), Beam(1, 8), Beam(2, 16), Beam(8, 64)
 """What is tried first, and where that does not lead to a solution."""
 
 LEG_POINTS = 160
@@ -51,15 +51,26 @@ def respaced(route: Floats, count: int) -> Floats:
     return np.stack([np.interp(places, along, axis) for axis in route.T], axis=-1)
 
 
+def _in_order(groups: Groups) -> dict[int, int]:
+    """By each segment whose end is asked to be somewhere, from the base on, the number of the target that says so."""
+    robot, _, _, targets = groups
+    segments = np.where(targets[:, TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, TARGET_SEGMENT]).astype(int)
+    places = np.flatnonzero(targets[:, HAS_POSITION])
+    return {int(segments[place]): int(place) for place in places[np.unique(segments[places], return_index=True)[1]]}
+
+
+def segments_of(groups: Groups) -> list[int]:
+    """Return the segments whose ends are asked to be somewhere, from the base on."""
+    return list(_in_order(groups))
+
+
 def leg_queries(groups: Groups) -> list[Floats]:
     """What routes have to keep from target to target (l, 28): none where one target has a position, or none has.
 
     Each leg begins where the one before it ends. See `sinuous.kernels.tables`.
     """
     robot, scene, settings, targets = groups
-    segments = np.where(targets[:, TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, TARGET_SEGMENT])
-    places = np.flatnonzero(targets[:, HAS_POSITION])
-    order = places[np.unique(segments[places], return_index=True)[1]]
+    order = list(_in_order(groups).values())
     queries = []
     for target in order if len(order) > 1 else ():
         query = np.zeros(QUERY_WIDTH)
@@ -88,7 +99,7 @@ def grown(groups: Groups, legs: Floats, beam: Beam, seconds: float) -> Floats:
     return chains[: grow_chains(*groups, legs, (seconds, beam.width), workspace, chains)]
 
 
-def settled(groups: Groups, chains: Floats, seconds_left: Callable[[], float]) -> Iterator[Floats]:
+def settled(groups: Groups, chains: Iterable[Floats], seconds_left: Callable[[], float]) -> Iterator[Floats]:
     """Yield every chain (n, 3), drawn to the targets in short steps, while there is time."""
     robot, scene, _, targets = groups
     workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets), 0))

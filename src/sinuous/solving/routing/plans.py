@@ -10,7 +10,7 @@ COARSE, FINE = 64, 20_000
 ALTERNATIVES = 4
 """Routes to one target that differ."""
 
-CELLS = (1 << 12, 1 << 14, 1 << 17, 1 << 19)
+CELLS = (1 << 14, 1 << 17, 1 << 19)
 """Most cells of a search, by blocks of eight of which some nobody looks at."""
 
 
@@ -33,6 +33,8 @@ class Plan(NamedTuple):
         Whether to ask for exact distances, not for samples.
     prove : bool
         Whether to prove that there is none, where none is found.
+    effort : int or None
+        What may be tried along all routes before the next search, in scattered starts; `None`: everything.
     """
 
     cell: float
@@ -42,6 +44,7 @@ class Plan(NamedTuple):
     then: int
     exact: bool
     prove: bool
+    effort: int | None
 
 
 def coarser(plan: Plan, radius: float) -> Plan:
@@ -65,14 +68,14 @@ def plans_of(radius: float, length: float) -> tuple[Plan, ...]:
     through = radius - HALF_DIAGONAL * fine
     wide = wide_enough(radius, coarse)
     proves = fine <= 0.5 * radius
-    least, few, many, most = CELLS
-    first = [Plan(coarse, wide, least, 1, 0, False, False)] if coarse > fine else []
-    second = [Plan(coarse, wide, few, ALTERNATIVES, 40, False, False)] if coarse > fine else []
+    few, many, most = CELLS
+    first = [Plan(coarse, wide, few, 1, 5, False, False, 8)] if coarse > fine else []
+    second = [Plan(coarse, wide, few, ALTERNATIVES, 20, False, False, 110)] if coarse > fine else []
     return (
         *first,
-        Plan(fine, through, few, 1, 20, False, proves),
+        Plan(fine, through, few, 1, 10, False, proves, 20),
         *second,
-        Plan(fine, through, many, 1, 40, True, proves),
-        Plan(fine, through, many, ALTERNATIVES, 160, False, proves),
-        Plan(fine, through, most, ALTERNATIVES, 0, True, proves),
+        Plan(fine, through, many, ALTERNATIVES, 80, False, proves, 220),
+        Plan(fine, through, many, 1, 80, True, proves, 220),
+        Plan(fine, through, most, ALTERNATIVES, 0, True, proves, None),
     )

@@ -1,0 +1,351 @@
+"""What is tried along the routes of one question, and when: what costs little first, for every route."""
+
+import heapq
+from collections.abc import Iterator
+from itertools import compress
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.solving.routing.gates import Passage
+from sinuous.solving.routing.growth import (
+    FEW,
+    LEG_POINTS,
+    MANY,
+    ONE,
+    SOME,
+    Beam,
+    gone_on,
+    grown,
+    leg_queries,
+    respaced,
+    settled,
+)
+from sinuous.solving.routing.plans import CELLS, Plan
+from sinuous.solving.routing.searches import SIDES, Found, Searches
+from sinuous.solving.routing.turned import Groups, turned, turned_back
+from sinuous.solving.sources import Batch, Question
+
+CELLS_A_START = 400
+"""Cells that a search looks at in the time of a scattered start, about."""
+
+AFTER_EDGES = (5, 10)
+"""Scattered starts that follow a route around edges: after what is tried `AT_ONCE`, and after `SOON`."""
+
+AT_ONCE, SOON = 6, 14
+"""What may be tried along such a route before the next scattered starts, in starts."""
+
+GROWN = {ONE: 4, SOME: 10, FEW: 25, MANY: 100}
+"""What it costs to grow chains along a route, from either end, in scattered starts, about."""
+
+GATES = ((ONE, 3, 1), (SOME, 5, 5), (FEW, 12, 5), (MANY, 110, 1))
+"""The same for chains that are grown through the first gate; and through how many gates of a route."""
+
+BENT = (15, 15, 25, 25, 50, 50, 50, 50)
+"""The same, to make a route longer, side by side."""
+
+SHARE = 0.3
+"""Scattered starts for each one that the work along routes costs."""
+
+BLIND = 3
+"""How much later chains are grown through gates of routes over coarse cells, many of which cut through walls."""
+
+CUT = 0.9
+"""Room, in radii of the body, up to which a route over coarse cells may lead through a wall."""
+
+MISSES = 2
+"""Sides for which nothing comes of it, before others are no longer tried."""
+
+ALIKE, COMPARED = 1.0, 60
+"""Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
+
+
+class Line(NamedTuple):
+    """A route, along which chains are grown.
+
+    Attributes
+    ----------
+    route : ndarray (K, 3)
+    finest : bool
+        Whether it leads around edges, or over the finest cells: others may cut through walls.
+    rank : int
+        How many were known before it, and one.
+    """
+
+    route: Floats
+    finest: bool
+    rank: int
+
+
+class Task(NamedTuple):
+    """Something to try along a line: smaller comes first.
+
+    Attributes
+    ----------
+    cost : int
+        What it costs, in scattered starts, times the rank of its line.
+    number : int
+        How many tasks were known before it.
+    line : Line
+    beam : Beam or None
+        How chains are grown; `None`: the line is made longer.
+    which : int
+        To which side, then; or through which gate, -1: through none.
+    """
+
+    cost: int
+    number: int
+    line: Line
+    beam: Beam | None
+    which: int
+
+
+class Course:
+    """The order of all that is tried along routes, for one question.
+
+    Parameters
+    ----------
+    searches : Searches
+    question : Question
+    query : ndarray (28,)
+        What routes have to keep.
+    """
+
+    def __init__(self, searches: Searches, question: Question, query: Floats) -> None:
+        self._searches, self._question, self._query = searches, question, query
+        self._problem = question.problem
+        self._groups = searches.groups(question.problem)
+        self._lines: list[Line] = []
+        self._tasks: list[Task] = []
+        self._count = self._spent = 0
+        self._misses: dict[int, int] = {}
+        self._legs: dict[bool, Floats | None] = {}
+        self._leg_queries: list[Floats] | None = None
+        self._passages: dict[int, Passage | None] = {}
+        self._tried: set[bytes] = set()
+
+    def batches(self) -> Iterator[Batch]:
+        """Yield what comes of a route around edges, then of those over cells, coarse to fine."""
+        seconds, plans = self._question.seconds_left(), self._searches.plans
+        route = self._searches.by_edges(self._problem, self._query, seconds) if seconds > 0.0 else None
+        if route is not None:
+            plans = tuple(plan for plan in plans if plan.routes > 1)  # the others look for one route too
+            yield from self._laid([route], finest=True)
+            yield from self._try(AT_ONCE)
+            yield self._scattered(AFTER_EDGES[0])
+            yield from self._try(SOON)
+            yield self._scattered(AFTER_EDGES[1])
+        told: dict[tuple[float, bool], int] = {}
+        too_few: dict[float, int] = {}
+        for plan in plans:
+            if self._question.seconds_left() <= 0.0:
+                return
+            if plan.cells <= too_few.get(plan.cell, 0):
+                continue
+            found = self._find(plan, too_few)
+            known = told.get((plan.cell, plan.exact), 0)
+            told[plan.cell, plan.exact] = max(known, len(found.routes))
+            closed = plan.cell if found.ended == PROVED_CLOSED else None
+            yield from self._laid(found.routes[known:], plan.cell == self._searches.plans[-1].cell, closed)
+            if closed is not None:
+                return
+            yield from self._try(plan.effort)
+            yield self._scattered(max(plan.then, found.cells // CELLS_A_START))
+        yield from self._try(None)
+
+    def bent(self, route: Floats) -> Iterator[Batch]:
+        """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to most sides."""
+        yield from self._laid([route], finest=True)
+        for line in self._lines:
+            for side in range(len(SIDES)):
+                yield from self._longer(line, side)
+
+    def _find(self, plan: Plan, too_few: dict[float, int]) -> Found:
+        """Search as a plan says; where its table is too small for a first route, with the next ones at once."""
+        cells = 0
+        while True:
+            found = self._searches.find(self._problem, self._query, plan, max(0.0, self._question.seconds_left()))
+            cells += found.cells
+            if found.ended != FULL or found.routes:
+                return found._replace(cells=cells)
+            too_few[plan.cell] = plan.cells
+            larger = [size for size in CELLS[:-1] if size > plan.cells]
+            if not larger or any(line.finest or self._room(line) > CUT for line in self._lines):
+                return found._replace(cells=cells)
+            plan = plan._replace(cells=larger[0])
+
+    def _laid(self, routes: list[Floats], finest: bool, closed: float | None = None) -> Iterator[Batch]:
+        """Yield configurations along routes (K, 3), and note what else is to be tried along them."""
+        laid = self._searches.fit(self._problem, routes, self._question.seconds_left)
+        new = np.array([self._is_new(q) for q in laid], bool)
+        routes = routes[: len(laid)]
+        yield along(laid[new], tuple(compress(routes, new)), closed=closed)
+        for route in routes:
+            self._note(route, finest)
+
+    def _note(self, route: Floats, finest: bool) -> None:
+        """Note what is to be tried along a route, unless one of its kind is known."""
+        points = respaced(route, COMPARED)
+        near = ALIKE * self._query[QUERY_RADIUS]
+        alike = [
+            line for line in self._lines if np.linalg.norm(respaced(line.route, COMPARED) - points, axis=1).max() < near
+        ]
+        if any(line.finest or not finest for line in alike):
+            return
+        line = Line(route, finest, 1 + len(self._lines))
+        self._lines.append(line)
+        legs_known = self._several_legs and any(line.finest or not finest for line in self._lines[:-1])
+        if not alike and not legs_known:
+            for beam, cost in GROWN.items():
+                self._add(cost, line, beam, -1)
+            for beam, cost, count in GATES:
+                for gate in range(count):
+                    self._add((cost + gate) * (1 if finest else BLIND), line, beam, gate)
+        if finest:
+            for side in range(len(SIDES) if line.rank == 1 or not any(one.finest for one in self._lines[:-1]) else 1):
+                self._add(BENT[side], line, None, side)
+
+    def _add(self, cost: int, line: Line, beam: Beam | None, which: int) -> None:
+        heapq.heappush(self._tasks, Task(cost * line.rank, self._count, line, beam, which))
+        self._count += 1
+
+    def _try(self, effort: int | None) -> Iterator[Batch]:
+        """Yield what comes of all tasks that cost no more than an effort (`None`: any), the cheapest first.
+
+        Where several solutions are wanted chains are grown at last, because those along one route are much alike.
+        """
+        put_off: list[Task] = []
+        while self._tasks and (effort is None or self._tasks[0].cost <= effort):
+            if self._question.seconds_left() <= 0.0:
+                return
+            task = heapq.heappop(self._tasks)
+            if task.beam is None:
+                yield from self._longer(task.line, task.which)
+            elif self._question.several and effort is not None:
+                put_off.append(task)
+            elif not self._question.several or task.beam == FEW:
+                yield from self._grown(task.line, task.beam, task.which)
+        for task in put_off:
+            heapq.heappush(self._tasks, task)
+
+    def _scattered(self, least: int) -> Batch:
+        """No start, and scattered ones after it: so many, or more after dear tasks."""
+        then, self._spent = max(least, round(SHARE * self._spent)), 0
+        return along(np.empty((0, len(self._problem.robot), 3)), (), then=then)
+
+    def _longer(self, line: Line, side: int) -> Iterator[Batch]:
+        """Yield a configuration along a line that is as long as the robot, bent to one side, where there is room."""
+        seconds = self._question.seconds_left()
+        if seconds <= 0.0 or self._misses.get(line.rank, 0) >= MISSES:
+            return
+        self._spent += BENT[side]
+        longer = self._searches.lengthen(self._problem, self._query, line.route, SIDES[side], seconds)
+        if longer is None:
+            self._misses[line.rank] = self._misses.get(line.rank, 0) + 1
+            return
+        initial = self._searches.fit(self._problem, [longer], self._question.seconds_left)
+        yield along(initial, (longer,)[: len(initial)])
+
+    def _grown(self, line: Line, beam: Beam, gate: int) -> Iterator[Batch]:
+        """Yield chains that are grown along a line: through a gate, or (-1) from either end."""
+        legs = self._legs_of(line)
+        if legs is None:
+            return
+        if gate >= 0:
+            yield from self._through(line, beam, gate)
+            return
+        self._spent += GROWN[beam]
+        for chain in self._chains(self._groups, legs, beam):
+            yield along(chain[None], (line.route,))
+        other = turned(self._groups, line.route)
+        if other is None:
+            return
+        for chain in self._chains(other, legs[:, ::-1].copy(), beam):
+            yield along(turned_back(self._groups, other, chain)[None], (line.route,))
+
+    def _through(self, line: Line, beam: Beam, number: int) -> Iterator[Batch]:
+        """Yield chains that are grown along a line, through one of its gates."""
+        passage = self._passage(line)
+        if passage is None or number >= len(passage) or not (line.finest or passage.room > CUT):
+            return
+        self._spent += GROWN[beam] // 2
+        gate = passage.gate(number)
+        for chain in self._chains(gate.asked(self._groups), gate.legs, beam):
+            yield along(chain[None], (line.route,))
+
+    def _room(self, line: Line) -> float:
+        """Distance from the obstacles that a line keeps, in radii of the body."""
+        passage = self._passage(line)
+        return 0.0 if passage is None else passage.room
+
+    def _passage(self, line: Line) -> Passage | None:
+        """Return the narrowest place of a line, and its gates; `None` where there are no legs along it."""
+        if line.rank not in self._passages:
+            legs = self._legs_of(line)
+            if legs is None:
+                self._passages[line.rank] = None
+            else:
+                distances = self._problem.scene.distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
+                self._passages[line.rank] = Passage(self._groups, legs, distances)
+        return self._passages[line.rank]
+
+    def _chains(self, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:
+        """Yield chains (n, 3) that grown along legs (l, K, 3), as they are, then drawn to the targets; none twice."""
+        seconds = self._question.seconds_left()
+        chains = grown(groups, legs, beam, seconds) if seconds > 0.0 else legs[:0]
+        new = [chain for chain in chains if self._is_new(chain)]
+        yield from new
+        yield from filter(self._is_new, settled(groups, new, self._question.seconds_left))
+
+    def _is_new(self, chain: Floats) -> bool:
+        """Say whether a chain (n, 3) did not come before."""
+        key = chain.tobytes()
+        new = key not in self._tried
+        self._tried.add(key)
+        return new
+
+    @property
+    def _several_legs(self) -> bool:
+        """Whether there are elbows on the way: then legs hang on the targets, not on the route."""
+        if self._leg_queries is None:
+            self._leg_queries = leg_queries(self._groups)
+        return len(self._leg_queries) > 0
+
+    def _legs_of(self, line: Line) -> Floats | None:
+        """Return the legs (l, K, 3) of a line from target to target; `None` where there is no route to one of them."""
+        if not self._several_legs:
+            return respaced(line.route, LEG_POINTS)[None]
+        if line.finest not in self._legs:
+            self._legs[line.finest] = self._search_legs(line.finest)
+        return self._legs[line.finest]
+
+    def _search_legs(self, finest: bool) -> Floats | None:
+        legs: list[Floats] = []
+        for query in self._leg_queries or ():
+            if legs:
+                gone_on(query, legs[-1])
+            leg = self._leg(query, finest)
+            if leg is None:
+                return None
+            legs.append(respaced(leg, LEG_POINTS))
+        return np.stack(legs)
+
+    def _leg(self, query: Floats, finest: bool) -> Floats | None:
+        """Return the route (K, 3) of one leg, around edges or over cells; `None` where none is found."""
+        left, searches = self._question.seconds_left, self._searches
+        leg = searches.by_edges(self._problem, query, max(0.0, left()))
+        plans = searches.leg_plans(finest)
+        for plan in plans if leg is None else ():
+            found = searches.find(self._problem, query, plan, max(0.0, left()))
+            if found.routes:
+                return found.routes[0]
+        return leg
+
+
+def along(initial: Floats, routes: tuple[Floats, ...], then: int = 0, closed: float | None = None) -> Batch:
+    """Configurations along routes, which are frozen."""
+    for route in routes:
+        route.setflags(write=False)
+    return Batch(SOURCES[ROUTE], initial, then=then, closed=closed, routes=routes)

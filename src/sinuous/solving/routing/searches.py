@@ -1,0 +1,187 @@
+"""Searches for routes through free space from the base to a target, and the chain along them."""
+
+import math
+from collections.abc import Callable, Sequence
+from time import monotonic
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous import packing
+from sinuous.checks import Floats
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.kernels.fitting.query import route_query
+from sinuous.kernels.freespace.cells import memory_size
+from sinuous.kernels.freespace.find import find_routes
+from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
+from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
+from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target
+from sinuous.problem.tolerance import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+from sinuous.solving.routing.buffers import BufferPool
+from sinuous.solving.routing.edges import walls_of
+from sinuous.solving.routing.growth import FEW, grown, settled
+from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
+from sinuous.solving.routing.turned import Groups, turned_back
+
+POINTS = 1024
+"""Most points of a route."""
+
+SIDES = tuple(turns * math.pi for turns in (0.0, 1.0, 0.5, 1.5, 0.25, 1.25, 0.75, 1.75))
+"""To which sides a route is bent, in rad, that is too short for the robot."""
+
+ROD_POINTS = 160
+"""Points of such a route."""
+
+MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
+one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
+
+
+class Found(NamedTuple):
+    """What came of one search.
+
+    Attributes
+    ----------
+    routes : list of ndarray (K, 3)
+        Points from the base to the target, evenly spaced, in the length unit.
+    ended : int
+        How the last search ended: FOUND, CLOSED, FULL, TIMED_OUT or PROVED_CLOSED of `sinuous.kernels.tables`.
+    cells : int
+        How many cells it looked at.
+    """
+
+    routes: list[Floats]
+    ended: int
+    cells: int
+
+
+class Searches:
+    """Searches for routes, and chains along them, for one robot; safe to share between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+    tolerance : Tolerance
+
+    Attributes
+    ----------
+    plans : tuple of Plan
+        The searches for one target, from the quickest to the most thorough.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
+        self._robot = robot
+        self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
+        self.plans = plans_of(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
+        nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
+        self._nowhere: Problem | None = nowhere  # to load the entries with
+
+    @property
+    def single_plans(self) -> tuple[Plan, ...]:
+        """Searches for one route, which prove nothing, from the quickest to the most thorough."""
+        few, many, _ = CELLS
+        coarse, fine = self.plans[0], self.plans[-1]
+        first = coarser(coarse, min(self._robot.radii))
+        among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
+        plans = [plan._replace(cells=cells, routes=1, exact=False, prove=False) for plan, cells in among]
+        return tuple(dict.fromkeys(plans))
+
+    def leg_plans(self, finest: bool) -> tuple[Plan, ...]:
+        """Searches for the route from one target to the next, the first of which that finds one."""
+        few, many, _ = CELLS
+        coarse, fine = self.plans[0], self.plans[-1]
+        among = ((fine, few), (fine, many), (coarse, few)) if finest else ((coarse, few), (fine, few), (fine, many))
+        plans = [plan._replace(cells=cells, routes=1, exact=False, prove=False) for plan, cells in among]
+        return tuple(dict.fromkeys(plans))
+
+    def query(self, problem: Problem) -> Floats | None:
+        """Return what a route has to keep (28,), see `sinuous.kernels.tables`; `None`: no target has a position."""
+        query = np.zeros(QUERY_WIDTH)
+        asked = route_query(self._group, problem.scene._kernel_group, self._settings, problem._rows, query)
+        return query if asked else None
+
+    def find(self, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+        """Search for routes, as one plan says, for at most so many seconds."""
+        planned = packing.plan_search(
+            query,
+            cell=plan.cell,
+            clearance=plan.clearance,
+            room=max(min(self._robot.radii), 0.5 * plan.cell),
+            most_cells=plan.cells,
+            exact=plan.exact,
+            prove=plan.prove,
+        )
+        routes = np.empty((plan.routes, POINTS, 3))
+        counts = np.zeros(plan.routes, np.int64)
+        with MEMORY.borrow(memory_size(plan.cells)) as memory:
+            group = problem.scene._kernel_group
+            found, ended, cells = find_routes(group, planned, seconds, memory, routes, counts)
+        lines = [route[:count] for route, count in zip(routes[:found], counts, strict=False)]
+        return Found(lines, ended, cells)
+
+    def by_edges(self, problem: Problem, query: Floats, seconds: float) -> Floats | None:
+        """Return a route (K, 3) around edges, found in at most so many seconds; `None` proves nothing."""
+        fine, radius = self.plans[-1], min(self._robot.radii)
+        planned = packing.plan_search(
+            query,
+            cell=fine.cell,
+            clearance=fine.clearance,
+            room=max(radius, 0.5 * fine.cell),
+            most_cells=0,
+            exact=False,
+            prove=False,
+        )
+        route = np.empty((POINTS, 3))
+        with MEMORY.borrow(roadmap_size(POINTS)) as buffer:
+            count = find_by_edges(
+                problem.scene._kernel_group, planned, *walls_of(problem.scene), seconds, buffer, route
+            )
+        return route[:count] if count > 0 else None
+
+    def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
+        """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
+        robot = self._robot
+        sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
+        workspace = np.empty(fit_workspace_size(*sizes, POINTS))
+        fits = np.empty((len(routes), len(robot), 3))
+        groups = self.groups(problem)
+        for i, (route, q) in enumerate(zip(routes, fits, strict=True)):
+            left = seconds_left()
+            if left <= 0.0:
+                return fits[:i]
+            fit_route(*groups, route, left, workspace, q)
+        return fits
+
+    def load(self) -> float:
+        """Compile the entries, or load them from the cache, where that is not done yet; return the seconds it took."""
+        began = monotonic()
+        problem, self._nowhere = self._nowhere, None
+        if problem is not None:
+            query = self.query(problem)
+            if query is not None:
+                self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
+                self.by_edges(problem, query, 0.0)
+                self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
+            line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+            self.fit(problem, [line], lambda: 1.0)
+            problem.scene.distance(line)
+            groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
+            grown(groups, line[None], FEW, 1.0)
+            next(settled(groups, still[None], lambda: 1.0))
+            turned_back(groups, groups, still)
+        return monotonic() - began
+
+    def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:
+        """Return a route (K, 3) as long as the robot at its shortest, bent to a side (rad); `None` where none is."""
+        rod, workspace = np.empty((ROD_POINTS, 3)), np.empty(lengthen_workspace_size(ROD_POINTS))
+        group = problem.scene._kernel_group
+        return rod if lengthen_route(group, query, np.array(route), side, seconds, workspace, rod) else None
+
+    def groups(self, problem: Problem) -> Groups:
+        """Return what entries are given of a problem."""
+        return self._group, problem.scene._kernel_group, self._settings, problem._rows

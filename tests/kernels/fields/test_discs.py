@@ -1,6 +1,4 @@
-"""Discs about triangles: they hold them, and the walk through them finds what looking at all would find."""
-
-import math
+"""Discs about triangles: they hold them."""
 
 import numpy as np
 import pytest
@@ -9,11 +7,10 @@ from sinuous.kernels.fields import discs
 from sinuous.kernels.fields.discs import AXIS, CENTER, DISC_SIZE, HALF, RADIUS
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import TRIANGLES
-from sinuous.measures.triangles import to_triangles
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.prepared import trees
 from sinuous.scene.prepared.trees import Pieces
-from tests.helpers import Floats, vec
+from tests.helpers import Floats
 from tests.scene import shapes
 
 MESHES = {
@@ -46,16 +43,3 @@ def test_a_disc_holds_what_is_in_its_node(name: str) -> None:
         beside = np.linalg.norm(away - height[:, None] * own[node, AXIS : AXIS + 3], axis=-1)
         assert (np.abs(height) <= own[node, HALF]).all()
         assert (beside <= own[node, RADIUS] * (1.0 + 1e-12)).all()
-
-
-@pytest.mark.parametrize("name", MESHES)
-def test_the_walk_finds_the_closest(name: str) -> None:
-    pieces, store, tree, own = made(name)
-    corners = pieces.items[:, :9].reshape(-1, 3, 3)
-    rng = np.random.default_rng(1)
-    for p in rng.normal(size=(200, 3)) * rng.choice([0.1, 1.0, 5.0], (200, 1)):
-        exact = to_triangles(corners, np.broadcast_to(p, (len(corners), 3)))
-        for best in (math.inf, (1.01 * exact.min()) ** 2 + 1e-12):
-            found = discs.closest(store, tree, own, vec(p), best)
-            assert exact[found] == pytest.approx(exact.min(), abs=1e-12)
-        assert discs.closest(store, tree, own, vec(p), (0.99 * exact.min()) ** 2) == -1

@@ -3,16 +3,22 @@
 import math
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sinuous.kernels.fields import solids
+from sinuous.kernels.fields.blocks import EDGE
+from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
 from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.prepared import kept, parts, sampling, trees
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats, refused
+from sinuous.scene.snapshot import Snapshot
+from tests.helpers import refused
 from tests.scene import shapes
 
 
@@ -43,6 +49,38 @@ def test_samples_are_exact_distances() -> None:
     np.testing.assert_allclose(values[tuple(index.T)], expected, atol=1e-12)
 
 
+@pytest.mark.parametrize("kind", ["mesh", "cloud", "grid"])
+def test_every_point_of_a_grid_has_its_sample(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also at the rim, where blocks of points are not whole; the distances are asked for one by one."""
+    monkeypatch.setattr(sampling, "LEAST", 30 * 27 * 25)
+    monkeypatch.setattr(sampling, "PER_PIECE", 0)
+    rng = np.random.default_rng(2)
+    vertices, faces = shapes.ball(3)
+    obstacle: Obstacle = {
+        "mesh": Mesh(np.array(vertices) * (1.0, 0.8, 0.7), faces),
+        "cloud": PointCloud(rng.normal(size=(300, 3)) * (1.0, 0.8, 0.7), rng.choice([0.01, 0.2], 300)),
+        "grid": Grid(rng.random((9, 7, 6)) > 0.8, (0.0, 0.0, 0.0), 0.1),
+    }[kind]
+    part = parts.prepare(obstacle, kind)
+    shape = part.row[SHAPE : SHAPE + 3].astype(int)
+    values = part.store[int(part.row[FIRST_SAMPLE]) :].reshape(shape)
+    index = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)
+    points = part.row[ORIGIN : ORIGIN + 3] + part.row[SPACING] * index
+    assert (shape % EDGE != 0).any()
+    unsampled = Snapshot((obstacle,), [parts._of_pieces(_pieces(obstacle))])
+    np.testing.assert_allclose(values, unsampled.distance(points), atol=1e-12)
+
+
+def _pieces(obstacle: Obstacle) -> Any:
+    """Its tree alone."""
+    if isinstance(obstacle, Mesh):
+        return trees.triangles(obstacle)
+    if isinstance(obstacle, PointCloud):
+        return trees.balls(obstacle)
+    assert isinstance(obstacle, Grid)
+    return trees.cubes(obstacle.origin + obstacle.spacing * np.argwhere(obstacle.values), obstacle.spacing)
+
+
 def test_progress_goes_from_nothing_to_all() -> None:
     seen: list[tuple[str, float]] = []
     Scene([Mesh(*shapes.cube(), name="housing")]).prepare(lambda name, share: seen.append((name, share)))
@@ -55,8 +93,8 @@ def test_progress_goes_from_nothing_to_all() -> None:
 def test_an_interrupt_does_not_wait_for_all_samples(monkeypatch: pytest.MonkeyPatch) -> None:
     computed: list[int] = []
 
-    def slab(table: Floats, store: Floats, discs: Floats, first: int, last: int, out: Floats) -> None:
-        computed.append(first)
+    def slab(*arguments: Any) -> None:
+        computed.append(arguments[-3])
         threading.Event().wait(0.01)
 
     def interrupted(_name: str, _share: float) -> None:

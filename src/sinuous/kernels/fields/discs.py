@@ -8,9 +8,9 @@ discs have to be opened. They are made for sampling alone, because they take mor
 import math
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.trees import Tree, item_distance
+from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.fields.triangles import read
-from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
+from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, put_vec, scale, sub
 from sinuous.kernels.tables import NODE_SIZE, TRIANGLE_NORMAL, TRIANGLE_SIZE
 
 CENTER, AXIS, RADIUS, HALF = 0, 3, 6, 7
@@ -55,49 +55,3 @@ def enclose(store: Array, tree: Tree, discs: Array) -> None:
             discs[node, RADIUS], discs[node, HALF] = wide + slack, 0.5 * (high - low) + slack
         put_vec(discs, node, CENTER, center)
         put_vec(discs, node, AXIS, axis)
-
-
-@kernel
-def nearer(discs: Array, node: int, p: Vec, best: float) -> bool:
-    """Whether the square of the distance of `p` to a disc is less than `best`; without any root."""
-    away = sub(p, get_vec(discs, node, CENTER))
-    height = dot(away, get_vec(discs, node, AXIS))
-    above = max(0.0, abs(height) - discs[node, HALF])
-    rest = best - above * above
-    if rest <= 0.0:
-        return False
-    # Beside the axis by b, with the radius r: b < r + sqrt(rest).
-    square = discs[node, RADIUS] * discs[node, RADIUS]
-    beyond = dot(away, away) - height * height - square - rest
-    return beyond < 0.0 or beyond * beyond < 4.0 * square * rest
-
-
-@kernel
-def closest(store: Array, tree: Tree, discs: Array, p: Vec, best: float) -> int:
-    """Find the triangle whose square distance to `p` is least, if that is less than `best`: its number, or -1.
-
-    The walk is that of `trees.closest`, but in no order: it is for a `best` that hardly anything is below of.
-    """
-    found = -1
-    node, due = 1, 1
-    first_leaf = 1 << tree.levels
-    while True:
-        if node >= first_leaf:
-            leaf = node - first_leaf
-            for i in range((leaf * tree.count) >> tree.levels, ((leaf + 1) * tree.count) >> tree.levels):
-                d = item_distance(store, tree, i, p, best)
-                if d < best:
-                    found, best = i, d
-        else:
-            left, right = nearer(discs, 2 * node, p, best), nearer(discs, 2 * node + 1, p, best)
-            if left or right:
-                node = 2 * node + (0 if left else 1)
-                due = 2 * due + (1 if left and right else 0)
-                continue
-        while due & 1 == 0:
-            due >>= 1
-            node >>= 1
-        if due == 1:
-            return found
-        due ^= 1
-        node ^= 1

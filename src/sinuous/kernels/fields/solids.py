@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields import discs, grids, triangles
+from sinuous.kernels.fields import blocks, discs, grids, triangles
 from sinuous.kernels.fields.grids import Grid
 from sinuous.kernels.fields.primitives import box
 from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, lift, unlift
@@ -20,6 +20,7 @@ from sinuous.kernels.tables import (
     BALLS,
     COUNT,
     CUBE_HALF,
+    CUBES,
     FIRST_SAMPLE,
     ITEM_KIND,
     ITEMS,
@@ -231,26 +232,51 @@ def enclose(table: Array, store: Array, own: Array) -> None:
 
 
 @entry
-def sample(table: Array, store: Array, own: Array, first: int, last: int, out: Array) -> None:
+def sample(table: Array, store: Array, own: Array, work: Array, first: int, last: int, out: Array) -> None:
     """Fill slabs `first` up to, without it, `last` of `out` (nx, ny, nz) with exact distances to the one obstacle.
 
-    What was closest to the neighbour is nearly the closest here, too: hardly anything has to be looked at again. Of a
-    mesh `own` (2 << levels, 8) are the discs, else (0, 8).
+    Of a mesh `own` (2 << levels, 8) are the discs, else (0, 8). `work` (blocks.WORKSPACE,) is overwritten.
     """
     tree, grid = tree_of(table, 0), grid_of(table, 0)
-    h = grid.spacing
+    if tree.kind == CUBES:
+        _sample_by_point(table, store, tree, grid, first, last, out)
+        return
+    seed, edge = 0, blocks.EDGE
+    for i in range(first, last, edge):
+        for j in range(0, out.shape[1], edge):
+            for k in range(0, out.shape[2], edge):
+                for lane in range(blocks.LANES):
+                    p = _point(grid, i + lane // (edge * edge), j + lane // edge % edge, k + lane % edge)
+                    work[blocks.X + lane], work[blocks.Y + lane], work[blocks.Z + lane] = p
+                blocks.closest(store, tree, own, seed, work)
+                seed = int(work[blocks.FOUND])
+                for a in range(i, min(i + edge, last)):
+                    for b in range(j, min(j + edge, out.shape[1])):
+                        for c in range(k, min(k + edge, out.shape[2])):
+                            item = int(work[blocks.FOUND + ((a - i) * edge + b - j) * edge + c - k])
+                            out[a, b, c], _ = at_item(table, store, 0, item, _point(grid, a, b, c))
+
+
+@kernel
+def _point(grid: Grid, i: int, j: int, k: int) -> Vec:
+    return (grid.low[0] + i * grid.spacing, grid.low[1] + j * grid.spacing, grid.low[2] + k * grid.spacing)
+
+
+@kernel
+def _sample_by_point(table: Array, store: Array, tree: Tree, grid: Grid, first: int, last: int, out: Array) -> None:
+    """The same, point by point.
+
+    What was closest to the neighbour is nearly the closest here, too: hardly anything has to be looked at again.
+    """
     at_row = at_slab = at = -1
     for i in range(first, last):
         for j in range(out.shape[1]):
             for k in range(out.shape[2]):
-                p = (grid.low[0] + i * h, grid.low[1] + j * h, grid.low[2] + k * h)
+                p = _point(grid, i, j, k)
                 if k == 0:
                     at = at_slab if j == 0 else at_row
                 near = item_distance(store, tree, at, p, math.inf) if at >= 0 else math.inf
-                if at >= 0 and own.shape[0] > 0:
-                    item = discs.closest(store, tree, own, p, near)
-                else:
-                    item, _ = closest(store, tree, p, near)
+                item, _ = closest(store, tree, p, near)
                 at = item if item >= 0 else at
                 out[i, j, k], _ = at_item(table, store, 0, at, p)
                 if k == 0:

@@ -107,6 +107,7 @@ def _compute(
     An interrupt waits for the slabs that are under way, and not for the others.
     """
     from sinuous.kernels.fields import solids  # noqa: PLC0415
+    from sinuous.kernels.fields.blocks import EDGE, WORKSPACE  # noqa: PLC0415
     from sinuous.kernels.fields.discs import DISC_SIZE  # noqa: PLC0415
 
     values = np.empty(shape)
@@ -114,12 +115,13 @@ def _compute(
     discs = np.empty((2 << int(row[LEVELS]) if row[ITEM_KIND] == TRIANGLES else 0, DISC_SIZE))
     if len(discs):
         solids.enclose(table, store, discs)
-    solids.sample(table, store, discs, 0, 0, values)  # compiled, or loaded, and nothing sampled
+    solids.sample(table, store, discs, np.empty(WORKSPACE), 0, 0, values)  # compiled, or loaded, and nothing sampled
     began = time.perf_counter()
-    cuts = np.unique(np.linspace(0, shape[0], SLABS + 1).astype(int)).tolist()
+    steps = np.linspace(0, shape[0], SLABS + 1).astype(int)
+    cuts = np.unique([*(steps[:-1] // EDGE * EDGE), shape[0]]).tolist()
     with ThreadPoolExecutor(min(THREADS, os.cpu_count() or 1)) as threads:
         slabs = [
-            threads.submit(solids.sample, table, store, discs, first, last, values)
+            threads.submit(solids.sample, table, store, discs, np.empty(WORKSPACE), first, last, values)
             for first, last in itertools.pairwise(cuts)
         ]
         try:

@@ -34,6 +34,8 @@ def view_file(file: str, html: Path | None, host: str, port: int, *, browser: bo
     require_viser("view", file)
     alone = is_loopback(host)
     job = load(file, Job)
+    if html is None and job.scene.snapshot().moves:
+        raise InputError("scene", "obstacles move", file, "--html OUT: pages in files show when they are where", file)
     for note in job.notes:
         typer.echo(f"note: {file}: {note}", err=True)
     if html is not None:
@@ -46,8 +48,10 @@ def view_file(file: str, html: Path | None, host: str, port: int, *, browser: bo
 
 
 def answer_of(job: Job) -> Solution | Motion:
-    """The path followed, or the target met."""
-    return job.track() if job.is_path else job.solve()
+    """The path followed, the target met, or, past obstacles that move, a motion there."""
+    if job.is_path:
+        return job.track()
+    return job.plan() if job.scene.snapshot().moves else job.solve()
 
 
 def is_loopback(host: str) -> bool:

@@ -7,6 +7,7 @@ from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
 from benchmarks.motion import into, leader, letters, loops, p5, tracks
+from benchmarks.motion.in_time import clouds, moving
 
 SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {
     **p5.PARTS,
@@ -14,6 +15,8 @@ SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {
     **letters.PARTS,
     **leader.PARTS,
     **loops.PARTS,
+    **clouds.PARTS,
+    **moving.PARTS,
     **into.PARTS,
 }
 """One piece each, by name."""

@@ -8,13 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
+import sinuous as sn
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats, refused, refused_each
+from tests.helpers import Floats, random_rotation, refused, refused_each
 
 OBSTACLES = [
     Sphere((0, 0, 0), 1),
@@ -180,3 +182,44 @@ def test_a_snapshot_beside_meshes_has_them_too_and_samples_nothing() -> None:
     assert both.memory < 10_000
     assert len(scene) == 1
     assert len(scene.beside([])) == 1
+
+
+def test_an_obstacle_is_moved_as_a_whole() -> None:
+    rng = np.random.default_rng(4)
+    points, turn = rng.normal(size=(300, 3)), random_rotation(rng)
+    probes = rng.normal(size=(100, 3)) * 2.0
+    described = {
+        "cloud": sn.PointCloud(points, 0.05, name="cloud"),
+        "box": sn.Box((1, 0, 0), (1, 2, 3), name="box"),
+    }
+    scene = sn.Scene(described.values())
+    before = scene.snapshot()
+    for name, obstacle in described.items():
+        for shift in ((1, 2, 3), (4, 5, 6)):  # from where it is described, not from where it was
+            scene.move(name, shift, turn)
+        there = sn.Moving(obstacle, [0], [(4, 5, 6)], [turn]).at(0.0)
+        assert next(each for each in scene.obstacles if each.name == name).equals(there)
+        index = [each.name for each in scene.obstacles].index(name)
+        own = (probes - (4, 5, 6)) @ turn
+        expected = sn.Scene([obstacle]).distance(own)
+        np.testing.assert_allclose(scene.snapshot().distance_to(index, probes)[0], expected, atol=1e-9)
+    assert before.obstacles == tuple(described.values())
+    scene.update(points + 1.0, name="cloud")
+    scene.move("cloud", (1, 0, 0))
+    moved = next(each for each in scene.obstacles if each.name == "cloud")
+    assert isinstance(moved, sn.PointCloud)
+    np.testing.assert_allclose(moved.points, points + np.array([2.0, 1.0, 1.0]))
+    assert pickle.loads(pickle.dumps(scene)).equals(scene)
+    refused("name", lambda: scene.move("nobody", (0, 0, 0)))
+    refused("position", lambda: scene.move("box", (0, 0)))
+
+
+def test_a_cloud_that_is_replaced_has_exact_distances_in_whatever_order() -> None:
+    """Shifted a little, turned, and shuffled, so that its points are sorted anew."""
+    rng = np.random.default_rng(5)
+    points, probes = rng.normal(size=(3000, 3)), rng.normal(size=(200, 3)) * 2.0
+    scene = sn.Scene([sn.PointCloud(points, 0.02)])
+    for fresh in (points + 0.1, points @ random_rotation(rng).T, rng.permutation(points), points[:1000], points):
+        scene.update(fresh)
+        expected = cKDTree(fresh).query(probes)[0] - 0.02
+        np.testing.assert_allclose(scene.distance(probes), expected, atol=1e-12)

@@ -49,7 +49,7 @@ def _verified(problem: ProblemFile) -> Verification | None:
     if problem.start is None:
         return None
     if problem.goal is not None:
-        return verified(problem.robot, problem.start, problem.scene.snapshot(), (), problem.tolerance)
+        return verified(problem.robot, problem.start, problem.scene.snapshot().first, (), problem.tolerance)
     return verify(problem.problem(), problem.start)
 
 
@@ -99,7 +99,8 @@ def _sizes(problem: ProblemFile) -> list[tuple[str, list[float] | None, float]]:
     """Of every obstacle its name, its extents along the axes of the world, and how far it is from the base."""
     base = problem.robot.base[:3, 3]
     boxes = [box_of(obstacle) for obstacle in problem.scene.obstacles]
-    away = [float(problem.scene.snapshot().distance_to(i, base)[0]) for i in range(len(boxes))]
+    scene = problem.scene.snapshot().first
+    away = [float(scene.distance_to(i, base)[0]) for i in range(len(boxes))]
     return [
         (problem.scene.name(i), None if box is None else (box[1] - box[0]).tolist(), away[i])
         for i, box in enumerate(boxes)

@@ -34,6 +34,8 @@ def view_file(file: str, html: Path | None, host: str, port: int, result: Path |
     require_viser("view", file)
     alone = is_loopback(host)
     job = load(file, Job)
+    if html is None and job.scene.snapshot().moves:
+        raise InputError("scene", "obstacles move", file, "--html OUT: pages in files show when they are where", file)
     answer = None if result is None else job.result(result)
     for note in job.notes:
         typer.echo(f"note: {file}: {note}", err=True)
@@ -47,8 +49,10 @@ def view_file(file: str, html: Path | None, host: str, port: int, result: Path |
 
 
 def answer_of(job: Job) -> Solution | Motion:
-    """The path followed, the motion to the goal, or the target met."""
-    return job.track() if job.is_path else job.plan() if job.goal is not None else job.solve()
+    """The path followed, the motion to the goal or past obstacles that move, or the target met."""
+    if job.is_path:
+        return job.track()
+    return job.plan() if job.goal is not None or job.scene.snapshot().moves else job.solve()
 
 
 def is_loopback(host: str) -> bool:

@@ -57,7 +57,7 @@ def solve_files(files: list[str], options: Options, count: int | None = None, by
             raise InputError("--all", "stands beside --why", count, "one of --all, --why")
     read = read_all(files)
     for one in read:
-        _refuse(one.problem, "path", "goal")
+        _refuse(one.problem, "path", "goal", "moving")
     alone = len(read) == 1 and count is None
     question = _solve if count is None else partial(_solve_all, count, kind)
     return _answer_all(read, options, question, partial(_solver, OneSolve if alone else Solver))
@@ -145,6 +145,10 @@ def _refuse(problem: ProblemFile, *kinds: str) -> None:
     if "path" in kinds and problem.is_path:
         what = "is for the command track"
         raise InputError("path", what, len(problem.waypoints), "target or targets", problem.file)
+    if "moving" in kinds and problem.scene.snapshot().moves:
+        which = next(iter(problem.scene.snapshot().courses))
+        name = problem.scene.name(which)
+        raise InputError("scene", f"{name} moves", name, "obstacles that stand still, or track or plan", problem.file)
     if "goal" in kinds and problem.goal is not None:
         raise InputError("goal", "is for the command plan", problem.goal.tolist(), "target or targets", problem.file)
 

@@ -36,7 +36,7 @@ def to_field(field: Field, points: Floats) -> Floats:
 
 
 def _to_cubes(grid: Grid, points: Floats) -> Floats:
-    centers: Floats = grid.spacing * np.argwhere(grid.values)
+    centers = grid.spacing * np.argwhere(grid.values).astype(np.float64)
     if not len(centers):
         return np.full(len(points), np.inf)
     half = 0.5 * grid.spacing

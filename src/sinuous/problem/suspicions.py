@@ -45,7 +45,7 @@ def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
 
 def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
     """The same, with what is suspicious of the base and of targets: what a solve says in its status."""
-    return [*suspicions(robot, scene), *_of_base(robot, scene), *_of_targets(robot, waypoints)]
+    return [*suspicions(robot, scene), *_of_base(robot, scene.first), *_of_targets(robot, waypoints)]
 
 
 def _of_bends(robot: Robot) -> Iterator[str]:

@@ -8,13 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.arguments import Number, Rows, Stack, Vector
+from sinuous.arguments import Number, Orientation, Rows, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.notebook import Shown
+from sinuous.poses import pose
 from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.courses.moved import moved
+from sinuous.scene.courses.moving import Moving
 from sinuous.scene.entries import entries_of
 from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.prepared.parts import unsampled
 from sinuous.scene.snapshot import Snapshot
 from sinuous.writing.documents import write_document
 
@@ -25,7 +29,8 @@ class Scene(Shown):
     Where obstacles are `Moving`, there are distances and solutions `at` a time only. `track`, `plan` and `Motion` look
     at all times of a motion.
 
-    Nothing of it changes but by `update`; `snapshot` gives what is there now, frozen. A copy goes on by itself.
+    Nothing of it changes but by `update` and `move`; `snapshot` gives what is there now, frozen. A copy goes on by
+    itself.
 
     Meshes, clouds and grids of cubes are sampled on a grid when the scene is first used, or by `prepare`; large ones
     are kept on disk, in the user's cache directory.
@@ -53,6 +58,7 @@ class Scene(Shown):
             else:
                 raise InputError(f"scene[{i}]", "", item, "an obstacle or a scene")
         self._lock = threading.Lock()
+        self._described: dict[str, Obstacle] = {}
         self._snapshot = Snapshot(tuple(flat))
 
     @classmethod
@@ -169,7 +175,47 @@ class Scene(Shown):
             if radius is None and (old.radii != old.radii[0]).any():
                 raise InputError("radius", "missing", None, "one for every point: those before differ")
             cloud = PointCloud(points, old.radii[0] if radius is None else radius, name=old.name)
-            self._snapshot = before.replaced(index, cloud)
+            self._snapshot = before.replaced(index, cloud, unsampled(cloud, old))
+            self._described.pop(before.name(index), None)
+
+    def move(
+        self,
+        name: str,
+        position: Vector | None = None,
+        rotation: Orientation | None = None,
+        *,
+        xyzw: Vector | None = None,
+    ) -> None:
+        """Move an obstacle as a whole; a `Solver` made before goes on with it where it is then.
+
+        The pose says where the frame is in which the obstacle was described when it came into the scene, as for
+        `Moving`. Nothing of it is computed again, so that meshes and large clouds move as quickly as spheres.
+
+        Parameters
+        ----------
+        name : str
+            Of the obstacle.
+        position : array_like (3,), optional
+            By default the origin.
+        rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
+            A matrix or a quaternion wxyz.
+        xyzw : array_like (4,), optional
+            A quaternion in the order of SciPy and ROS, instead of `rotation`.
+
+        Raises
+        ------
+        InputError
+            When no obstacle, or more than one, has this name, it is `Moving`, or the pose is not what it should be.
+        """
+        there = pose(position, rotation=rotation, xyzw=xyzw)
+        with self._lock:
+            before = self._snapshot
+            found = [i for i in range(len(before)) if before.name(i) == name]
+            if len(found) != 1 or isinstance(before.obstacles[found[0]], Moving):
+                expected = "the name of one obstacle that stands still"
+                raise InputError("name", "" if len(found) < 2 else "is that of several", name, expected)
+            own = self._described.setdefault(name, before.obstacles[found[0]])
+            self._snapshot = before.replaced(found[0], moved(own, there))
 
     def become(self, snapshot: Snapshot) -> None:
         """Hold these obstacles from now on, as many as before; a `Solver` made before goes on with them.
@@ -185,12 +231,13 @@ class Scene(Shown):
             if len(snapshot) != len(self._snapshot):
                 raise InputError("snapshot", "", len(snapshot), f"as many obstacles as before: {len(self._snapshot)}")
             self._snapshot = snapshot
+            self._described.clear()
 
-    def __getstate__(self) -> tuple[Snapshot]:
-        return (self._snapshot,)
+    def __getstate__(self) -> tuple[Snapshot, dict[str, Obstacle]]:
+        return self._snapshot, dict(self._described)
 
-    def __setstate__(self, state: tuple[Snapshot]) -> None:
-        (self._snapshot,) = state
+    def __setstate__(self, state: tuple[Snapshot, dict[str, Obstacle]]) -> None:
+        self._snapshot, self._described = state
         self._lock = threading.Lock()
 
     def distance(self, points: Stack) -> Floats:

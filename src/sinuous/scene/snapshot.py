@@ -13,7 +13,6 @@ from sinuous.arguments import Number, Stack
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.courses.course import Course
 from sinuous.scene.courses.moving import Moving, standing_at
 from sinuous.scene.grids.field import Field, evaluate
@@ -93,6 +92,12 @@ class Snapshot(Frozen):
         """Whether an obstacle moves."""
         return any(isinstance(obstacle, Moving) for obstacle in self._obstacles)
 
+    @property
+    def first(self) -> "Snapshot":
+        """The obstacles as they are before any has moved; itself where none moves."""
+        starts = [float(course.times[0]) for course in self.courses.values()]
+        return self.at(min(starts, default=0.0))
+
     def refuse_moving(self) -> None:
         """Refuse obstacles that move, where they have to stand still.
 
@@ -125,12 +130,12 @@ class Snapshot(Frozen):
         still = obstacle.obstacle if isinstance(obstacle, Moving) else obstacle
         return prepare(still, name, None if progress is None else partial(progress, name))
 
-    def replaced(self, index: int, cloud: PointCloud) -> "Snapshot":
-        """Return a snapshot with this cloud in the place of an obstacle. It is not sampled: only its tree is built."""
-        self.prepare()
-        parts = list(self._parts or ())
-        parts[index] = unsampled(cloud)
-        snapshot = Snapshot((*self._obstacles[:index], cloud, *self._obstacles[index + 1 :]), parts)
+    def replaced(self, index: int, obstacle: Obstacle, part: Part | None = None) -> "Snapshot":
+        """Return a snapshot with another obstacle in the place of one; `part` is what kernels read of it, if known."""
+        own = prepare(obstacle, "") if part is None else part
+        known = self._parts or [own if i == index else self._part(i, None) for i in range(len(self))]
+        parts = [*known[:index], own, *known[index + 1 :]]
+        snapshot = Snapshot((*self._obstacles[:index], obstacle, *self._obstacles[index + 1 :]), parts)
         snapshot.prepare()
         return snapshot
 

@@ -69,14 +69,13 @@ def test_the_same_seed_gives_the_same_motion() -> None:
 
 def test_where_no_motion_is_found_the_status_says_why() -> None:
     hit = sn.Moving(sn.Sphere((0, 0, 0), 0.5), [0, 1], [(9, 0, 0), tuple(ROBOT.tip(RIGHT)[:3, 3])])
-    ends = {"rates": RATES}
     assert sn.plan(ROBOT, LEFT, RIGHT, [hit], duration=3.0).status is sn.Status.TARGET_BLOCKED
     assert sn.plan(ROBOT, RIGHT, LEFT, [hit], duration=3.0, begin=1.0).status is sn.Status.START_BLOCKED
-    assert sn.plan(ROBOT, LEFT, RIGHT, [LEAVING], duration=1.0, **ends).status is sn.Status.RATE_BOUND
+    assert sn.plan(ROBOT, LEFT, RIGHT, [LEAVING], duration=1.0, rates=RATES).status is sn.Status.RATE_BOUND
     wall = sn.Box(ROBOT.tip(RIGHT)[:3, 3], (0.1, 0.1, 0.1))
-    assert sn.plan(ROBOT, LEFT, RIGHT, [wall, LEAVING], **ends).status is sn.Status.TARGET_BLOCKED
+    assert sn.plan(ROBOT, LEFT, RIGHT, [wall, LEAVING], rates=RATES).status is sn.Status.TARGET_BLOCKED
     hunted = sn.Moving(sn.Sphere((0, 0, 0), 0.3), [0, 0.4, 9], [(2, 0, 0.5), (0, 0, 0.5), (0, 0, 0.5)])
-    motion = sn.plan(ROBOT, LEFT, RIGHT, [hunted], time=0.3, **ends)
+    motion = sn.plan(ROBOT, LEFT, RIGHT, [hunted], time=0.3, rates=RATES)
     assert motion.status is sn.Status.TIME_LIMIT
     assert len(motion.q) == 1
     assert motion.times.tolist() == [0.0]

@@ -21,7 +21,7 @@ PATH = [sn.Target((1.5 - 3.0 * share, 0.5, 1.8)) for share in np.linspace(0.0, 1
 def test_a_path_is_followed_in_time(started: bool) -> None:
     motion = sn.track(ROBOT, PATH, [PASSING], times=TIMES, start=START if started else None)
     assert motion.solved
-    np.testing.assert_allclose(motion.times[list(motion.waypoint_knots)], TIMES)
+    np.testing.assert_allclose(motion.times[np.array(motion.waypoint_knots)], TIMES)
     for solution, when in zip(motion.solutions, TIMES.tolist(), strict=True):
         assert solution.problem.scene.equals(motion.scene.at(when))
         assert solution.verify().ok
@@ -35,7 +35,8 @@ def test_the_same_path_at_other_times_is_another_motion() -> None:
     late = sn.track(ROBOT, PATH, [PASSING], times=TIMES + 100.0)
     gone = sn.Sphere((2, 0, 2.2), 0.4)
     still = sn.track(ROBOT, PATH, [gone], times=TIMES + 100.0)
-    np.testing.assert_allclose(late.q[list(late.waypoint_knots)], still.q[list(still.waypoint_knots)], atol=1e-9)
+    one, other = (motion.q[np.array(motion.waypoint_knots)] for motion in (late, still))
+    np.testing.assert_allclose(one, other, atol=1e-9)
 
 
 def test_where_an_obstacle_blocks_the_path_it_is_said() -> None:

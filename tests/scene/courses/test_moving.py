@@ -22,7 +22,7 @@ def away(points: Floats) -> Floats:
     return np.asarray(np.linalg.norm(points, axis=-1)) - 0.5
 
 
-INDICES = np.moveaxis(np.indices((7, 7, 7)), 0, -1) * 0.3 - 0.9
+INDICES: Floats = np.moveaxis(np.indices((7, 7, 7)), 0, -1).astype(np.float64) * 0.3 - 0.9
 OBSTACLES: list[sn.Sphere | sn.Mesh | sn.Field | sn.Grid | sn.PointCloud | sn.Box | sn.Capsule | sn.Cylinder] = [
     sn.Sphere((0.1, 0.2, 0.3), 0.4),
     sn.Sphere((0, 0, 0), 3.0, inside=True),
@@ -33,7 +33,7 @@ OBSTACLES: list[sn.Sphere | sn.Mesh | sn.Field | sn.Grid | sn.PointCloud | sn.Bo
     sn.Mesh(*cube(), inside=True),
     sn.PointCloud(RNG.normal(size=(300, 3)), 0.05),
     sn.Grid(RNG.random((4, 5, 6)) > 0.8, (0, 0, 0), 0.3),
-    sn.Grid(away(INDICES.reshape(-1, 3)).reshape(7, 7, 7), (-0.9, -0.9, -0.9), 0.3),
+    sn.Grid(away(np.asarray(INDICES.reshape(-1, 3), np.float64)).reshape(7, 7, 7), (-0.9, -0.9, -0.9), 0.3),
     sn.Field(away, (-1, -1, -1), (1, 1, 1), 0.25),
 ]
 
@@ -79,9 +79,14 @@ def test_poses_may_be_given_in_several_ways() -> None:
     poses = np.zeros((3, 4, 4))
     poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = turns.as_matrix(), POSITIONS, 1.0
     assert one.equals(sn.Moving(ball, TIMES, poses=poses))
-    np.testing.assert_allclose(sn.Moving(ball, TIMES, POSITIONS, xyzw=turns.as_quat()).rotations, one.rotations)
+    same = sn.Moving(ball, TIMES, POSITIONS, xyzw=turns.as_quat())
+    assert one.rotations is not None
+    assert same.rotations is not None
+    np.testing.assert_allclose(same.rotations, one.rotations)
     spinning = sn.Moving(ball, TIMES, rotations=turns)
-    np.testing.assert_allclose(spinning.at(1.0).center, (np.cos(1.0), np.sin(1.0), 0.0))  # type: ignore[attr-defined]
+    there = spinning.at(1.0)
+    assert isinstance(there, sn.Sphere)
+    np.testing.assert_allclose(there.center, [np.cos(1.0), np.sin(1.0), 0.0])
     shifted = np.tile(np.eye(4), (3, 1, 1))
     assert sn.Moving(ball, TIMES, poses=shifted).rotations is None
     assert sn.Moving(ball, [2.0], [(0, 0, 1)]).at(-7.0).equals(sn.Sphere((1, 0, 1), 0.1))

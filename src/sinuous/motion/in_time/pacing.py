@@ -88,16 +88,17 @@ def _ticks(question: TimedQuestion, places: Floats) -> tuple[int, Floats | None]
     """How many pieces may be passed in a tick, and the ticks; `None` where there is no time for all pieces."""
     window = question.end - question.begin
     if question.rates is None:
-        ticks = np.linspace(question.begin, question.end, TICKS + 1)
-        return max(AT_ONCE, -(-len(places) // (TICKS // 3))), ticks
+        even: Floats = np.linspace(question.begin, question.end, TICKS + 1, dtype=np.float64)
+        return max(AT_ONCE, -(-len(places) // (TICKS // 3))), even
     longest = float(question.least(np.diff(places, axis=0)).max()) * (1.0 + ROUNDING)
     longest = max(longest, window / MOST_TICKS)
     count = int(window / longest * (1.0 + ROUNDING))
     if count < len(places) - 1:
         return 1, None
-    if question.early:
-        return 1, question.begin + longest * np.arange(count + 1)
-    return 1, np.linspace(question.begin, question.end, count + 1)
+    ticks = question.begin + (longest if question.early else window / count) * np.arange(count + 1.0)
+    if not question.early:
+        ticks[-1] = question.end
+    return 1, ticks
 
 
 def _way(places: Floats, ticks: Floats, layers: list[dict[int, _Came]]) -> TimedWay:

@@ -13,10 +13,7 @@ from sinuous.motion.timing.scaling import largest
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between import SLACK, Prover
-
-SECONDS = 0.5
-"""Time for the proof of a step that is only to be clear, without a tight bound."""
+from sinuous.solving.between import LOOSE_SECONDS, SLACK, Prover
 
 ROUNDING = 1e-9
 """Share by which a step may be quicker than rates allow: rounding."""
@@ -80,7 +77,7 @@ class TimedQuestion:
     def clear(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return what is proved of a step (14,), `None` where it is not clear."""
         pair, times = np.stack([q0, q1]), np.array([t0, t1])
-        answer: Floats = self.prover.prove(pair, 1.0, SECONDS, times)[0]
+        answer: Floats = self.prover.prove(pair, 1.0, LOOSE_SECONDS, times)[0]
         return answer if answer[VERDICT] == CLEAR else None
 
     def passes(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
@@ -103,7 +100,7 @@ class TimedQuestion:
             answer = way.answers[at] if joined is None else joined
             at += max(1, far)
             tight = self.prover.prove(
-                np.stack([q[-1], way.q[at]]), SLACK, SECONDS, np.array([times[-1], way.times[at]])
+                np.stack([q[-1], way.q[at]]), SLACK, LOOSE_SECONDS, np.array([times[-1], way.times[at]])
             )[0]
             q.append(way.q[at])
             times.append(way.times[at])

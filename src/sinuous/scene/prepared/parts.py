@@ -40,7 +40,7 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.prepared import sampling, trees
 from sinuous.scene.prepared.sampling import Progress
-from sinuous.scene.prepared.trees import Pieces
+from sinuous.scene.prepared.trees import Order, Pieces
 
 NOTHING = np.empty(0)
 
@@ -63,11 +63,12 @@ class Part:
 class _Entry:
     """What is prepared of one obstacle, and the lock of whoever prepares it."""
 
-    __slots__ = ("lock", "part")
+    __slots__ = ("lock", "order", "part")
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
         self.part: Part | None = None
+        self.order: Order | None = None
 
 
 _ENTRIES: "WeakKeyDictionary[Obstacle, _Entry]" = WeakKeyDictionary()
@@ -111,8 +112,12 @@ def put(part: Part, pose: Floats) -> Part:
     return Part(row, part.store)
 
 
-def unsampled(obstacle: PointCloud | Mesh) -> Part:
-    """Make what the kernels read of an obstacle that will soon be replaced: without samples, which take longer."""
+def unsampled(obstacle: PointCloud | Mesh, before: PointCloud | None = None) -> Part:
+    """Make what the kernels read of an obstacle that will soon be replaced: without samples, which take longer.
+
+    Balls are left in the order of those of the cloud `before`, where they lie in about the same way: sorting takes most
+    of the time.
+    """
     if obstacle.place is not None:
         root, pose = obstacle.place
         assert isinstance(root, PointCloud | Mesh)
@@ -120,8 +125,9 @@ def unsampled(obstacle: PointCloud | Mesh) -> Part:
     entry = _entry(obstacle)
     with entry.lock:
         if entry.part is None:
-            made = trees.triangles(obstacle) if isinstance(obstacle, Mesh) else trees.balls(obstacle)
-            entry.part = _of_pieces(made)
+            like = None if before is None else _entry(before).order
+            made = trees.triangles(obstacle) if isinstance(obstacle, Mesh) else trees.balls(obstacle, like)
+            entry.part, entry.order = _of_pieces(made), made.order
         return entry.part
 
 

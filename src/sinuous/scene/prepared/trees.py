@@ -1,7 +1,7 @@
 """Triangles, balls and cubes, put in order as the kernels search them (see `sinuous.kernels.fields.trees`)."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,17 @@ from sinuous.scene.meshes.normals import part_normals
 if TYPE_CHECKING:
     from sinuous.scene.clouds.point_cloud import PointCloud
     from sinuous.scene.meshes.mesh import Mesh
+
+
+WORSE = 1.5
+"""By how much larger leaves may be than in a new order, on average, before one is made."""
+
+
+class Order(NamedTuple):
+    """An order of primitives (m,), and the sum of the sides of all leaves of the tree when it was made."""
+
+    order: NDArray[np.int64]
+    leaves: float
 
 
 @dataclass(frozen=True)
@@ -37,6 +48,8 @@ class Pieces:
         Half side of cubes.
     rounding : float
         What is taken off the distance.
+    order : Order or None
+        Of balls: how they were put in order.
     """
 
     kind: int
@@ -47,6 +60,7 @@ class Pieces:
     sign: float = 1.0
     half: float = 0.0
     rounding: float = 0.0
+    order: Order | None = None
 
     @property
     def low(self) -> Floats:
@@ -85,11 +99,19 @@ def with_planes(corners: Floats) -> Floats:
     return np.concatenate([corners.reshape(-1, 9), normals, offsets], axis=1)
 
 
-def balls(cloud: "PointCloud") -> Pieces:
-    """Balls about the points of a cloud."""
+def balls(cloud: "PointCloud", like: Order | None = None) -> Pieces:
+    """Balls about the points of a cloud; in an order of as many balls, where these lie in about the same way."""
     radii = cloud.radii[:, None]
-    order, levels, nodes = _tree(cloud.points, cloud.points - radii, cloud.points + radii)
-    return Pieces(BALLS, levels, nodes, np.concatenate([cloud.points, radii], axis=1)[order], NO_NORMALS)
+    corners = cloud.points - radii, cloud.points + radii
+    known = None if like is None or len(like.order) != len(cloud.points) else like
+    if known is not None:
+        levels, nodes = _enclosed(known.order, *corners)
+        known = known if _leaves(levels, nodes) <= WORSE * known.leaves else None
+    if known is None:
+        order, levels, nodes = _tree(cloud.points, *corners)
+        known = Order(order, _leaves(levels, nodes))
+    items = np.concatenate([cloud.points, radii], axis=1)[known.order]
+    return Pieces(BALLS, levels, nodes, items, NO_NORMALS, order=known)
 
 
 def cubes(centers: Floats, side: float) -> Pieces:
@@ -100,14 +122,31 @@ def cubes(centers: Floats, side: float) -> Pieces:
 
 def _tree(centers: Floats, lows: Floats, highs: Floats) -> tuple[NDArray[np.int64], int, Floats]:
     """Order, number of levels, and boxes (2 << levels, 6) of a tree over what has these centers and corners (m, 3)."""
-    from sinuous.kernels.fields.trees import arrange, enclose  # noqa: PLC0415
+    from sinuous.kernels.fields.trees import arrange  # noqa: PLC0415
 
-    count = len(centers)
-    levels = max(0, (max(1, -(-count // LEAF_ITEMS)) - 1).bit_length())
-    order, nodes = np.arange(count), np.empty((2 << levels, 6))
-    arrange(_plain(centers), levels, order)
+    order = np.arange(len(centers))
+    arrange(_plain(centers), _levels(len(centers)), order)
+    return order, *_enclosed(order, lows, highs)
+
+
+def _enclosed(order: NDArray[np.int64], lows: Floats, highs: Floats) -> tuple[int, Floats]:
+    """Number of levels, and boxes (2 << levels, 6) of a tree over what is in this order, with these corners (m, 3)."""
+    from sinuous.kernels.fields.trees import enclose  # noqa: PLC0415
+
+    levels = _levels(len(order))
+    nodes = np.empty((2 << levels, 6))
     enclose(_plain(lows), _plain(highs), order, levels, nodes)
-    return order, levels, nodes
+    return levels, nodes
+
+
+def _levels(count: int) -> int:
+    return max(0, (max(1, -(-count // LEAF_ITEMS)) - 1).bit_length())
+
+
+def _leaves(levels: int, nodes: Floats) -> float:
+    """Sum of the sides of all leaves."""
+    leaves = nodes[1 << levels :]
+    return float((leaves[:, 3:] - leaves[:, :3]).sum())
 
 
 def _plain(array: Floats) -> Floats:

@@ -76,7 +76,7 @@ def together(answers: Floats, times: Floats, finer: Floats) -> Floats:
 
 def _joined(answers: Floats, begins: Floats, lengths: Floats) -> Floats:
     """One answer (14,) of those (u, 14) about the parts of a step, which begin at these shares of it."""
-    joined = answers[0].copy()
+    joined: Floats = answers[0].copy()
     verdicts: NDArray[np.float64] = answers[:, VERDICT]
     unclear = np.flatnonzero(verdicts != CLEAR)
     joined[VERDICT], joined[UNTIL] = CLEAR, 1.0

@@ -1,0 +1,1 @@
+"""Motions and control loops among obstacles that move."""

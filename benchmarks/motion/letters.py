@@ -1,7 +1,10 @@
 """Letters and curves (P6): 150 poses between published handle poses, past two spheres; and a line in every branch (P7).
 
 The handles, the spheres and the arm are those of a published solver's path following; how the tip goes from the first
-handle to the last is ours: on the straight line, with the stroke of the curve or letter across it.
+handle to the last is ours: on the straight line, with the stroke of the curve or letter across it. The last handles of
+all letters are 3.13 to 3.26 from the base, and the arm is 3 long: the poses near them are proved to be out of reach.
+Six coordinates meet the six numbers of a pose in few shapes, mostly two, so it can be held against all of them whether
+a pose that is not reached is one that cannot be.
 """
 
 import math
@@ -32,8 +35,13 @@ RADIUS, BALL = 0.1, 0.3
 TOLERANCE = sn.Tolerance(1e-8, 1e-8)
 
 ERROR = "P6, letters and curves: mean error of the tip, in segments (published: 3e-3)"
-POSE = "P6: time of a pose (one core, warm, with the proof of every step; published: 6 to 14 ms)"
+POSE = (
+    "P6: time of a pose that is reached, of each the least of all repeats "
+    "(one core, warm, with the proof of every step; published: 6 to 14 ms)"
+)
 SOLVED = "P6: poses reached by proved motion"
+MISSED = "P6: of every fifth pose that is not reached, those with a shape that meets it clear of the spheres"
+LINE_POSE = "P7: time of a pose (one core, warm, with the proof of every step)"
 FALSE = "P6 and P7: motions called proved in which a judge finds a collision"
 BRANCHES = "P7, 30 poses on a line: whole branches, followed by proved motion (published: 2)"
 
@@ -102,12 +110,10 @@ def measure_letters(plan: Plan) -> Iterator[Line]:
     wrong = 0
     for name, (_, _, centers) in CASES.items():
         targets, scene = poses(name), sn.Scene([sn.Sphere(center, BALL) for center in centers])
-        times = []
-        for _ in range(plan.count(REPEATS, 1) + 1):
-            began = perf_counter()
-            motion = sn.track(robot, targets, scene, tolerance=TOLERANCE, deviation=0.01, time=BUDGET)
-            times.append((perf_counter() - began) / POSES)
-        found = Times.of(times[1:])
+        repeats = [_timed(robot, targets, scene) for _ in range(plan.count(REPEATS, 1) + 1)]
+        motion = repeats[-1][0]
+        least = np.min([seconds for _, seconds in repeats[1:]], axis=0)
+        found = Times.of(least[[solution.solved for solution in motion.solutions]])
         solved = sum(solution.solved for solution in motion.solutions)
         wrong += motion.solved and bool(collides(robot, scene, motion.q))
         ended = Counter(str(solution.status) for solution in motion.solutions if not solution.solved)
@@ -115,9 +121,36 @@ def measure_letters(plan: Plan) -> Iterator[Line]:
         note = f"{unsolved}{len(motion.q)} knots, reconfigured {len(motion.reconfigured)} times"
         reached = solved - len(motion.unproved_steps)
         yield Line(SOLVED, name, 100.0 * reached / POSES, "%", None, solved=(reached, POSES), note=note)
+        missed, tried = _missed(robot, targets, scene, motion)
+        yield Line(MISSED, name, missed, "", Goal(0.0), note=f"of {tried}")
         yield Line(ERROR, name, _error(robot, targets, motion), "", Goal(1e-6), noise=3.0)
         yield Line(POSE, name, found.median, "us", Goal(100e-6), found)
     yield Line(FALSE, "letters", wrong, "", Goal(0.0, correctness=True))
+
+
+def _timed(robot: sn.Robot, targets: list[Target], scene: sn.Scene) -> tuple[Motion, Floats]:
+    """Follow poses; return the motion, and the seconds of every pose with all that was proved of the way there."""
+    stamps = [perf_counter()]
+
+    def stamp(_: sn.Solution) -> None:
+        stamps.append(perf_counter())
+
+    motion = sn.track(robot, targets, scene, tolerance=TOLERANCE, deviation=0.01, time=BUDGET, progress=stamp)
+    return motion, np.diff(stamps)
+
+
+def _missed(robot: sn.Robot, targets: list[Target], scene: sn.Scene, motion: Motion) -> tuple[int, int]:
+    """How many poses that are not solved some shape meets that is clear of the spheres, of how many.
+
+    All shapes that meet a pose are looked for without spheres, and held against these by samples.
+    """
+    free, missed = sn.Solver(robot, tolerance=TOLERANCE, time=0.5), 0
+    poses = zip(targets, motion.solutions, strict=True)
+    unsolved = [target for target, solution in poses if not solution.solved][::5]
+    for target in unsolved:
+        found = [solution.q for solution in free.solve_all(target, by="shape", count=16)]
+        missed += bool(found) and float(max(sn.check(robot, np.array(found), scene=scene).clearance)) > 0.0
+    return missed, len(unsolved)
 
 
 def _error(robot: sn.Robot, targets: list[Target], motion: Motion) -> float:
@@ -147,7 +180,7 @@ def measure_line(plan: Plan) -> Iterator[Line]:
         whole += motion.solved and not motion.reconfigured
     found = Times.of(times)
     yield Line(BRANCHES, f"of {len(branches)} at the first pose", whole, "", Goal(2.0, at_most=False), found)
-    yield Line(POSE.replace("P6", "P7"), "every branch", found.median, "us", Goal(100e-6), found)
+    yield Line(LINE_POSE, "every branch", found.median, "us", Goal(100e-6), found)
 
 
 PARTS = {"letters": measure_letters, "line": measure_line}

@@ -19,8 +19,8 @@ from sinuous.scene.obstacles import Obstacle
 ROBOT = sn.Robot.uniform(5, (0.8, 1.2), 2.0, radius=0.05)
 STRAIGHT = np.tile([0.0, 0.0, 1.0], (5, 1))
 AHEAD = sn.Target((0.0, 0.0, 5.0), direction=(0, 0, 1))
-GRAZED = sn.HalfSpace((0.05 + 1e-7, 0.0, 0.0), (-1, 0, 0))
-"""A wall along which a proof takes millions of looks."""
+GRAZED = sn.Box((0, 0, 0), (0.1 + 2e-7, 20, 20), inside=True)
+"""Walls between which a proof takes millions of looks."""
 
 FAR: list[Obstacle] = [sn.Sphere((9.0, 0.01 * i, 0.0), 0.5) for i in range(2 * STRIDE)]
 """More obstacles than looks between two times that the clock is read."""

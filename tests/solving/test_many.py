@@ -278,7 +278,7 @@ def test_memory_is_that_of_the_arrays() -> None:
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_the_budget_is_that_of_each(workers: int) -> None:
-    wall = sn.HalfSpace((0.05 + 1e-7, 0.0, 0.0), (-1, 0, 0))  # along which a proof takes millions of looks
+    wall = sn.Box((0, 0, 0), (0.1 + 2e-7, 20, 20), inside=True)  # within which a proof takes millions of looks
     solver = sn.Solver(ARM, [wall], routes=False)
     straight = np.tile([0.0, 0.0, 1.0], (4, 1))
     many = solver.solve_many(positions=[[0, 0, 4.0]] * 6, initial=straight, time=0.02, workers=workers)
@@ -290,7 +290,7 @@ def test_the_budget_is_that_of_each(workers: int) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="there a process cannot send itself this signal")
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_interrupt_stops_all_threads(workers: int) -> None:
-    wall = sn.HalfSpace((0.05 + 1e-7, 0.0, 0.0), (-1, 0, 0))
+    wall = sn.Box((0, 0, 0), (0.1 + 2e-7, 20, 20), inside=True)
     solver = sn.Solver(ARM, [wall], routes=False)
     straight, before = np.tile([0.0, 0.0, 1.0], (4, 1)), threading.active_count()
     solver.solve_many(positions=[[0, 0, 4.0]], time=0.0)

@@ -152,3 +152,20 @@ def test_the_cost_is_as_it_is_said(seed: int) -> None:
     state = put(make_states(problem), 0, q)
     newton.linearise(problem, state, make_work(problem), 3, solids.EXACT, 0.0, False)
     assert cost(problem, state, Wishes(0.7, 0.3, 0.0, reference)) == pytest.approx(disliked(wish, q, reference))
+
+
+def test_a_wish_for_clearance_ends_when_it_is_met_to_a_hundredth() -> None:
+    """The way there halves what is missing, or better, each time; it never becomes nothing."""
+    counted = 0
+    for seed in range(16):
+        q = shape(seed, 0.3)
+        away = np.random.default_rng(seed).normal(size=3)
+        ball = Sphere(ROBOT.backbone(q, 10)[25] + 0.4 * away / np.linalg.norm(away), 0.2)
+        problem = problem_at(q, [ball])
+        best, used, *_ = preferred(problem, Preferences(clearance=0.3), q, q)
+        points = ROBOT.backbone(best, 200).reshape(-1, 3)
+        clear = float(problem.scene.distance(points).min()) - max(ROBOT.radii)
+        if 0.29 < clear < 0.4:
+            counted += 1
+            assert used < 10
+    assert counted > 3

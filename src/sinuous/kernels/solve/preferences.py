@@ -23,6 +23,16 @@ Wishes = namedtuple("Wishes", ["initial", "bends", "clearance", "reference"])
 IMPROVING = 0.8
 """Share of the time for what is better; the rest is for its proof."""
 
+ENOUGH = 1e-6
+"""Share of the cost that a step has to gain to be followed by another."""
+
+MISSING = 0.01
+"""Share of the wished clearance that may be missing where nothing else is wished for: steps would come ever closer to
+it, and never end."""
+
+CLOSE = 100.0
+"""Weight of the clearance that is missing."""
+
 CORRECTIONS = 3
 """Most Newton steps back to the targets after a step towards what is preferred."""
 
@@ -30,7 +40,7 @@ CORRECTIONS = 3
 @kernel
 def cost(problem: Problem, state: State, wishes: Wishes) -> float:
     """What is disliked about a state."""
-    total = 100.0 * state.norms[WISH]
+    total = CLOSE * state.norms[WISH]
     for k in range(state.q.shape[0]):
         ux, uy, length = state.q[k, 0], state.q[k, 1], state.q[k, 2]
         stretch = problem.limits[k, LENGTH_SCALE]
@@ -81,9 +91,11 @@ def improve(problem: Problem, states: State, work: Work, wishes: Wishes, best: A
     copy(best, start.q)
     linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, problem.avoids_itself)
     least = cost(problem, start, wishes)
-    share = 1.0
+    share, enough = 1.0, 0.0
+    if wishes.initial + wishes.bends == 0.0:
+        enough = CLOSE * (MISSING * wishes.clearance / problem.unit) ** 2
     for iteration in range(most):
-        if share < 0.05 or over(work.clock):
+        if least <= enough or share < 0.05 or over(work.clock):
             return iteration
         state, trial = pick(states, at), pick(states, free)
         _pull(state, work, wishes, share)
@@ -104,7 +116,7 @@ def improve(problem: Problem, states: State, work: Work, wishes: Wishes, best: A
             least = better
             at, free = free, at
             copy(found.q, best)
-            if gained < 1e-6 * least:
+            if gained < ENOUGH * least:
                 return iteration + 1
             share = min(1.0, 2.0 * share)
         else:

@@ -91,8 +91,8 @@ def divided(groups: Groups, route: Floats, near: float) -> Floats | None:
     Then no route has to be searched for from one to the next.
     """
     targets, legs = groups[3], []
-    points = respaced(route, len(_in_order(groups)) * LEG_POINTS)
-    for target in list(_in_order(groups).values())[:-1]:
+    points, elbows = route, list(_in_order(groups).values())[:-1]
+    for target in elbows:
         place = targets[target, TARGET_POSITION : TARGET_POSITION + 3]
         gaps = np.linalg.norm(points - place, axis=1)
         at = int(gaps.argmin())

@@ -44,10 +44,13 @@ GROWN = {ONE: 4, SOME: 10, FEW: 25, MANY: 100}
 GATES = ((ONE, 3, 1), (SOME, 5, 5), (FEW, 12, 5), (MANY, 110, 1))
 """The same for chains that are grown through the first gate; and through how many gates of a route."""
 
+ALONG = 2
+"""Routes of one search along which chains are grown; through gates of the first one alone."""
+
 BENT = (15, 15, 25, 25, 50, 50, 50, 50)
 """The same, to make a route longer, side by side."""
 
-SHARE = 0.3
+SHARE = 0.6
 """Scattered starts for each one that the work along routes costs."""
 
 BLIND = 3
@@ -191,11 +194,11 @@ class Course:
         new = np.array([self._is_new(q) for q in laid], bool)
         routes = routes[: len(laid)]
         yield along(laid[new], tuple(compress(routes, new)), closed=closed)
-        for route in routes:
-            self._note(route, finest, exact)
+        for place, route in enumerate(routes):
+            self._note(route, finest, exact, place)
 
-    def _note(self, route: Floats, finest: bool, exact: bool = False) -> None:
-        """Note what is to be tried along a route, unless one of its kind is known."""
+    def _note(self, route: Floats, finest: bool, exact: bool = False, place: int = 0) -> None:
+        """Note what is to be tried along a route, unless one of its kind is known: it is number `place` of a search."""
         points = respaced(route, COMPARED)
         near = ALIKE * self._query[QUERY_RADIUS]
         alike = [
@@ -207,10 +210,10 @@ class Course:
             return
         line = Line(route, finest, exact, 1 + len(self._lines))
         self._lines.append(line)
-        if not alike:
+        if not alike and place < ALONG:
             for beam, cost in GROWN.items():
                 self._add(cost, line, beam, -1)
-            for beam, cost, count in GATES:
+            for beam, cost, count in GATES if place == 0 else ():
                 for gate in range(count):
                     self._add((cost + gate) * (1 if finest else BLIND), line, beam, gate)
         if finest:

@@ -9,7 +9,7 @@ from sinuous import Box, Robot, Scene, Segment, Target, Tolerance, packing
 from sinuous.kernels.tables import GOAL, TARGET_POSITION, TARGET_SEGMENT
 from sinuous.problem.problem import Problem
 from sinuous.solving.routing.gates import NARROW, STRETCHED, WIDE, Gate, Passage
-from sinuous.solving.routing.growth import LEG_POINTS, SOME, grown, settled
+from sinuous.solving.routing.growth import LEG_POINTS, SOME, divided, grown, settled
 from sinuous.solving.routing.turned import Groups
 from tests.helpers import Floats
 
@@ -122,3 +122,17 @@ def test_a_chain_grown_through_a_gate_goes_through_the_door() -> None:
             through += bool(np.abs(crossing[:2]).max() < half and scene.distance(body).min() > 0.9 * RADIUS)
             assert ROBOT.excess(q) <= 1e-12
     assert through >= 2
+
+
+def test_a_route_is_divided_at_the_elbows_that_it_leads_past() -> None:
+    elbow = Target((0.05, 0.0, 2.0), segment=3)
+    route = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.8), 300)
+    tip = Target((0.0, 0.0, 4.8))
+    legs = divided(groups(ROBOT, [elbow, tip], Scene()), route, RADIUS)
+    assert legs is not None
+    assert legs.shape == (2, LEG_POINTS, 3)
+    assert np.allclose(legs[:, [0, -1]], [[route[0], elbow.position], [elbow.position, route[-1]]])
+    assert divided(groups(ROBOT, [elbow, tip], Scene()), route, 0.04) is None
+    whole = divided(groups(ROBOT, [tip], Scene()), route, RADIUS)
+    assert whole is not None
+    assert np.allclose(whole, LINE)

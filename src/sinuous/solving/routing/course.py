@@ -17,6 +17,7 @@ from sinuous.solving.routing.growth import (
     ONE,
     SOME,
     Beam,
+    divided,
     gone_on,
     grown,
     leg_queries,
@@ -43,10 +44,13 @@ GROWN = {ONE: 4, SOME: 10, FEW: 25, MANY: 100}
 GATES = ((ONE, 3, 1), (SOME, 5, 5), (FEW, 12, 5), (MANY, 110, 1))
 """The same for chains that are grown through the first gate; and through how many gates of a route."""
 
+ALONG = 2
+"""Routes of one search along which chains are grown; through gates of the first one alone."""
+
 BENT = (15, 15, 25, 25, 50, 50, 50, 50)
 """The same, to make a route longer, side by side."""
 
-SHARE = 0.3
+SHARE = 0.6
 """Scattered starts for each one that the work along routes costs."""
 
 BLIND = 3
@@ -58,7 +62,10 @@ CUT = 0.9
 MISSES = 2
 """Sides for which nothing comes of it, before others are no longer tried."""
 
-ALIKE, COMPARED = 1.0, 60
+NEAR = 2.5
+"""Distance from a route, in radii of the body, up to which it leads past an elbow."""
+
+ALIKE, COMPARED = 0.1, 60
 """Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
 
 
@@ -70,12 +77,15 @@ class Line(NamedTuple):
     route : ndarray (K, 3)
     finest : bool
         Whether it leads around edges, or over the finest cells: others may cut through walls.
+    exact : bool
+        Whether it comes from exact distances, not from samples.
     rank : int
         How many were known before it, and one.
     """
 
     route: Floats
     finest: bool
+    exact: bool
     rank: int
 
 
@@ -121,8 +131,8 @@ class Course:
         self._tasks: list[Task] = []
         self._count = self._spent = 0
         self._misses: dict[int, int] = {}
-        self._legs: dict[bool, Floats | None] = {}
-        self._leg_queries: list[Floats] | None = None
+        self._legs: dict[int, Floats | None] = {}
+        self._found_legs: dict[bool, Floats | None] = {}
         self._passages: dict[int, Passage | None] = {}
         self._tried: set[bytes] = set()
 
@@ -148,7 +158,7 @@ class Course:
             known = told.get((plan.cell, plan.exact), 0)
             told[plan.cell, plan.exact] = max(known, len(found.routes))
             closed = plan.cell if found.ended == PROVED_CLOSED else None
-            yield from self._laid(found.routes[known:], plan.cell == self._searches.plans[-1].cell, closed)
+            yield from self._laid(found.routes[known:], plan.cell == self._searches.plans[-1].cell, plan.exact, closed)
             if closed is not None:
                 return
             yield from self._try(plan.effort)
@@ -176,31 +186,34 @@ class Course:
                 return found._replace(cells=cells)
             plan = plan._replace(cells=larger[0])
 
-    def _laid(self, routes: list[Floats], finest: bool, closed: float | None = None) -> Iterator[Batch]:
+    def _laid(
+        self, routes: list[Floats], finest: bool, exact: bool = False, closed: float | None = None
+    ) -> Iterator[Batch]:
         """Yield configurations along routes (K, 3), and note what else is to be tried along them."""
         laid = self._searches.fit(self._problem, routes, self._question.seconds_left)
         new = np.array([self._is_new(q) for q in laid], bool)
         routes = routes[: len(laid)]
         yield along(laid[new], tuple(compress(routes, new)), closed=closed)
-        for route in routes:
-            self._note(route, finest)
+        for place, route in enumerate(routes):
+            self._note(route, finest, exact, place)
 
-    def _note(self, route: Floats, finest: bool) -> None:
-        """Note what is to be tried along a route, unless one of its kind is known."""
+    def _note(self, route: Floats, finest: bool, exact: bool = False, place: int = 0) -> None:
+        """Note what is to be tried along a route, unless one of its kind is known: it is number `place` of a search."""
         points = respaced(route, COMPARED)
         near = ALIKE * self._query[QUERY_RADIUS]
         alike = [
-            line for line in self._lines if np.linalg.norm(respaced(line.route, COMPARED) - points, axis=1).max() < near
+            line
+            for line in self._lines
+            if line.exact >= exact and np.linalg.norm(respaced(line.route, COMPARED) - points, axis=1).max() < near
         ]
-        if any(line.finest or not finest for line in alike):
+        if any(line.finest >= finest for line in alike):
             return
-        line = Line(route, finest, 1 + len(self._lines))
+        line = Line(route, finest, exact, 1 + len(self._lines))
         self._lines.append(line)
-        legs_known = self._several_legs and any(line.finest or not finest for line in self._lines[:-1])
-        if not alike and not legs_known:
+        if not alike and place < ALONG:
             for beam, cost in GROWN.items():
                 self._add(cost, line, beam, -1)
-            for beam, cost, count in GATES:
+            for beam, cost, count in GATES if place == 0 else ():
                 for gate in range(count):
                     self._add((cost + gate) * (1 if finest else BLIND), line, beam, gate)
         if finest:
@@ -294,39 +307,43 @@ class Course:
     def _chains(self, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:
         """Yield chains (n, 3) that grown along legs (l, K, 3), as they are, then drawn to the targets; none twice."""
         seconds = self._question.seconds_left()
-        chains = grown(groups, legs, beam, seconds) if seconds > 0.0 else legs[:0]
+        if seconds <= 0.0 or not self._is_new(legs, groups[3], np.array(beam)):
+            return
+        chains = grown(groups, legs, beam, seconds)
         new = [chain for chain in chains if self._is_new(chain)]
         yield from new
         yield from filter(self._is_new, settled(groups, new, self._question.seconds_left))
 
-    def _is_new(self, chain: Floats) -> bool:
-        """Say whether a chain (n, 3) did not come before."""
-        key = chain.tobytes()
+    def _is_new(self, *what: Floats) -> bool:
+        """Say whether something, a chain (n, 3) or what chains are grown along, did not come before."""
+        key = b"".join(array.tobytes() for array in what)
         new = key not in self._tried
         self._tried.add(key)
         return new
 
-    @property
-    def _several_legs(self) -> bool:
-        """Whether there are elbows on the way: then legs hang on the targets, not on the route."""
-        if self._leg_queries is None:
-            self._leg_queries = leg_queries(self._groups)
-        return len(self._leg_queries) > 0
-
     def _legs_of(self, line: Line) -> Floats | None:
         """Return the legs (l, K, 3) of a line from target to target; `None` where there is no route to one of them."""
-        if not self._several_legs:
-            return respaced(line.route, LEG_POINTS)[None]
-        if line.finest not in self._legs:
-            self._legs[line.finest] = self._search_legs(line.finest)
-        return self._legs[line.finest]
+        if line.rank not in self._legs:
+            self._legs[line.rank] = self._made_legs(line)
+        return self._legs[line.rank]
+
+    def _made_legs(self, line: Line) -> Floats | None:
+        legs = divided(self._groups, line.route, NEAR * self._query[QUERY_RADIUS])
+        if legs is not None:
+            return legs
+        if line.finest not in self._found_legs:
+            self._found_legs[line.finest] = self._search_legs(line.finest)
+        return self._found_legs[line.finest]
 
     def _search_legs(self, finest: bool) -> Floats | None:
         legs: list[Floats] = []
-        for query in self._leg_queries or ():
+        for query in leg_queries(self._groups):
+            said = query.copy()
             if legs:
                 gone_on(query, legs[-1])
             leg = self._leg(query, finest)
+            if leg is None and legs:  # the body may arrive there from elsewhere, and go on to elsewhere
+                leg = self._leg(said, finest)
             if leg is None:
                 return None
             legs.append(respaced(leg, LEG_POINTS))

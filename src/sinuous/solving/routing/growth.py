@@ -22,6 +22,7 @@ from sinuous.kernels.tables import (
     QUERY_STRAIGHT_MAX,
     QUERY_STRAIGHT_MIN,
     QUERY_WIDTH,
+    TARGET_POSITION,
     TARGET_SEGMENT,
 )
 from sinuous.solving.routing.turned import Groups
@@ -82,6 +83,24 @@ def leg_queries(groups: Groups) -> list[Floats]:
         query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
         query[[QUERY_SHORTEST, QUERY_LONGEST]] -= last[[QUERY_SHORTEST, QUERY_LONGEST]]
     return queries
+
+
+def divided(groups: Groups, route: Floats, near: float) -> Floats | None:
+    """Return the legs (l, K, 3) of a route (K, 3), from target to target, where it leads past all of them this near.
+
+    Then no route has to be searched for from one to the next.
+    """
+    targets, legs = groups[3], []
+    points, elbows = route, list(_in_order(groups).values())[:-1]
+    for target in elbows:
+        place = targets[target, TARGET_POSITION : TARGET_POSITION + 3]
+        gaps = np.linalg.norm(points - place, axis=1)
+        at = int(gaps.argmin())
+        if gaps[at] > near or not 1 < at < len(points) - 2:
+            return None
+        legs.append(respaced(np.vstack([points[:at], place]), LEG_POINTS))
+        points = np.vstack([place, points[at + 1 :]])
+    return np.stack([*legs, respaced(points, LEG_POINTS)])
 
 
 def gone_on(query: Floats, leg: Floats) -> None:

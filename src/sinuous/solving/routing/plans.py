@@ -33,8 +33,8 @@ class Plan(NamedTuple):
         Whether to ask for exact distances, not for samples.
     prove : bool
         Whether to prove that there is none, where none is found.
-    effort : int or None
-        What may be tried along all routes before the next search, in scattered starts; `None`: everything.
+    effort : int
+        What may be tried along all routes before the next search, in scattered starts.
     """
 
     cell: float
@@ -44,7 +44,7 @@ class Plan(NamedTuple):
     then: int
     exact: bool
     prove: bool
-    effort: int | None
+    effort: int
 
 
 def coarser(plan: Plan, radius: float) -> Plan:
@@ -77,5 +77,5 @@ def plans_of(radius: float, length: float) -> tuple[Plan, ...]:
         *second,
         Plan(fine, through, many, ALTERNATIVES, 80, False, proves, 220),
         Plan(fine, through, many, 1, 80, True, proves, 220),
-        Plan(fine, through, most, ALTERNATIVES, 0, True, proves, None),
+        Plan(fine, through, most, ALTERNATIVES, 200, True, proves, 440),
     )

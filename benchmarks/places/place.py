@@ -20,7 +20,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 
-PATIENCE = 300
+PATIENCE = 3000
 """Draws of one place before its family counts as having none."""
 
 JOINTED, ELBOWS = 5, 0.2

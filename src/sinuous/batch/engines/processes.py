@@ -5,8 +5,11 @@ import multiprocessing
 import os
 import pickle
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
 
 from sinuous.batch.engines.engine import Engine, LostError, pickled
+from sinuous.batch.engines.spool import Spool, take, write
 from sinuous.batch.tables.blocks import Block
 from sinuous.batch.work import Task, Work
 
@@ -25,8 +28,9 @@ def _ready() -> int:
     return os.getpid()
 
 
-def _do(task: Task) -> Block:
-    return _known[""](task)
+def _do(name: str) -> str:
+    """Solve the chunk in a file; return the name of a file with the answer, beside it."""
+    return write(_known[""](take(name)), str(Path(name).parent))
 
 
 def _do_known(name: str, data: bytes, task: Task) -> Block:
@@ -42,7 +46,7 @@ class Processes(Engine):
     def __init__(self, work: Work, workers: int) -> None:
         self._data, self._workers = pickled(work), workers
         self.hands = PER_WORKER * workers
-        self._pool = self._fresh()
+        self._spool, self._pool = Spool(), self._fresh()
 
     def _fresh(self) -> ProcessPoolExecutor:
         spawn = multiprocessing.get_context("spawn")  # threads, as compiled code may have, are not safe to fork
@@ -57,7 +61,9 @@ class Processes(Engine):
 
     def submit(self, task: Task) -> "Future[Block]":
         """Give a chunk out."""
-        return self._pool.submit(_do, task)
+        answer: Future[Block] = Future()
+        self._pool.submit(_do, self._spool.put(task)).add_done_callback(partial(_pass_on, answer))
+        return answer
 
     def mend(self) -> None:
         """Begin anew with other processes."""
@@ -71,6 +77,19 @@ class Processes(Engine):
         for process in processes if now else ():
             process.kill()
         self._pool.shutdown(wait=True)
+        self._spool.close()
+
+
+def _pass_on(answer: "Future[Block]", named: "Future[str]") -> None:
+    """Let an answer be what is in the file that is named, or what went wrong."""
+    if named.cancelled():
+        answer.cancel()
+        answer.set_running_or_notify_cancel()
+        return
+    try:
+        answer.set_result(take(named.result()))
+    except Exception as error:  # whatever happened in the worker belongs to the chunk
+        answer.set_exception(error)
 
 
 class Given(Engine):

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Orientations, Rows, Stack, Vector
+from sinuous.arguments import Number, Orientations, Rows, Stack, Vector
 from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -98,7 +98,7 @@ class Moving(Obstacle):
         """See `Obstacle.named`."""
         return self.along(self.obstacle.named(name), self.course)
 
-    def pose(self, t: Any) -> Floats:
+    def pose(self, t: Number | Stack) -> Floats:
         """Poses (..., 4, 4) of its frame at times (...)."""
         when = checks.stack("t", t, ())
         result = np.zeros((when.size, 4, 4))
@@ -106,7 +106,7 @@ class Moving(Obstacle):
         result[:, 3, 3] = 1.0
         return result.reshape(*when.shape, 4, 4)
 
-    def at(self, t: float) -> Obstacle:
+    def at(self, t: Number) -> Obstacle:
         """Return the obstacle as it is at a time, standing still."""
         return moved(self.obstacle, self.pose(checks.number("t", t)))
 

@@ -30,6 +30,7 @@ def violations(
     found = [
         (name, int(number), float(amount))
         for name, numbers, amounts in _amounts(segments, curvatures, actuation, q)
+        if amounts.size > 0 and amounts.max() > slack
         for number, amount in zip(numbers, amounts, strict=True)
         if amount > slack
     ]
@@ -49,4 +50,5 @@ def _amounts(
     curved = np.isfinite(curvature)
     allowed = curvature[curved] * np.maximum(lengths[..., curved], 0.0)
     yield "curvature", numbers[curved], bends[..., curved] - allowed
-    yield "actuator", np.array([each.segment for each in actuation.actuators], np.intp), actuation.excess(q)
+    if len(actuation) > 0:
+        yield "actuator", np.array([each.segment for each in actuation.actuators], np.intp), actuation.excess(q)

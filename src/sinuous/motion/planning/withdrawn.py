@@ -25,6 +25,7 @@ def withdrawn(question: Question) -> Iterator[Way | None]:
 
     Each turn a goal is drawn back with another kind of retreat, or the start.
     """
+    yield None  # where there is room, trees alone are there sooner
     join = _Join(question)
     for turn in count():
         join.draw_back(turn)

@@ -1,5 +1,6 @@
 """Two trees of configurations, from a start and from goals, and the way where they meet: see `kernels.planning`."""
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -33,7 +34,7 @@ class Trees:
     def __init__(self, robot: Robot, scene: Snapshot) -> None:
         n = len(robot)
         nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
-        self._prover = Prover(robot, scene)
+        self._scene = scene
         self._robot, self._groups = robot, (packing.robot_group(robot), scene._kernel_group)
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
@@ -57,6 +58,10 @@ class Trees:
         work = self._scratch, self._workspace, self._q, self._answers
         count = tighten(*self._groups, len(q), asked, *work)
         return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy())
+
+    @cached_property
+    def _prover(self) -> Prover:
+        return Prover(self._robot, self._scene)
 
     def _proved(self, q: Floats, answers: Floats) -> Way:
         """Prove again, less exactly, what took too long to prove with a tight bound: among clouds and meshes."""

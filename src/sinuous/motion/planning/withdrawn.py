@@ -16,6 +16,9 @@ DRAWS, MOST_DRAWS = 64, 2**20
 OF_START = (2, 4)
 """Turns in which the start is drawn back, each time beginning with another kind of retreat; in others, a goal."""
 
+ALONE = 4
+"""Turns that trees have before: where there is room, they are there sooner."""
+
 ROOTS = 12
 """Knots of one retreat that trees grow from."""
 
@@ -25,7 +28,7 @@ def withdrawn(question: Question) -> Iterator[Way | None]:
 
     Each turn a goal is drawn back with another kind of retreat, or the start.
     """
-    yield None  # where there is room, trees alone are there sooner
+    yield from (None for _ in range(ALONE))
     join = _Join(question)
     for turn in count():
         join.draw_back(turn)

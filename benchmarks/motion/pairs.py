@@ -60,7 +60,7 @@ def _states(robot: Robot, scene: Scene, rng: Generator) -> tuple[Floats, Floats]
     for _ in range(MOST_DRAWS // TOGETHER):
         q = _shapes(len(robot), rng)
         q = q[clearances.least(q, 0.0) > 0.0]
-        free = np.concatenate([free, q[self_collision.look(robot, q, 0.0).least > 0.0]])
+        free = np.concatenate([free, q[self_collision.surely_clear(robot, q)]])
         far = [i for i in range(1, len(free)) if _apart(robot, free[0], free[i]) >= 0.1 * robot.mean_length]
         if far:
             return free[0], free[far[0]]

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -77,9 +76,8 @@ def test_a_real_end(end: signal.Signals, files: list[str], tmp_path: Path) -> No
     )
     command = [sys.executable, "-c", slowly, "track", *files, "--out", str(out)]
     # A shell starts what it puts in the background with interrupts ignored, and a child inherits that.
-    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, **pipes, preexec_fn=heard) as process:  # noqa: PLW1509
+    with subprocess.Popen(command, **pipes) as process:
         until = time.monotonic() + PATIENCE
         while lines(out) < 60:
             assert process.poll() is None, process.communicate()

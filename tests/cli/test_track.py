@@ -99,7 +99,6 @@ def test_a_real_interrupt(problem: Write, tmp_path: Path) -> None:
         "--out",
         str(out),
     ]
-    # A shell starts what it puts in the background with interrupts ignored, and a child inherits that.
     with subprocess.Popen(
         command,
         stdout=subprocess.PIPE,

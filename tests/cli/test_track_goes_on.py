@@ -75,7 +75,6 @@ def test_a_real_end(end: signal.Signals, files: list[str], tmp_path: Path) -> No
         "sys.exit(main(sys.argv[1:]))"
     )
     command = [sys.executable, "-c", slowly, "track", *files, "--out", str(out)]
-    # A shell starts what it puts in the background with interrupts ignored, and a child inherits that.
     pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, **pipes) as process:
         until = time.monotonic() + PATIENCE

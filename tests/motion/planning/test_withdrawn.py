@@ -13,7 +13,7 @@ from sinuous.motion.planning.goals import FixedGoal
 from sinuous.motion.planning.grown import grown
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
-from sinuous.motion.planning.withdrawn import withdrawn
+from sinuous.motion.planning.withdrawn import ALONE, withdrawn
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 from tests.motion.planning.places import INSIDE, OUTSIDE, ROBOT, bore
@@ -34,7 +34,7 @@ def asked(scene: Scene, start: Floats, goal: Floats, seconds: float = 60.0) -> Q
 def test_ways_are_found_that_trees_alone_do_not_find(start: Floats, goal: Floats, walls: list[sn.Box]) -> None:
     scene = Scene(walls)
     assert list(islice(grown(asked(scene, start, goal)), 3)) == [None] * 3
-    way = next(way for way in islice(withdrawn(asked(scene, start, goal)), 6) if way is not None)
+    way = next(way for way in islice(withdrawn(asked(scene, start, goal)), ALONE + 5) if way is not None)
     np.testing.assert_array_equal(way.q[[0, -1]], [start, goal])
     assert (way.answers[:, VERDICT] == CLEAR).all()
     assert collides(ROBOT, scene, way.q) == ""

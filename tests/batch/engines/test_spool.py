@@ -28,7 +28,7 @@ def test_what_is_taken_is_what_was_put_and_nothing_stays() -> None:
 def test_what_goes_through_pipes_is_written_whole_or_not_at_all() -> None:
     """A worker that is killed half-way through an answer would leave the others waiting for the rest of it."""
     work = Work(sn.Solver(sn.Robot.uniform(2, length=(0.8, 1.2), max_bend=2.0)))
-    positions = np.random.default_rng(0).normal(size=(2_000, 3))
+    positions = np.random.default_rng(0).uniform((-0.3, -0.3, 1.5), (0.3, 0.3, 2.0), (200, 3))
     task = Task(0, 0, {"positions": positions})
     spool = Spool()
     processes._begin(pickle.dumps(work))

@@ -6,8 +6,9 @@ from functools import partial
 from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.motion import into, leader, letters, loops, p5, tracks
+from benchmarks.motion import leader, letters, loops, p5, tracks
 from benchmarks.motion.in_time import clouds, moving
+from benchmarks.motion.places import into, known
 
 SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {
     **p5.PARTS,
@@ -18,6 +19,7 @@ SECTIONS: dict[str, Callable[[Plan], Iterator[Line]]] = {
     **clouds.PARTS,
     **moving.PARTS,
     **into.PARTS,
+    **known.PARTS,
 }
 """One piece each, by name."""
 

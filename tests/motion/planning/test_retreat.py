@@ -6,8 +6,9 @@ import pytest
 import sinuous as sn
 from benchmarks.motion.judged import collides
 from sinuous.motion.planning.goals import FixedGoal
+from sinuous.motion.planning.means import Means
 from sinuous.motion.planning.question import Question
-from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Means, Retreat, _moved_ends, slid_back
+from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Retreat, _moved_ends, slid_back
 from sinuous.motion.planning.watch import Watch
 from sinuous.problem.curve import Curve
 from sinuous.scene.scene import Scene
@@ -18,7 +19,7 @@ from tests.motion.planning.places import INSIDE, OUTSIDE, ROBOT, bore
 def retreat(scene: Scene, q: Floats, kind: int, seconds: float = 60.0, robot: sn.Robot = ROBOT) -> Floats:
     asked = Question(robot, scene.snapshot(), OUTSIDE, FixedGoal(q), 0, 0, Watch(seconds))
     made = Retreat(Means(asked), q, kind)
-    made.run()
+    assert made.run()
     return np.stack(made.knots)
 
 
@@ -35,6 +36,17 @@ def test_it_leads_out_of_a_bore(kind: int) -> None:
     assert gone.max() <= (LONGEST + 2e-4) * ROBOT.mean_length  # and a tolerance at either end
     assert gone.sum() > 1.5  # the bore is 0.55 deep in front of the tip
     assert np.linalg.norm(tips[-1] - ROBOT.base[:3, 3]) > ENOUGH
+
+
+def test_it_goes_on_where_it_was() -> None:
+    scene = Scene(bore())
+    asked = Question(ROBOT, scene.snapshot(), OUTSIDE, FixedGoal(INSIDE), 0, 0, Watch(60.0))
+    made, runs = Retreat(Means(asked), INSIDE, 0), 1
+    while not made.run(7):
+        runs += 1
+    assert runs > 2
+    np.testing.assert_array_equal(np.stack(made.knots), retreat(scene, INSIDE, 0))
+    assert made.run(1)
 
 
 def test_a_tool_goes_with_the_tip() -> None:

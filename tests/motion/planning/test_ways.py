@@ -7,8 +7,10 @@ import pytest
 
 import sinuous as sn
 from sinuous.motion.planning import ways
-from sinuous.motion.planning.question import Question, Source
+from sinuous.motion.planning.ends import Ends
+from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
+from sinuous.motion.planning.ways import Source
 from sinuous.scene.scene import Scene
 from sinuous.solving.planning.trees import Way
 
@@ -36,7 +38,7 @@ def test_they_take_turns(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
     def source(name: str, answers: int, last: Way | None) -> Source:
-        def given(question: Question) -> Iterator[Way | None]:
+        def given(question: Question, ends: Ends) -> Iterator[Way | None]:
             for _ in range(answers):
                 asked.append(name)
                 yield None

@@ -1,14 +1,12 @@
 """From where to where a way is sought, in which scene, and with what in hand."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 from sinuous.checks import Floats
 from sinuous.motion.planning.watch import Watch
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.planning.trees import Way
 
 
 @dataclass(frozen=True)
@@ -38,11 +36,3 @@ class Question:
     seed: int
     shortcuts: int
     watch: Watch
-
-
-class Source(Protocol):
-    """Looks for ways. The sources of a plan take turns: each goes on when its next answer is asked for."""
-
-    def __call__(self, question: Question) -> Iterator[Way | None]:
-        """Yield a way, or `None` where another source may try; end when there is nothing left to try."""
-        ...

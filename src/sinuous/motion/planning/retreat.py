@@ -5,24 +5,15 @@ the tip; the rest gives way as little as it can, pushed off by obstacles. A robo
 outside.
 """
 
-from dataclasses import replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import VERDICT
-from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.leader.laying import movable, within_limits
-from sinuous.motion.planning.question import Question
-from sinuous.problem.preferences import Preferences
+from sinuous.motion.planning.means import ROOMS, Means
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import Scene
-from sinuous.solving.between import Prover
-from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve, Solver
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
@@ -30,11 +21,7 @@ FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
 ENOUGH = 0.02
 """What is left in front of the tip of a body that is drawn back altogether, in robot lengths."""
 
-ROOM = 0.02
-"""Clearance that is wished for, in mean lengths of a segment: steps along obstacles are proved sooner."""
-
-FINEST = 3e-4
-"""Length below which the proof of a step gives up, in robot lengths: another step is tried sooner than that."""
+MOST_STEPS = 100_000
 
 OF_CURVE = 20
 """Points of the curve on each segment."""
@@ -59,35 +46,11 @@ class Kind(NamedTuple):
 
 
 KINDS = (Kind(True, False), Kind(True, True), Kind(False, False), Kind(False, True))
-"""What is tried first, and, where that is stuck, what goes on from there."""
+"""What is tried first, and, where that is stuck, what goes on from there: all of them with most room, then with less.
+"""
 
-
-class Means:
-    """What bodies are drawn back with, made once for a question.
-
-    Parameters
-    ----------
-    question : Question
-    """
-
-    def __init__(self, question: Question) -> None:
-        self.watch = question.watch
-        self.robot = question.robot.changed(tool=None)
-        self._prover = Prover(question.robot, question.scene, FINEST)
-        self._scene = question.scene
-
-    @cached_property
-    def solver(self) -> Solver:
-        """Leads the tip, not the tool, from where the body is, or not at all."""
-        unit = self.robot.mean_length / len(self.robot)
-        options = replace(SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=ROOM * unit))
-        with self.watch.stopped():  # compiling is no planning
-            return OneSolve.prepared(self.robot, Scene.of(self._scene), options)
-
-    def is_clear(self, p: Floats, q: Floats) -> bool:
-        """Whether the motion from `p` to `q` (n, 3) is proved clear."""
-        answers = self._prover.prove(np.stack([p, q]), slack=1.0, seconds=self.watch.seconds_left())
-        return bool(answers[0, VERDICT] == CLEAR)
+WAYS = len(KINDS) * (len(ROOMS) + 1)
+"""Kinds, each with every room."""
 
 
 class Retreat:
@@ -105,38 +68,44 @@ class Retreat:
     ----------
     knots : list of ndarray (n, 3)
         The motion from each to the next is proved clear.
+    left : float
+        What is left of the curve in front of the tip.
     """
 
     def __init__(self, means: Means, q: Floats, kind: int) -> None:
-        self._means, self._kind = means, kind
+        self._means, self._way, self._first = means, 0, kind
         self._points = means.robot.backbone(q, OF_CURVE)
         steps = np.linalg.norm(np.diff(self._points, axis=0), axis=1)
         self._along = np.concatenate([[0.0], np.cumsum(steps)])
-        self._left = float(self._along[-1])
+        self._step, self._stuck = FIRST * means.robot.mean_length, 0
+        self.left = float(self._along[-1])
         self.knots = [q]
 
-    def run(self) -> None:
-        """Draw the body back, as far as that goes, while there is time."""
+    def run(self, steps: int = MOST_STEPS) -> bool:
+        """Draw the body back by so many more steps, also such as fail, while there is time; say whether it is done."""
         unit = self._means.robot.mean_length
-        step, stuck = FIRST * unit, 0
-        while self._left > ENOUGH * unit and stuck < len(KINDS) and self._means.watch.seconds_left() > 0.0:
-            if self._goes_to(max(0.0, self._left - step), KINDS[self._kind]):
-                step, stuck = min(2.0 * step, LONGEST * unit), 0
-            elif step > SHORTEST * unit:
-                step *= 0.5
+        for _ in range(steps):
+            if self.left <= ENOUGH * unit or self._stuck == WAYS or self._means.watch.seconds_left() <= 0.0:
+                return True
+            if self._goes_to(max(0.0, self.left - self._step)):
+                self._step, self._stuck = min(2.0 * self._step, LONGEST * unit), 0
+            elif self._step > SHORTEST * unit:
+                self._step *= 0.5
             else:
-                self._kind, step, stuck = (self._kind + 1) % len(KINDS), FIRST * unit, stuck + 1
+                self._way, self._step, self._stuck = (self._way + 1) % WAYS, FIRST * unit, self._stuck + 1
+        return False
 
-    def _goes_to(self, along: float, kind: Kind) -> bool:
+    def _goes_to(self, along: float) -> bool:
         """Lead the tip to a place of the curve, if there is a proved motion."""
         means, q = self._means, self.knots[-1]
-        begin = slid_back(means.robot, q, self._left - along) if kind.slides else q
-        target = self._target(along, kind)
-        solution = means.solver.solve(target, begin, time=max(0.0, means.watch.seconds_left()))
-        if not (solution.solved and means.is_clear(q, solution.q)):
+        kind = KINDS[(self._first + self._way) % len(KINDS)]
+        room = (*ROOMS, 0.0)[self._way // len(KINDS)]
+        begin = slid_back(means.robot, q, self.left - along) if kind.slides else q
+        new = means.lead(self._target(along, kind), begin, room)
+        if new is None or not means.is_clear(q, new):
             return False
-        self.knots.append(np.array(solution.q))
-        self._left = along
+        self.knots.append(new)
+        self.left = along
         return True
 
     def _target(self, along: float, kind: Kind) -> Target:

@@ -38,6 +38,7 @@ class Trees:
         self._robot, self._groups = robot, (packing.robot_group(robot), scene._kernel_group)
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
+        self._nodes = 0
 
     def grow(self, ends: Floats, seed: int, draws: tuple[int, int], seconds: float, shortcuts: int = 0) -> Way | None:
         """Grow by draws from the first to before the last of `draws`; when the first is 0, both trees are planted anew.
@@ -46,7 +47,7 @@ class Trees:
         """
         asked = float(self._robot.mount), self._robot.mean_length, seconds, seed, *draws, shortcuts
         work = self._scratch, self._workspace, self._q, self._answers
-        count, _, _ = plan(*self._groups, ends, asked, *work)
+        count, self._nodes, _ = plan(*self._groups, ends, asked, *work)
         return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
 
     def tighten(self, q: Floats, seed: int, seconds: float, shortcuts: int = 0) -> Way:
@@ -73,6 +74,12 @@ class Trees:
     def reached(self) -> Floats:
         """The nodes of the start's tree (m, n, 3)."""
         return nodes_of(self._workspace, len(self._robot))
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """How many nodes the tree of the start has, and that of the goals."""
+        first = len(self.reached)
+        return first, self._nodes - first
 
 
 def load_trees(robot: Robot, scene: Snapshot) -> None:

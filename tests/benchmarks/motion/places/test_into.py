@@ -3,7 +3,7 @@
 import numpy as np
 
 from benchmarks.judges.clearances import least_clearance
-from benchmarks.motion.into import AWAY, OTHER, STRAIGHT, Task, Trial, elsewhere, examine, lines_of
+from benchmarks.motion.places.into import AWAY, OTHER, STRAIGHT, Task, elsewhere, examine
 from benchmarks.places import make
 
 
@@ -21,11 +21,3 @@ def test_plans_into_a_bore_are_found_from_both_starts() -> None:
         trial = examine(Task("bore", 7, begin))
         assert trial.begins
         assert trial.good
-
-
-def test_what_has_no_start_does_not_count_and_what_is_late_is_missed() -> None:
-    trials = [Trial(1.0, True, "solved", ""), Trial(6.0, True, "solved", ""), Trial(1.0, True, "solved", "obstacle")]
-    planned, false = lines_of("x", trials)
-    assert planned.reached == 100.0 / 3
-    assert false.reached == 1
-    assert [line.reached for line in lines_of("x", [])] == [0]

@@ -1,0 +1,96 @@
+"""What is put around a hidden motion: balls, and plates of bars, that leave room for all of it."""
+
+import math
+
+import numpy as np
+from numpy.random import Generator
+from scipy.spatial import cKDTree
+
+from benchmarks.judges.kinematics import body_points
+from benchmarks.motion.judged import samples
+from benchmarks.places.parts.shapes import curve_of
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot
+from sinuous.scene.obstacles import Box, Sphere
+
+SAMPLES = 10
+"""Intervals of a segment where the body is looked at."""
+
+LEAST_GAP, MOST_GAP = 0.2, 6.0
+"""Range of the room that a ball leaves beside a shape on the way; cubes of an even draw, so that most are close."""
+
+SMALLEST, LARGEST = 1.5, 5.0
+"""Range of the radius of a ball."""
+
+FROM = 0.3
+"""Share of the motion after which balls are beside it: before, the robot is straight."""
+
+FEWEST, MOST = 2, 4
+"""Range of the number of plates."""
+
+HALF, BAR, THICKNESS, OPEN = 10.0, 0.8, 0.5, 0.4
+"""Half the edge of a plate; width of its bars; its thickness; and the least room beside the motion in its opening.
+
+All but shares and numbers in radii of the body.
+"""
+
+PATIENCE = 400
+"""Balls that are drawn for each that is wanted."""
+
+
+def swept(robot: Robot, knots: Floats) -> Floats:
+    """Points (m, 3) of the backbone on the whole way, that no place of it is far from."""
+    points, _ = body_points(robot, samples(knots), SAMPLES)
+    return points.reshape(-1, 3)
+
+
+def balls(robot: Robot, knots: Floats, count: int, rng: Generator) -> list[Sphere] | None:
+    """Put balls beside shapes of a motion (T, n, 3), clear of all of it; `None` where there is no room for so many."""
+    unit, tree = max(robot.radii), cKDTree(swept(robot, knots))
+    way = samples(knots)
+    found: list[Sphere] = []
+    for _ in range(PATIENCE * count):
+        size = unit * rng.uniform(SMALLEST, LARGEST)
+        gap = unit * (LEAST_GAP + (MOST_GAP - LEAST_GAP) * rng.random() ** 3)
+        shape = way[int(rng.uniform(FROM, 1.0) * len(way))]
+        points = curve_of(robot, shape, SAMPLES).points
+        aside = rng.normal(size=3)
+        center = points[rng.integers(len(points))] + (size + unit + gap) * aside / np.linalg.norm(aside)
+        if tree.query(center)[0] >= size + (1.0 + LEAST_GAP) * unit:
+            found.append(Sphere(center, size))
+            if len(found) == count:
+                return found
+    return None
+
+
+def plates(robot: Robot, knots: Floats, rng: Generator) -> list[Box]:
+    """Put plates of bars across the shape where a motion (T, n, 3) ends, with openings that the motion needs."""
+    unit, points = max(robot.radii), swept(robot, knots)
+    poses = curve_of(robot, knots[-1], 40).poses
+    count = int(rng.integers(FEWEST, MOST + 1))
+    shares = 0.25 + 0.65 * (np.arange(count) + rng.uniform(0.2, 0.8, count)) / count
+    return [
+        bar
+        for number, share in enumerate(shares)
+        for bar in _plate(poses[round(share * (len(poses) - 1))], points, unit, f"plate {number + 1}")
+    ]
+
+
+def _plate(pose: Floats, points: Floats, unit: float, name: str) -> list[Box]:
+    """Cut a plate across a frame (4, 4) into bars, and leave out what is too near to points (m, 3)."""
+    room, thick, width = (1.0 + OPEN) * unit, 0.5 * THICKNESS * unit, BAR * unit
+    local = (points - pose[:3, 3]) @ pose[:3, :3]
+    local = local[np.abs(local[:, 2]) < room + thick]
+    deep = np.maximum(np.abs(local[:, 2]) - thick, 0.0)
+    count = math.ceil(2.0 * HALF / BAR)
+    middles = width * (np.arange(count) - 0.5 * (count - 1))
+    aside = np.maximum(np.abs(local[:, :2, None] - middles) - 0.5 * width, 0.0)
+    near = (aside[:, 0, :, None] ** 2 + aside[:, 1, None, :] ** 2 + deep[:, None, None] ** 2 < room**2).any(axis=0)
+    found: list[Box] = []
+    for row in range(count):
+        edges = np.flatnonzero(np.diff(np.concatenate([[True], near[row], [True]]).astype(int)))
+        for first, last in edges.reshape(-1, 2):
+            middle = np.array([middles[row], 0.5 * (middles[first] + middles[last - 1]), 0.0])
+            size = np.array([width, (last - first) * width, 2.0 * thick])
+            found.append(Box(pose[:3, 3] + pose[:3, :3] @ middle, size, pose[:3, :3], name=f"{name}, {len(found) + 1}"))
+    return found

@@ -1,0 +1,45 @@
+"""Places around a hidden motion: it is clear, what stands around it is near, and plans find a way."""
+
+import numpy as np
+import pytest
+
+from benchmarks.judges.clearances import least_clearance
+from benchmarks.motion.judged import collides, samples
+from benchmarks.motion.places.known import FAMILIES, Task, examine, make
+from benchmarks.motion.places.motions import drawn_back, straight
+from benchmarks.places.parts.robots import robot_of
+from benchmarks.places.parts.shapes import draw_shape
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_hidden_motion_is_clear_and_what_stands_around_is_near(family: str) -> None:
+    place = make(family, 7)
+    assert collides(place.robot, place.scene, place.knots) == ""
+    np.testing.assert_array_equal(place.knots[0], straight(place.robot))
+    radius = max(place.robot.radii)
+    least = least_clearance(place.robot, place.scene, samples(place.knots)).min()
+    assert 0.1 * radius < least < 0.5 * radius
+    np.testing.assert_array_equal(make(family, 7).knots, place.knots)
+
+
+def test_plans_are_found_and_judged() -> None:
+    trial = examine(Task("40 balls, wandering", 0))
+    assert trial.begins
+    assert trial.status == "solved"
+    assert trial.wrong == ""
+
+
+def test_a_body_is_drawn_back_along_itself() -> None:
+    rng = np.random.default_rng(0)
+    robot = robot_of(17, rng)
+    q = draw_shape(robot, 4.0 * max(robot.radii), rng)
+    back = np.stack(drawn_back(robot, q, 0.2))
+    np.testing.assert_array_equal(back[0], q)
+    assert robot.excess(back[-1]) < 1e-9
+    line = robot.backbone(q, 200)
+    tips = robot.forward(back)[:, -1, :3, 3]
+    off = np.array([np.linalg.norm(line - tip, axis=1).min() for tip in tips])
+    assert off.max() < 0.1 * robot.mean_length
+    along = np.array([np.linalg.norm(line - tip, axis=1).argmin() for tip in tips])
+    assert (np.diff(along) <= 0).all()
+    assert 0.15 * len(line) < along[0] - along[-1] < 0.25 * len(line)

@@ -132,7 +132,7 @@ def _ticks_left(grid: _Grid) -> Floats:
     left[-1, grid.stops[-1]] = 0.0
     to = np.clip(np.arange(len(left))[:, None] + np.arange(-FASTEST, FASTEST + 1), 0, len(left) - 1)
     for _ in range(len(grid.ticks)):
-        on = np.where(grid.fast, left[to, np.arange(left.shape[1])], np.inf)
+        on = np.where(grid.fast, left[to, np.arange(len(left[0]))], np.inf)
         fewer = np.minimum(left, 1.0 + np.where(grid.smooth, np.expand_dims(on, 2), np.inf).min(axis=1))
         if np.array_equal(fewer, left):
             break

@@ -29,7 +29,7 @@ from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import SceneLike, as_scene
+from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
@@ -171,7 +171,10 @@ class Planner:
 
     def _plan_in_time(self, begin: Floats, end: Floats | list[Target]) -> Motion:
         """Plan a motion among obstacles that move."""
-        spent, scene = Watch(self._options.time), self._scene.snapshot()
+        scene = self._scene.snapshot()
+        if not isinstance(end, np.ndarray):  # loaded now, because compiling is no planning
+            OneSolve.prepared(self._robot, Scene.of(scene.at(self._timing.begin)), self._options)
+        spent = Watch(self._options.time)
         way, told = InTime(self._robot, scene, self._options, self._timing, spent.seconds_left).find(begin, end)
         if way is None:
             return self._made(spent, begin, scene, **told)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.timing.scaling import largest
-from sinuous.robot.rates import Rates
+from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between import LOOSE_SECONDS, SLACK, Prover
@@ -73,11 +74,18 @@ class TimedQuestion:
 
     def speeds(self, moves: Floats) -> Floats:
         """How many times straight moves (m, n, 3) can be made in a unit of time (m,), by the rates."""
-        return _largest(self.robot, self.rates, moves)
+        return _largest(self.robot, self._spreads[0], moves)
 
     def gains(self, moves: Floats) -> Floats:
         """How much `speeds` may change in a unit of time (m,), by the accelerations."""
-        return _largest(self.robot, self.accelerations, moves)
+        return _largest(self.robot, self._spreads[1], moves)
+
+    @cached_property
+    def _spreads(self) -> tuple[Spread | None, Spread | None]:
+        """Rates and accelerations of every segment and actuator."""
+        both = self.rates, self.accelerations
+        rates, accelerations = (None if each is None else each.spread(self.robot) for each in both)
+        return rates, accelerations
 
     def least(self, moves: Floats) -> Floats:
         """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound of those of any way."""
@@ -98,7 +106,7 @@ class TimedQuestion:
         return answer if answer[VERDICT] == CLEAR else None
 
     def passes(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
-        """The same for a step that need not be as slow as rates want it: `None` where it is too quick, too."""
+        """Return the same for a step that may be too quick for the rates: `None` where it is."""
         if t1 <= t0 or self.least((q1 - q0)[None])[0] > (t1 - t0) * (1.0 + ROUNDING):
             return None
         return self.clear(q0, q1, t0, t1)
@@ -128,6 +136,6 @@ class TimedQuestion:
         return TimedWay(np.stack(q), np.array(times), np.stack(answers))
 
 
-def _largest(robot: Robot, rates: Rates | None, moves: Floats) -> Floats:
-    """Return the largest multiple of each move (m, n, 3) that rates allow (m,); infinite where nothing limits it."""
-    return np.full(len(moves), np.inf) if rates is None else largest(robot, rates.spread(robot), moves)
+def _largest(robot: Robot, most: Spread | None, moves: Floats) -> Floats:
+    """Return the largest multiple of each move (m, n, 3) that is allowed (m,); infinite where nothing limits it."""
+    return np.full(len(moves), np.inf) if most is None else largest(robot, most, moves)

@@ -42,13 +42,13 @@ def test_plan_and_track_in_time(tmp_path: Path, capsys: pytest.CaptureFixture[st
     [
         (["plan"], PLAN, "rates: expected rates, or the duration"),
         (["plan", "--duration", "0"], PLAN, "--duration: expected a number greater than 0"),
-        (["plan"], PLAN + "rates: {bend: 1, acceleration: {bend: 1}}\n", "rates.acceleration"),
+        (["plan"], PLAN + "rates: {bend: 1, acceleration: {bend: [1, 2]}}\n", "rates.acceleration.bend"),
         (
             ["solve"],
             SCENE + "target: {position: [1, 0, 2]}\n",
             "scene: expected obstacles that stand still, or track or plan",
         ),
-        (["view", "--no-browser"], SCENE + "target: {position: [1, 0, 2]}\n", "obstacles move"),
+        (["plan", "--begin", "nan"], PLAN + RATES, "--begin: expected a finite number"),
     ],
 )
 def test_what_is_missing_is_said_in_a_line(

@@ -1,6 +1,5 @@
 """An interrupted track: whatever ends it, the same command goes on, and the answer is that of one that nobody ended."""
 
-import json
 import signal
 import subprocess
 import sys
@@ -17,6 +16,7 @@ from sinuous.cli.answers import journal
 from sinuous.cli.app import main
 from sinuous.motion.following.tracker import Tracker
 from sinuous.solution.solution import Solution
+from tests.cli.going_on import answers, lines
 
 WAYPOINTS, PATIENCE = 1500, 300.0
 ARM = sn.Robot.uniform(4, (45, 70), max_bend=1.5, radius=4)
@@ -41,26 +41,9 @@ def files(tmp_path: Path) -> list[str]:
     return [str(tmp_path / f"{name}.yaml") for name in paths]
 
 
-def answers(out: Path) -> list[Any]:
-    """What a file of results says, without times."""
-    return [untimed(json.loads(line)) for line in out.read_text().splitlines()]
-
-
-def untimed(values: Any) -> Any:
-    if isinstance(values, dict):
-        return {key: untimed(value) for key, value in values.items() if key not in ("seconds", "prepare_seconds")}
-    return [untimed(value) for value in values] if isinstance(values, list) else values
-
-
 def whole(files: list[str], folder: Path) -> list[Any]:
     main(["track", *files, "--out", str(folder / "whole.jsonl")])
     return answers(folder / "whole.jsonl")
-
-
-def lines(out: Path) -> int:
-    """Lines of a journal that are whole."""
-    file = out.with_name(out.name + ".journal")
-    return file.read_bytes().count(b"\n") if file.exists() else 0
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a process alone")

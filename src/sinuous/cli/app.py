@@ -83,6 +83,7 @@ Duration = Annotated[
     float | None,
     typer.Option(metavar="TIME", help="How long the motion takes; by default 1 or, with rates, as short as is found."),
 ]
+Begin = Annotated[float, typer.Option(metavar="TIME", help="When the motion begins, where obstacles move.")]
 PlanTime = Annotated[float, typer.Option("--time", metavar="SECONDS", help="Budget of one plan.")]
 Kind = Annotated[
     str,
@@ -189,6 +190,7 @@ def plan(
     max_starts: MaxStarts = 1000,
     routes: Routes = True,
     shortcuts: Shortcuts = 0,
+    begin: Begin = 0.0,
     duration: Duration = None,
     seed: Seed = 0,
     json: Json = False,
@@ -201,7 +203,7 @@ def plan(
     from sinuous.cli.work import plan_files  # noqa: PLC0415
 
     options = Options(method, tuple(option or ()), time, max_starts, routes, seed, json, plot, out, csv=csv, rate=rate)
-    raise typer.Exit(plan_files(files, options, shortcuts, duration))
+    raise typer.Exit(plan_files(files, options, shortcuts=shortcuts, begin=begin, duration=duration))
 
 
 @app.command()

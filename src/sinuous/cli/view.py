@@ -34,8 +34,6 @@ def view_file(file: str, html: Path | None, host: str, port: int, result: Path |
     require_viser("view", file)
     alone = is_loopback(host)
     job = load(file, Job)
-    if html is None and job.scene.snapshot().moves:
-        raise InputError("scene", "obstacles move", file, "--html OUT: pages in files show when they are where", file)
     answer = None if result is None else job.result(result)
     for note in job.notes:
         typer.echo(f"note: {file}: {note}", err=True)

@@ -10,8 +10,8 @@ import typer
 
 from sinuous import checks
 from sinuous.bar import Bar
-from sinuous.batch.record import asked, hash_of
 from sinuous.cli.answers.alternatives import Alternatives
+from sinuous.cli.answers.asked import asked_of
 from sinuous.cli.answers.journal import Journal
 from sinuous.cli.answers.output import Answer, Output
 from sinuous.cli.options import Options
@@ -21,16 +21,14 @@ from sinuous.files.problem_file import ProblemFile
 from sinuous.methods.registry import Choice
 from sinuous.motion.following.entries import read_entry, write_entry
 from sinuous.motion.following.tracker import Tracker
-from sinuous.motion.job import rates_in_time
+from sinuous.motion.job import motion_of, rates_in_time
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.start import check_limits
 from sinuous.motion.track import read_deviation, timetable_of, wish
 from sinuous.problem.suspicions import SuspiciousInput
-from sinuous.problem.target import target_table
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solving.options import SolveOptions
 from sinuous.solving.several import KINDS, Kind
 from sinuous.solving.solver import OneSolve, Solver
 
@@ -71,31 +69,8 @@ def track_files(files: list[str], options: Options, deviation: float | None = No
     read = [Read(with_room(one.problem, options.choice()), one.seconds) for one in read_all(files)]
     for one in read:
         _refuse(one.problem, "goal")
-    asked = asked_of([one.problem for one in read], options, deviation)
-    with Journal(options.out or options.csv or options.plot, asked) as journal:
-        code = _answer_all(read, options, partial(_track, deviation, journal), _solver_at_first, journal)
-        if code != INTERRUPTED:
-            journal.remove()
-    return code
-
-
-def asked_of(problems: list[ProblemFile], options: Options, deviation: float | None) -> dict[str, str]:
-    """Return all that the motions along some paths depend on."""
-    told = {"files": ", ".join(problem.file for problem in problems), "--deviation": str(deviation)}
-    for problem in problems:
-        own = SolveOptions(**options.solve_options(problem.tolerance, problem.prefer))
-        scene = problem.scene.snapshot()
-        parts = {
-            **asked(problem.robot, scene.at(0.0), own),
-            "moving": hash_of(
-                *(part.tobytes() for one in scene.courses.values() for part in (one.times, *one.poses(one.times)))
-            ),
-            "path": hash_of(*(target_table(problem.robot, targets).tobytes() for targets in problem.waypoints)),
-            "times": "none" if problem.times is None else hash_of(problem.times.tobytes()),
-            "start": "none" if problem.start is None else hash_of(problem.start.tobytes()),
-        }
-        told |= {f"{problem.file}: {key}": value for key, value in parts.items()}
-    return told
+    asked = asked_of([one.problem for one in read], options, {"--deviation": str(deviation)})
+    return _answer_on(read, options, partial(_track, deviation), _solver_at_first, asked)
 
 
 def _solver(kind: type[Solver], problem: ProblemFile, **options: Any) -> Solver:
@@ -113,10 +88,13 @@ def with_room(problem: ProblemFile, method: Choice) -> ProblemFile:
     return problem if problem.prefer else problem.preferring(wish(problem.robot, method))
 
 
-def plan_files(files: list[str], options: Options, shortcuts: int = 0, duration: float | None = None) -> int:
+def plan_files(
+    files: list[str], options: Options, *, shortcuts: int = 0, begin: float = 0.0, duration: float | None = None
+) -> int:
     """Plan the motion that every file asks for; return the exit code."""
     options.check(files)
     checks.integer("--shortcuts", shortcuts, 0, MOST_SHORTCUTS)
+    checks.number("--begin", begin)
     if duration is not None:
         checks.number("--duration", duration, above=0.0)
     read = read_all(files)
@@ -129,7 +107,9 @@ def plan_files(files: list[str], options: Options, shortcuts: int = 0, duration:
                 check_limits(problem.robot, "goal", problem.goal)
             except InputError as error:
                 raise error.in_file(problem.file) from None
-    return _answer_all(read, options, _plan, partial(_planner, shortcuts=shortcuts, duration=duration))
+    typed: dict[str, Any] = {"shortcuts": shortcuts, "begin": begin, "duration": duration}
+    asked = asked_of([one.problem for one in read], options, {f"--{key}": str(value) for key, value in typed.items()})
+    return _answer_on(read, options, _plan, partial(_planner, **typed), asked)
 
 
 def _planner(problem: ProblemFile, **options: Any) -> Planner:
@@ -151,6 +131,17 @@ def _refuse(problem: ProblemFile, *kinds: str) -> None:
         raise InputError("scene", f"{name} moves", name, "obstacles that stand still, or track or plan", problem.file)
     if "goal" in kinds and problem.goal is not None:
         raise InputError("goal", "is for the command plan", problem.goal.tolist(), "target or targets", problem.file)
+
+
+def _answer_on(
+    read: list[Read], options: Options, question: Callable[..., Answer], kind: Prepared, asked: dict[str, str]
+) -> int:
+    """Answer all files, on from where the same command was interrupted."""
+    with Journal(options.out or options.csv or options.plot, asked) as journal:
+        code = _answer_all(read, options, partial(question, journal), kind, journal)
+        if code != INTERRUPTED:
+            journal.remove()
+    return code
 
 
 def _answer_all(
@@ -221,9 +212,18 @@ def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile
     return Alternatives(tuple(found), best, clock.perf_counter() - began)
 
 
-def _plan(planner: Planner, problem: ProblemFile, bar: Bar) -> Motion:
+def _plan(journal: Journal, planner: Planner, problem: ProblemFile, bar: Bar) -> Motion:
+    """Plan the motion, or return the one that is in the journal."""
     assert problem.start is not None
-    motion = planner.plan(problem.start, problem.ends)
+    kept = next(journal.begin(), None)
+    if kept is None:
+        motion = planner.plan(problem.start, problem.ends)
+        journal.add(motion.to_dict)
+    else:
+        try:
+            motion = motion_of(problem, kept)
+        except InputError:
+            raise journal.unreadable() from None
     bar.advance()
     return motion
 

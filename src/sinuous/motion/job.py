@@ -89,11 +89,8 @@ class Job(ProblemFile):
         try:
             line, values = self._own(read_results(Path(file)))
             with checks.inside(f"line {line}"):
-                if self.goal is not None:
-                    return plain.read(Motion, values, (), (self.robot, self.scene.snapshot()))
-                if "waypoints" in values:
-                    scene = self.scene.snapshot()
-                    return Motion.from_dict(values, map(self.problem, range(len(self.waypoints))), scene)
+                if self.goal is not None or "waypoints" in values:
+                    return motion_of(self, values)
                 return Solution.from_dict(values, self.problem())
         except InputError as error:
             raise error.in_file(file) from None
@@ -117,6 +114,20 @@ class Job(ProblemFile):
 
     def _options(self, given: SolveArguments) -> SolveArguments:
         return {"tolerance": self.tolerance, "prefer": self.prefer, **given}
+
+
+def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
+    """Make the motion that was found for a problem of its result as plain values.
+
+    Raises
+    ------
+    InputError
+        When they are none of it.
+    """
+    scene = problem.scene.snapshot()
+    if problem.goal is not None:
+        return plain.read(Motion, values, (), (problem.robot, scene))
+    return Motion.from_dict(values, map(problem.problem, range(len(problem.waypoints))), scene)
 
 
 def rates_in_time(problem: ProblemFile) -> Rates | None:

@@ -17,7 +17,7 @@ from sinuous.motion.in_time.find import standing
 from sinuous.motion.in_time.search import InTime
 from sinuous.motion.in_time.timing import Timing
 from sinuous.motion.motion import Motion
-from sinuous.motion.planning.goals import FixedGoal, Goals
+from sinuous.motion.planning.goals import FixedGoal, Goals, waypoints_of
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
@@ -29,7 +29,7 @@ from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
-from sinuous.scene.scene import SceneLike, as_scene
+from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
@@ -85,9 +85,11 @@ def plan(
     **options
         As for `Solver`, for solving the target; `time` is the budget of the plan, by default 5 s. `shortcuts`: how many
         random places of the way are tried to be joined directly, by default none. `begin`: the time at the start, by
-        default 0. `duration`: how long the motion takes, by default 1 or, with `rates`, as short as is found.
-        `rates`: how fast the robot may be, where obstacles move; else `Motion.timed` knows how fast a motion may be
-        passed. The same `seed` gives the same motion, unless the time runs out.
+        default 0. `duration`: how long the motion takes, by default 1 or, with `rates`, as short as is found. `rates`:
+        how fast the robot may be, where obstacles move; else `Motion.timed` knows how fast a motion may be passed. With
+        their `acceleration`, the motion is from rest to rest, and at a knot the speed changes by no more than that in
+        the mean of the durations beside it; at both ends, in half of one. The same `seed` gives the same motion, unless
+        the time runs out.
 
     Returns
     -------
@@ -151,7 +153,7 @@ class Planner:
         made, prover = partial(self._made, spent, begin), Prover(self._robot, scene)
         worst = blocked_by(self._robot, begin, prover)
         if worst is not None:
-            return made(scene, ended=Status.START_BLOCKED, blocking=worst)
+            return made(scene, ended=Status.START_BLOCKED, blocking=worst, remaining=waypoints_of(end))
         if isinstance(end, np.ndarray):
             worst = overlap_at(self._robot, end, prover)
             if worst is not None:
@@ -169,7 +171,10 @@ class Planner:
 
     def _plan_in_time(self, begin: Floats, end: Floats | list[Target]) -> Motion:
         """Plan a motion among obstacles that move."""
-        spent, scene = Watch(self._options.time), self._scene.snapshot()
+        scene = self._scene.snapshot()
+        if not isinstance(end, np.ndarray):  # loaded now, because compiling is no planning
+            OneSolve.prepared(self._robot, Scene.of(scene.at(self._timing.begin)), self._options)
+        spent = Watch(self._options.time)
         way, told = InTime(self._robot, scene, self._options, self._timing, spent.seconds_left).find(begin, end)
         if way is None:
             return self._made(spent, begin, scene, **told)

@@ -10,6 +10,7 @@ from sinuous.methods.registry import METHODS, name_of
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
+from sinuous.scene.courses.moving import Moving
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.nearest import least_gap
 from sinuous.scene.obstacles import Sphere
@@ -22,6 +23,7 @@ from sinuous.solving.routing.routes import Router
 from sinuous.solving.solver import OneSolve, Solver
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
+MOVING = Scene([Moving(Sphere((9.0, 0.0, 0.0), 0.5), [0.0], [(0.0, 0.0, 0.0)])])
 FAR = Scene([Sphere((9.0, 0.0, 0.0), 0.5)])
 TARGET = Target((0.5, 0.0, 1.5))
 
@@ -69,7 +71,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
 
 
 def _motions() -> None:
-    load_motions(ROBOT, FAR.snapshot())
+    load_motions(ROBOT, MOVING.snapshot())
 
 
 def _plans() -> None:

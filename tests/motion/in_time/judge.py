@@ -20,3 +20,14 @@ def fastest(motion: sn.Motion) -> tuple[float, float]:
     """Largest rate of a bend (rad) and of a length, in a unit of time."""
     rates = np.diff(motion.q, axis=0) / np.diff(motion.times)[:, None, None]
     return float(np.hypot(rates[..., 0], rates[..., 1]).max()), float(np.abs(rates[..., 2]).max())
+
+
+def hardest(motion: sn.Motion) -> tuple[float, float]:
+    """Largest change of the rate of a bend (rad) and of a length by the mean duration beside it, from and to rest."""
+    durations = np.diff(motion.times)
+    rates = np.diff(motion.q, axis=0) / durations[:, None, None]
+    still = np.zeros((1, *rates.shape[1:]))
+    changes = np.diff(np.concatenate([still, rates, still]), axis=0)
+    beside = 0.5 * (np.append(0.0, durations) + np.append(durations, 0.0))
+    gains = changes / beside[:, None, None]
+    return float(np.hypot(gains[..., 0], gains[..., 1]).max()), float(np.abs(gains[..., 2]).max())

@@ -6,7 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.motion.plan import PlanArguments
 from tests.helpers import refused
-from tests.motion.in_time.judge import fastest, least_clearance
+from tests.motion.in_time.judge import fastest, hardest, least_clearance
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, max_bend=2.5)
 LEFT, RIGHT = (np.tile([bend, 0.0, 1.0], (3, 1)) for bend in (0.6, -0.6))
@@ -39,6 +39,37 @@ def test_a_plan_is_clear_at_all_times_and_keeps_the_rates(place: str, timing: Pl
         assert length <= 0.3 * (1 + 1e-6)
     again = sn.Motion(ROBOT, motion.q, PLACES[place], motion.times)
     assert again.solved
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("timing", [{}, {"duration": 9.0, "begin": 0.5}])
+@pytest.mark.parametrize("gains", [(8.0, 2.0), (0.9, 0.3)])
+def test_a_plan_keeps_accelerations(place: str, timing: PlanArguments, gains: tuple[float, float]) -> None:
+    rates = sn.Rates(bend=0.8, length=0.3, acceleration=sn.Rates(bend=gains[0], length=gains[1]))
+    asked: PlanArguments = {**timing, "rates": rates, "time": 20.0}
+    motion = sn.plan(ROBOT, LEFT, RIGHT, PLACES[place], **asked)
+    assert motion.solved
+    np.testing.assert_array_equal(motion.q[[0, -1]], [LEFT, RIGHT])
+    for most, limits in ((fastest(motion), (0.8, 0.3)), (hardest(motion), gains)):
+        assert most[0] <= limits[0] * (1 + 1e-6)
+        assert most[1] <= limits[1] * (1 + 1e-6)
+    assert hardest(motion)[0] > 0.1 * gains[0]  # it is near what is allowed: the judge sees something
+    assert motion.clearance is not None
+    assert 0.0 < motion.clearance <= least_clearance(motion) + 1e-9
+    if timing:
+        assert motion.times[[0, -1]].tolist() == [0.5, 9.5]
+
+
+def test_accelerations_say_when_a_duration_is_too_short() -> None:
+    """From rest to rest, bends change by 1.2 rad: under 0.9 rad/s^2 in 2.309 s at least, whatever the rates are."""
+    slow = sn.Rates(acceleration=sn.Rates(bend=0.9))
+    away = sn.Moving(sn.Sphere((0, 0, 0), 0.1), [0, 1], [(9, 0, 0), (9, 1, 0)])
+    assert sn.plan(ROBOT, LEFT, RIGHT, [away], duration=2.3, rates=slow).status is sn.Status.RATE_BOUND
+    motion = sn.plan(ROBOT, LEFT, RIGHT, [away], duration=2.7, rates=slow)
+    assert motion.solved
+    assert hardest(motion)[0] <= 0.9 * (1 + 1e-6)
+    quick = sn.plan(ROBOT, LEFT, RIGHT, [away], rates=slow)
+    assert 2.309 < quick.times[-1] < 2.7
 
 
 def test_waiting_is_what_leads_past_an_obstacle_that_leaves() -> None:
@@ -94,5 +125,5 @@ def test_what_is_wrong_is_refused() -> None:
     refused("rates.bend", lambda: sn.plan(ROBOT, LEFT, RIGHT, [LEAVING], rates=sn.Rates(bend=(1, 2))))
     refused("duration", lambda: sn.plan(ROBOT, LEFT, RIGHT, [LEAVING], duration=0.0))
     refused("begin", lambda: sn.plan(ROBOT, LEFT, RIGHT, [LEAVING], duration=1.0, begin=float("inf")))
-    hasty = sn.Rates(bend=1.0, acceleration=sn.Rates(bend=1.0))
-    refused("rates.acceleration", lambda: sn.plan(ROBOT, LEFT, RIGHT, [LEAVING], rates=hasty))
+    both = sn.Rates(bend=1.0, acceleration=sn.Rates(bend=(1, 2)))
+    refused("rates.acceleration.bend", lambda: sn.plan(ROBOT, LEFT, RIGHT, [LEAVING], rates=both))

@@ -22,6 +22,8 @@ GOAL = sn.Job(
     start=[[0.9, 0.0, 1.0], [0.3, 0.0, 1.0], [0.0, 0.0, 1.0]],
     goal=[[-0.9, 0.2, 1.0], [-0.3, 0.0, 1.0], [0.0, 0.0, 0.9]],
 )
+GATE = sn.Moving(sn.Sphere((0, 0, 0), 0.5, name="gate"), [0, 2, 3], [(1, 0, 2), (1, 0, 2), (1, 3, 2)])
+MOVING = sn.Job(ROBOT, sn.Target((1, 0, 2)), [GATE], start=[[-0.3, 0.0, 1.0]] * 3, rates=sn.Rates(bend=0.8, length=0.3))
 PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
 
 
@@ -214,6 +216,26 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     assert GOAL.goal is not None
     np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
     np.testing.assert_allclose(page.model.shown, GOAL.goal)
+    fresh.locator(".badge", has_text="proved clear here").wait_for()
+
+
+def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> None:
+    page.do("load", lambda: page._replace(MOVING))
+    until(lambda: page.model.job is MOVING, "obstacles that move")
+    fresh.locator(".badge", has_text="target blocked").wait_for()
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_label("play").click()
+    until(lambda: page.model.time == 3.0 and not page.playing, "the obstacles played to their end")
+    fresh.locator(".badge", has_text="solved").wait_for()
+    answer = page.model.answer
+    assert answer is not None
+    assert answer.problem.scene.equals(page.model.scene.at(3.0))
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    motion = page.model.motion
+    assert motion is not None
+    assert motion.solved
+    assert page.model.there.equals(page.model.scene.at(float(motion.times[-1])))
     fresh.locator(".badge", has_text="proved clear here").wait_for()
 
 

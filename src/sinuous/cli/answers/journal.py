@@ -1,7 +1,7 @@
-"""The journal of a command that may be interrupted: what every waypoint brought, beside a file of its answers.
+"""The journal of a command that may be interrupted: what it found so far, beside a file of its answers.
 
-The first line says what was asked, every other one what a waypoint added. A process that is killed leaves a line that
-is not whole, at most; that one is written over.
+The first line says what was asked, every other one what a waypoint added, or a plan that was found. A process that is
+killed leaves a line that is not whole, at most; that one is written over.
 """
 
 import json
@@ -19,11 +19,11 @@ EVERY = 1.0
 SUFFIX = ".journal"
 
 Added = Callable[[], dict[str, Any]]
-"""Makes plain values of what a waypoint added, where they are to be written."""
+"""Makes plain values of what was found, where they are to be written."""
 
 
 class Journal:
-    """Keeps what every waypoint of some problems brought, until all is done.
+    """Keeps what was found of some problems, until all is done.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ class Journal:
         return self._file is not None
 
     def begin(self) -> Iterator[dict[str, Any]]:
-        """Begin with the next problem, and return what its waypoints brought before, in their order."""
+        """Begin with the next problem, and return what was found of it before, in the order in which it was."""
         self._number += 1
         return map(json.loads, self._past.get(self._number, ()))
 
@@ -74,7 +74,7 @@ class Journal:
         return InputError("--out", problem, str(self._file), "one of this command, or none")
 
     def add(self, added: Added) -> None:
-        """Keep what the next waypoint of this problem brought; from time to time, all is written."""
+        """Keep what was found of this problem; from time to time, all is written."""
         if self._file is None:
             return
         self._new.append((self._number, added))

@@ -10,12 +10,10 @@ most
 Hence what is proved of the scene as it is half-way through an interval holds for all of it, with this taken off.
 """
 
-import math
-
 from sinuous.kernels.between.sweep import Motion, Sweep
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.rotations import exponential
 from sinuous.kernels.maths.vectors import (
-    Mat,
     Vec,
     add,
     add_scaled,
@@ -40,28 +38,13 @@ SPEED, SPIN, AT = 0, 1, 2
 
 
 @kernel
-def _exponential(w: Vec) -> Mat:
-    """The rotation about `w` by its norm, rad (Rodrigues)."""
-    angle = norm(w)
-    square = angle * angle
-    a = math.sin(angle) / angle if angle > 1e-4 else 1.0 - square / 6.0
-    b = (1.0 - math.cos(angle)) / square if angle > 1e-4 else 0.5 - square / 24.0
-    x, y, z = w
-    return (
-        (1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y),
-        (b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x),
-        (b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y)),
-    )
-
-
-@kernel
 def place_obstacles(motion: Motion, t: float, sweep: Sweep) -> None:
     """Put all obstacles that move where they are at time t, in the rows of the scene."""
     drifts, table = motion.drifts, motion.scene.table
     for e in range(drifts.shape[0]):
         i = int(drifts[e, OF])
         center = add_scaled(get_vec(drifts, e, BEGIN), t, get_vec(drifts, e, VELOCITY))
-        rotation = mat_mat(get_mat(drifts, e, TURNED), _exponential(scale(t, get_vec(drifts, e, TURN))))
+        rotation = mat_mat(get_mat(drifts, e, TURNED), exponential(scale(t, get_vec(drifts, e, TURN))))
         put_vec(sweep.paces, i, AT, center)
         if table[i, KIND] < TREE:
             put_vec(table, i, CENTER, add(center, mat_vec(rotation, get_vec(drifts, e, OWN_CENTER))))

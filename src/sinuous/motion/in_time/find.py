@@ -1,10 +1,12 @@
 """A way in time: a straight one, paced; a path past what stands still, or past all places of what moves; a tree."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.motion.in_time.easing import eased
 from sinuous.motion.in_time.pacing import paced
 from sinuous.motion.in_time.question import TimedQuestion, TimedWay
 from sinuous.motion.in_time.tree import Tree
@@ -32,6 +34,8 @@ SHARE = 0.1
 
 def find_in_time(question: TimedQuestion) -> TimedWay | None:
     """Find a way to one of the goals, every step of which is proved clear; `None` when the time is over."""
+    if question.accelerations is not None:
+        return _find_eased(question)
     direct = question.goals(question.start[None])[0]
     answer = None
     if not question.early:
@@ -39,14 +43,31 @@ def find_in_time(question: TimedQuestion) -> TimedWay | None:
     if answer is not None:
         ends = np.stack([question.start, direct]), np.array([question.begin, question.end])
         return question.tightened(TimedWay(*ends, answer[None]))
+    way = _first(question, paced)
+    if way is None and question.seconds_left() > 0.0:
+        way = Tree(question).grow()
+    return None if way is None else question.tightened(way)
+
+
+def _find_eased(question: TimedQuestion) -> TimedWay | None:
+    """Find a way that keeps limits of acceleration; ways of trees, which do not, are paths to be paced."""
+    way, seed = _first(question, eased), question.seed
+    while way is None and question.seconds_left() > 0.0:
+        grown = Tree(replace(question, seed=seed)).grow()
+        if grown is not None:
+            moves = np.abs(np.diff(grown.q, axis=0)).max(axis=(1, 2)) > 0.0
+            way = eased(question, grown.q[np.append(True, moves)])
+        seed = (seed + 1) % 2**31
+    return None if way is None else question.tightened(way)
+
+
+def _first(question: TimedQuestion, pace: Callable[[TimedQuestion, Floats], TimedWay | None]) -> TimedWay | None:
+    """Pace one path after the other; `None` where none can be, or the time is over."""
     for path in _paths(question):
-        way = paced(question, path)
-        if way is not None:
-            return question.tightened(way)
-        if question.seconds_left() <= 0.0:
-            return None
-    grown = Tree(question).grow()
-    return None if grown is None else question.tightened(grown)
+        way = pace(question, path)
+        if way is not None or question.seconds_left() <= 0.0:
+            return way
+    return None
 
 
 def standing(scene: Snapshot) -> Snapshot:

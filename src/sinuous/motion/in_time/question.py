@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.timing.scaling import largest
-from sinuous.robot.rates import Rates
+from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between import LOOSE_SECONDS, SLACK, Prover
@@ -66,13 +67,37 @@ class TimedQuestion:
         """Where obstacles move."""
         return self.prover.scene
 
+    @property
+    def accelerations(self) -> Rates | None:
+        """How fast rates may change; `None` where nothing says it."""
+        return None if self.rates is None else self.rates.acceleration
+
+    def speeds(self, moves: Floats) -> Floats:
+        """How many times straight moves (m, n, 3) can be made in a unit of time (m,), by the rates."""
+        return _largest(self.robot, self._spreads[0], moves)
+
+    def gains(self, moves: Floats) -> Floats:
+        """How much `speeds` may change in a unit of time (m,), by the accelerations."""
+        return _largest(self.robot, self._spreads[1], moves)
+
+    @cached_property
+    def _spreads(self) -> tuple[Spread | None, Spread | None]:
+        """Rates and accelerations of every segment and actuator."""
+        both = self.rates, self.accelerations
+        rates, accelerations = (None if each is None else each.spread(self.robot) for each in both)
+        return rates, accelerations
+
     def least(self, moves: Floats) -> Floats:
         """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound of those of any way."""
-        if self.rates is None:
-            return np.zeros(len(moves))
-        most = largest(self.robot, self.rates.spread(self.robot), moves)
-        durations: Floats = 1.0 / most
+        durations: Floats = 1.0 / self.speeds(moves)
         return durations
+
+    def soonest(self, move: Floats) -> float:
+        """Return a lower bound of the duration of any way from rest to rest whose ends differ by `move` (n, 3).
+
+        Under an acceleration a it takes at least 2 sqrt(d / a) to get as far as d.
+        """
+        return max(float(self.least(move[None])[0]), 2.0 / float(np.sqrt(self.gains(move[None])[0])))
 
     def clear(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return what is proved of a step (14,), `None` where it is not clear."""
@@ -81,17 +106,20 @@ class TimedQuestion:
         return answer if answer[VERDICT] == CLEAR else None
 
     def passes(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
-        """The same for a step that need not be as slow as rates want it: `None` where it is too quick, too."""
+        """Return the same for a step that may be too quick for the rates: `None` where it is."""
         if t1 <= t0 or self.least((q1 - q0)[None])[0] > (t1 - t0) * (1.0 + ROUNDING):
             return None
         return self.clear(q0, q1, t0, t1)
 
     def tightened(self, way: TimedWay) -> TimedWay:
-        """Join steps where that is clear, and bound the clearances of what is left as tightly as is usual."""
+        """Join steps where that is clear, and bound the clearances of what is left as tightly as is usual.
+
+        Where accelerations are limited no steps are joined: the speed would change more in the corners that are left.
+        """
         q, times, answers = [way.q[0]], [way.times[0]], []
         at, last = 0, len(way.q) - 1
         while at < last:
-            far = last - at
+            far = last - at if self.accelerations is None else 1
             joined = None
             while far > 1 and joined is None:
                 if self.seconds_left() > 0.0:
@@ -106,3 +134,8 @@ class TimedQuestion:
             times.append(way.times[at])
             answers.append(tight if tight[VERDICT] == CLEAR else answer)
         return TimedWay(np.stack(q), np.array(times), np.stack(answers))
+
+
+def _largest(robot: Robot, most: Spread | None, moves: Floats) -> Floats:
+    """Return the largest multiple of each move (m, n, 3) that is allowed (m,); infinite where nothing limits it."""
+    return np.full(len(moves), np.inf) if most is None else largest(robot, most, moves)

@@ -1,6 +1,7 @@
 """A plan among obstacles that move: what keeps it from beginning or ending, where it ends, and the way."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from sinuous.checks import Floats
 from sinuous.motion.in_time.find import find_in_time, standing
 from sinuous.motion.in_time.question import ROUNDING, TimedQuestion, TimedWay
 from sinuous.motion.in_time.timing import Timing
-from sinuous.motion.planning.goals import FixedGoal, Goals
+from sinuous.motion.planning.goals import FixedGoal, Goals, waypoints_of
 from sinuous.motion.start import blocked_by, overlap_at
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
@@ -56,7 +57,8 @@ class InTime:
         """Find a way from a start (n, 3) to a configuration (n, 3) or to targets that are met at once."""
         worst = blocked_by(self._robot, start, self._prover, self._timing.begin)
         if worst is not None:
-            return Found(None, {"ended": Status.START_BLOCKED, "blocking": worst})
+            told = {"ended": Status.START_BLOCKED, "blocking": worst, "remaining": waypoints_of(end)}
+            return Found(None, told)
         if isinstance(end, np.ndarray):
             return self._to_configuration(start, end)
         return self._to_targets(start, end)
@@ -68,7 +70,7 @@ class InTime:
         worst = overlap_at(self._robot, end, place, late or 0.0)
         if worst is not None:
             return Found(None, {"ended": Status.TARGET_BLOCKED, "blocking": worst})
-        if late is not None and question.least((end - start)[None])[0] > (late - question.begin) * (1.0 + ROUNDING):
+        if late is not None and question.soonest(end - start) > (late - question.begin) * (1.0 + ROUNDING):
             return Found(None, {"ended": Status.RATE_BOUND})
         way = find_in_time(question)
         return Found(way, {"ended": Status.TIME_LIMIT} if way is None else {})
@@ -110,5 +112,4 @@ class InTime:
             seed=self._options.seed,
             seconds_left=self._seconds_left,
         )
-        least = float(asked.least((goal - start)[None])[0])
-        return TimedQuestion(**{**vars(asked), "end": timing.end(self._scene, least)})
+        return replace(asked, end=timing.end(self._scene, asked.soonest(goal - start)))

@@ -19,7 +19,6 @@ class Timing(NamedTuple):
     Attributes
     ----------
     rates : Rates or None
-        Without accelerations.
     begin : float
     duration : float or None
         As short as is found, when there are rates.
@@ -57,10 +56,6 @@ class Timing(NamedTuple):
             raise InputError("rates", "no obstacle moves", self.rates, "none; the motion's timed(rates) keeps them")
         if scene.moves and self.rates is None and self.duration is None:
             raise InputError("rates", "missing: obstacles move", None, "rates, or the duration of the motion")
-        if self.rates is not None and self.rates.acceleration is not None:
-            raise InputError(
-                "rates.acceleration", "is not kept among obstacles that move", self.rates.acceleration, "none"
-            )
 
     def end(self, scene: Snapshot, least: float) -> float:
         """When the motion ends, at the latest, if the straight way takes at least so long."""

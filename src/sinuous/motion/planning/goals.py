@@ -17,6 +17,11 @@ APART = 0.02
 """Configurations nearer to each other than this, in robot lengths, are one goal; see `times.distances`."""
 
 
+def waypoints_of(end: object) -> int:
+    """How many waypoints a plan has that ends there: one with targets, none with a configuration."""
+    return 0 if isinstance(end, np.ndarray) else 1
+
+
 class FixedGoal:
     """One configuration (n, 3), whatever is reached."""
 

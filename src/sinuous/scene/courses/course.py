@@ -44,21 +44,6 @@ class Course(Frozen):
         step, share = self._where(when)
         return self._positions(step, share), self._rotations(step, share)
 
-    def drifts(self, begin: Floats, end: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """How it moves during intervals of time (m,), in each of which it passes none of its times.
-
-        Returns where it begins (m, 3), how far it goes (m, 3), how it is turned when it begins (m, 3, 3), and the
-        rotation vector by which it turns (m, 3), in the frame that it has then.
-        """
-        step, share = self._where(0.5 * (begin + end))
-        first, last = (self._shares(step, when) for when in (begin, end))
-        moves = np.where((share > 0.0) & (share < 1.0), last - first, 0.0)[:, None]
-        here = self._positions(step, first)
-        if len(self.times) < 2:
-            return here, np.zeros_like(here), self._rotations(step, first), np.zeros_like(here)
-        there = np.where(moves > 0.0, self._positions(step, last), here)
-        return here, there - here, self._rotations(step, first), moves * self.turns[step]
-
     def _where(self, when: Floats) -> tuple[NDArray[np.intp], Floats]:
         """Numbers of the steps that times (m,) lie in, and shares of these from 0 to 1."""
         step = np.clip(np.searchsorted(self.times, when, side="right") - 1, 0, max(0, len(self.times) - 2))

@@ -4,10 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
-from sinuous.kernels.between.drift import BEGIN, OF, OWN_AXES, OWN_CENTER, TURN, TURNED, VELOCITY
+from sinuous.kernels.between.courses import COURSE, ONWARD, POSE_WIDTH, POSITION, ROTATION, TIME, fill_drifts
+from sinuous.kernels.between.drift import OF, OWN_AXES, OWN_CENTER
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT
 from sinuous.kernels.between.sweep import DRIFT_WIDTH, LEAST, LOW, SEEN_WIDTH, WHEN
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.scene.courses.course import Course
 from sinuous.scene.courses.moving import Moving
 from sinuous.scene.obstacles import Primitive
 from sinuous.scene.snapshot import Snapshot
@@ -32,6 +34,7 @@ class Drifts:
                 center, axes, _ = obstacle.obstacle.frame
                 self._row[e, OWN_CENTER : OWN_CENTER + 3] = center
                 self._row[e, OWN_AXES : OWN_AXES + 9] = np.ravel(axes)
+        self._poses = _poses(list(self._courses.values()))
         every = [course.times for course in self._courses.values()]
         self._turns = np.unique(np.concatenate(every)) if every else np.zeros(0)
 
@@ -41,18 +44,32 @@ class Drifts:
     def rows(self, times: Floats) -> Floats:
         """Drifts (T - 1, c, 31) from each of the times (T,) to the next; no course may have one of its own between."""
         rows = np.repeat(self._row[None], max(0, len(times) - 1), axis=0)
-        for e, course in enumerate(self._courses.values()):
-            begin, way, turned, turn = course.drifts(times[:-1], times[1:])
-            rows[:, e, BEGIN : BEGIN + 3], rows[:, e, VELOCITY : VELOCITY + 3] = begin, way
-            rows[:, e, TURNED : TURNED + 9], rows[:, e, TURN : TURN + 3] = turned.reshape(-1, 9), turn
+        fill_drifts(self._poses, np.array(times, np.float64), rows)
         return rows
 
     def divided(self, times: Floats) -> Floats:
         """Put between times (T,), which do not decrease, those at which a course has a pose of its own."""
-        own = self._turns[(self._turns > times[0]) & (self._turns < times[-1])]
+        first, last = np.searchsorted(self._turns, times[0], "right"), np.searchsorted(self._turns, times[-1], "left")
+        if first >= last:
+            return times
+        own = self._turns[first:last]
         fresh = own[~np.isin(own, times)]
         finer: Floats = np.sort(np.concatenate([times, fresh]), kind="stable") if len(fresh) else times
         return finer
+
+
+def _poses(courses: list[Course]) -> Floats:
+    """Poses (P, 17) of courses, as the kernel reads them."""
+    tables = []
+    for number, course in enumerate(courses):
+        poses = np.zeros((len(course.times), POSE_WIDTH))
+        poses[:, COURSE], poses[:, TIME] = number, course.times
+        poses[:, POSITION : POSITION + 3] = course.positions
+        turned = np.eye(3) if course.rotations is None else course.rotations
+        poses[:, ROTATION : ROTATION + 9] = np.broadcast_to(turned, (len(poses), 3, 3)).reshape(-1, 9)
+        poses[:-1, ONWARD : ONWARD + 3] = course.turns
+        tables.append(poses)
+    return np.concatenate(tables) if tables else np.zeros((0, POSE_WIDTH))
 
 
 def divided_knots(knots: Floats, times: Floats, finer: Floats) -> Floats:

@@ -1,13 +1,11 @@
 """What stands on the page of `sinuous view`, and how it changes: without a browser, and without threads."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import MethodName
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import name_of
@@ -23,8 +21,9 @@ from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
-from sinuous.solving.options import TIME
 from sinuous.viewer.model import edits
+from sinuous.viewer.model.moments import Moments, time_of, window_of
+from sinuous.viewer.model.settings import Settings
 from sinuous.viewer.model.solvers import Question
 
 ASKED = ("position", "direction", "rotation")
@@ -32,26 +31,6 @@ ASKED = ("position", "direction", "rotation")
 
 MOST_SECONDS = 60.0
 """Longest budget that can be set on the page."""
-
-
-@dataclass
-class Settings:
-    """How the page solves.
-
-    Attributes
-    ----------
-    method : str
-    beside : str or None
-        A second method, whose answer stands beside that of the first.
-    seed : int
-    time : float
-        Budget in seconds, when nothing is dragged.
-    """
-
-    method: MethodName = "newton"
-    beside: MethodName | None = None
-    seed: int = 0
-    time: float = TIME
 
 
 class Model:
@@ -83,7 +62,9 @@ class Model:
     motion : Motion or None
         Along the path, or to the goal, once it was found.
     time : float
-        Which moment of it is on the page.
+        Which moment is on the page, of the motion or of obstacles that move.
+    begin : float
+        When motions begin.
     """
 
     def __init__(self, job: Job, settings: Settings | None = None) -> None:
@@ -104,7 +85,8 @@ class Model:
         self.grip: Floats | None = None
         self._mover: Mover | None = None
         self.motion: Motion | None = None
-        self.time = 0.0
+        self.time = self.begin = 0.0
+        self._moments = Moments()
         self._held: tuple[Obstacle, Floats] | None = None
         self.number += 1
 
@@ -115,8 +97,18 @@ class Model:
 
     @property
     def scene(self) -> Snapshot:
-        """The obstacles."""
+        """The obstacles, as they are described."""
         return self.job.scene.snapshot()
+
+    @property
+    def there(self) -> Snapshot:
+        """The obstacles as they are at the time on the page, standing still."""
+        return self._moments.at(self.scene, self.time)
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """The first and the last time that can be shown; the same where nothing moves."""
+        return window_of(self.job, self.motion)
 
     @property
     def targets(self) -> tuple[Target, ...]:
@@ -131,14 +123,14 @@ class Model:
     def question(self) -> Question:
         """What is asked of the method, from the shape on the page."""
         own = self.settings
-        return Question(self.job, self.targets, own.method, own.seed, own.time, self.q, self.number)
+        return Question(self.job, self.there, self.targets, own.method, own.seed, own.time, self.q, self.number)
 
     def question_beside(self) -> Question | None:
         """What is asked of the second method, from its own last shape; None without one."""
         own = self.settings
         if own.beside is None:
             return None
-        return Question(self.job, self.targets, own.beside, own.seed, own.time, self._q_beside, self.number)
+        return Question(self.job, self.there, self.targets, own.beside, own.seed, own.time, self._q_beside, self.number)
 
     def accept(self, number: int, solution: Solution) -> bool:
         """Show the answer to a question; return whether it was still asked."""
@@ -210,8 +202,10 @@ class Model:
         return frame
 
     def go_to_waypoint(self, index: int) -> None:
-        """Ask for another waypoint of the path, 0 = first."""
+        """Ask for another waypoint of the path, 0 = first; where obstacles move, at its time."""
         self.waypoint = checks.integer("waypoint", index, 0, len(self.job.waypoints) - 1)
+        if self.scene.moves:
+            self.time = time_of(self.job, self.waypoint)
         self._asked_anew()
 
     def tolerate(self, position: float, angle: float) -> None:
@@ -271,7 +265,8 @@ class Model:
         self.answer, self.q, self.by_hand = solution, solution.q, False
 
     def begin_here(self) -> None:
-        """Let motions begin in the shape on the page."""
+        """Let motions begin in the shape on the page; where obstacles move, at the time on the page."""
+        self.begin = self.time if self.scene.moves else 0.0
         self._change(start=self.shown)
 
     def show_motion(self, motion: Motion) -> None:
@@ -287,11 +282,13 @@ class Model:
         self.motion, self.time = motion, float(motion.times[0])
 
     def play(self, time: float) -> None:
-        """Show the motion at one of its times."""
-        if self.motion is None:
-            raise InputError("time", "nothing moves", time, "a motion that was found")
-        first, last = self.motion.times[[0, -1]].tolist()
+        """Show the motion at one of its times; without one, obstacles that move: what is asked is asked then."""
+        first, last = self.window
+        if first == last:
+            raise InputError("time", "nothing moves", time, "a motion that was found, or obstacles that move")
         self.time = checks.number("time", time, low=first, high=last)
+        if self.motion is None and not self.by_hand:
+            self._asked_anew()
 
     @property
     def step_is_proved(self) -> bool:
@@ -310,7 +307,7 @@ class Model:
         place = None if obstacle is None else edits.place_of(obstacle)
         self._held = None if obstacle is None or place is None else (obstacle, place)
         self.grip = place
-        if isinstance(obstacle, Primitive) and not self._goes_on(self.grasped):
+        if isinstance(obstacle, Primitive) and not self.scene.moves and not self._goes_on(self.grasped):
             self._mover = Mover(self.scene, self.grasped or 0)
 
     @property
@@ -366,6 +363,9 @@ class Model:
     def _replace_obstacle(self, obstacle: Obstacle) -> None:
         assert self.grasped is not None
         obstacles, index = list(self.scene.obstacles), self.grasped
+        if self.scene.moves:
+            self._change(scene=Scene.of(self.scene.replaced(index, obstacle)))
+            return
         if isinstance(obstacle, Primitive) and isinstance(obstacles[index], Primitive):
             mover = self._mover if self._mover is not None and self._goes_on(index) else Mover(self.scene, index)
             self._mover = mover

@@ -20,16 +20,19 @@ NAMED = ("robot", "scene", "path", "start", "file")
 def saved(model: Model) -> str:
     """Return a problem file in YAML that says what is on the page; where nothing moves, it starts with its shape.
 
+    Its first line is the command that asks the same.
+
     Raises
     ------
     InputError
         When an obstacle is a function, which no file can hold.
     """
     job, own = model.job, model.settings
-    moves = job.is_path or job.goal is not None or model.motion is not None
+    moves = job.is_path or job.goal is not None or model.motion is not None or model.scene.moves
     kept = job if moves else _with_start(model)
     command = "track" if job.is_path else "plan" if moves else "solve"
-    line = f"# sinuous {command} FILE --method {own.method} --seed {own.seed} --time {own.time:g}\n"
+    begin = f" --begin {model.begin:g}" if command == "plan" and model.begin else ""
+    line = f"# sinuous {command} FILE --method {own.method} --seed {own.seed} --time {own.time:g}{begin}\n"
     return line + yaml_text(kept.to_dict(model.folder))
 
 

@@ -10,6 +10,7 @@ from sinuous.motion.job import Job
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.problem.target import Target
 from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import OneSolve, Solver
@@ -25,6 +26,8 @@ class Question:
     Attributes
     ----------
     job : Job
+    scene : Snapshot
+        Its obstacles as they are at that moment, standing still.
     targets : tuple of Target
         To be met at once.
     method : str
@@ -37,6 +40,7 @@ class Question:
     """
 
     job: Job
+    scene: Snapshot
     targets: tuple[Target, ...]
     method: MethodName
     seed: int
@@ -67,7 +71,7 @@ class Solvers:
         InputError
             When the method does not handle the robot, or what is preferred.
         """
-        job, snapshot = question.job, question.job.scene.snapshot()
+        job, snapshot = question.job, question.scene
         place = len(snapshot) if question.method == "newton" else snapshot  # others sample the scene once
         known = (job.robot, job.tolerance, job.prefer, question.method, question.seed, question.time, place)
         if self._solver is None or known != self._known:

@@ -1,4 +1,4 @@
-"""The tab of motion: follow the path or plan to the goal, and look at every moment of it."""
+"""The tab of motion: follow the path or plan to the goal, and look at every moment of it, and of what moves."""
 
 from typing import TYPE_CHECKING
 
@@ -21,9 +21,9 @@ def build(gui: GuiApi, page: "Page", fields: Fields) -> None:
     share = gui.add_slider("moment, %", 0.0, 100.0, 0.1, 0.0)
 
     def moment() -> float:
-        if model.motion is None:
+        first, last = model.window
+        if first == last:
             return 0.0
-        first, last = model.motion.times[[0, -1]].tolist()
         return float(min(100.0, max(0.0, 100.0 * (model.time - first) / (last - first))))
 
     def play(value: float) -> None:

@@ -173,7 +173,7 @@ class Page:
 
     def _draw(self) -> None:
         model = self.model
-        self.near = nearest(model.robot, model.scene, model.shown) if self._panel.shows_nearest else None
+        self.near = nearest(model.robot, model.there, model.shown) if self._panel.shows_nearest else None
         self.scenery.show(self.near)
 
     def _detail(self) -> None:
@@ -263,13 +263,13 @@ class Page:
     def move(self) -> None:
         """Follow the path, or plan a motion to the target or goal, and play it."""
         question = self.model.question()
-        job, own = question.job, self.model.settings
+        job, own, begin = question.job, self.model.settings, self.model.begin
 
         def run() -> None:
             if job.is_path:
                 motion = job.track(method=own.method, seed=own.seed, time=own.time)
             else:
-                motion = job.plan(method=own.method, seed=own.seed, time=max(own.time, TIME))
+                motion = job.plan(method=own.method, seed=own.seed, time=max(own.time, TIME), begin=begin)
 
             def put() -> None:
                 if self.model.number == question.number:
@@ -281,34 +281,41 @@ class Page:
         self._errands.post("move", run)
 
     def play(self, running: bool) -> None:
-        """Play the motion from where it is, or hold it."""
+        """Play the motion, or the obstacles that move, from where it is, or hold it; at its end, from the beginning."""
         self.playing = running
         if running:
+            self._desk.post("rewind", self._rewind)
             self._player.post("play", self._run)
+
+    def _rewind(self) -> None:
+        first, last = self.model.window
+        if first < last <= self.model.time:
+            self.model.play(first)
 
     def _run(self) -> None:
         """Move on with the time, until the end."""
         last = clock.monotonic()
-        while self.playing and self.model.motion is not None and not self._stopping.wait(TICK):
+        while self.playing and not self._stopping.wait(TICK):
             now = clock.monotonic()
             self._desk.post("tick", partial(self._tick, now - last))
             last = now
         self.playing = False
 
     def _tick(self, seconds: float) -> None:
-        motion = self.model.motion
-        if motion is None or not self.playing:
+        first, last = self.model.window
+        if first == last:
+            self.playing = False
+        if not self.playing:
             return
-        first, last = motion.times[[0, -1]].tolist()
         time = self.model.time + seconds * pace(last - first)
         if time >= last:
             time, self.playing = last, False
-        self.model.play(time)
+        self.model.play(max(first, time))
 
     def go_to(self, share: float) -> None:
-        """Show the motion after this share of its time."""
-        if self.model.motion is not None:
-            first, last = self.model.motion.times[[0, -1]].tolist()
+        """Show what moves after this share of its time."""
+        first, last = self.model.window
+        if first < last:
             self.model.play(min(last, first + share * (last - first)))
 
     def save(self, client: ClientHandle | None) -> None:

@@ -88,7 +88,7 @@ class Scenery:
         """Show the model as it is."""
         with self._server.atomic():
             self._show_bodies()
-            self._obstacles.show(self._model.scene.obstacles, self._model.grasped)
+            self._obstacles.show(self._model.there.obstacles, self._model.grasped)
             self._show_gizmos()
             self._show_grip()
             self._show_near(near)
@@ -200,7 +200,7 @@ def _clearances(body: Body, q: Floats, model: Model) -> list[float]:
     points = body.tube.frames(q[None])[0, :, 9:]
     steps = np.repeat(q[:, 2] / body.tube.per_segment, body.tube.per_segment)
     along = np.concatenate([[0.0], np.cumsum(steps)])
-    distances = np.where(along < body.robot.mount, np.inf, model.scene.distance(points))
+    distances = np.where(along < body.robot.mount, np.inf, model.there.distance(points))
     return [float(distances[p.middle].min()) - body.robot.radii[p.segment] for p in body.tube.pieces]
 
 

@@ -29,19 +29,18 @@ Row = tuple[str, Sequence[str]]
 
 def status_of(model: Model, near: Near | None, judged: Judgement | None, busy: bool) -> str:
     """What holds of the shape on the page, in a table with one column a method."""
+    there = [*_of_time(model), *_of_near(near)]
     if model.motion is not None:
-        first, last = model.motion.times[[0, -1]].tolist()
-        when = f"{model.time:.2f}, from {first:g} to {last:g}"
         summary = str(model.motion).split("\n", maxsplit=1)[0].partition(": ")[2]
-        rows: list[Row] = [("motion", [summary]), ("time", [when]), *_of_near(near)]
+        rows: list[Row] = [("motion", [summary]), *there]
         proved = model.step_is_proved
         return _table([_badge("proved clear here" if proved else "not proved clear here", proved)], rows)
     if model.by_hand and judged is not None:
-        return _table([_badge("bent by hand", not judged.violations)], [*_of_judgement(judged), *_of_near(near)])
+        return _table([_badge("bent by hand", not judged.violations)], [*_of_judgement(judged), *there])
     if not model.targets:
-        return _table([_badge("the start" if model.job.start is not None else "no start", True)], _of_near(near))
+        return _table([_badge("the start" if model.job.start is not None else "no start", True)], there)
     if model.answer is None:
-        return _table([_badge("not solved yet", False)], _of_near(near))
+        return _table([_badge("not solved yet", False)], there)
     answers = [model.answer] if model.beside is None else [model.answer, model.beside]
     badges = [_badge(str(each.status).replace("_", " "), each.solved) for each in answers]
     if busy:
@@ -51,7 +50,7 @@ def status_of(model: Model, near: Near | None, judged: Judgement | None, busy: b
     rows = _of_answers(answers)
     if busy:
         rows.append(("", ["still looking ..."]))
-    return _table(badges, [*rows, *_of_near(near)])
+    return _table(badges, [*rows, *there])
 
 
 def _of_answers(answers: list[Solution]) -> list[Row]:
@@ -82,6 +81,12 @@ def _of_judgement(judged: Judgement) -> list[Row]:
         ("violated", ["; ".join(beyond[:MOST_BINDING])]),
     ]
     return [row for row in rows if any(row[1])]
+
+
+def _of_time(model: Model) -> list[Row]:
+    """The time on the page, where something moves."""
+    first, last = model.window
+    return [("at time", [f"{model.time:.2f}, from {first:g} to {last:g}"])] if first < last else []
 
 
 def _of_near(near: Near | None) -> list[Row]:

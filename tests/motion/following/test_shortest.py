@@ -6,7 +6,8 @@ import pytest
 import sinuous as sn
 from sinuous.arguments import Shortest
 from sinuous.checks import Floats
-from sinuous.motion.following.shortest import _banded, metric_of
+from sinuous.motion.following.knots import Knot
+from sinuous.motion.following.shortest import Means, _banded, metric_of, shorten
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05, tendons=sn.Tendons(3, 0.04))
@@ -49,6 +50,23 @@ def test_the_start_stays() -> None:
     start = np.tile([0.1, 0.0, 1.0], (4, 1))
     motion = sn.track(ROBOT, PATH, [BALL], start=start, shortest="configuration", deviation=0.05)
     np.testing.assert_array_equal(motion.q[0], start)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e3])
+def test_the_length_unit_does_not_matter(scale: float) -> None:
+    robot = sn.Robot.uniform(4, (0.8 * scale, 1.2 * scale), max_bend=2.0, radius=0.05 * scale)
+    path = [sn.Target(scale * np.asarray(target.position)) for target in PATH]
+    own = sn.track(sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05), PATH, shortest="configuration")
+    motion = sn.track(robot, path, shortest="configuration")
+    np.testing.assert_allclose(motion.q / [1.0, 1.0, scale], own.q, atol=1e-6)
+
+
+def test_a_path_whose_knots_cannot_be_moved_stays() -> None:
+    knots = [Knot(q, None, (target,)) for q, target in zip(sn.track(ROBOT, PATH).q, PATH, strict=False)]
+    nothing = Means(solve=lambda _knot, _q: None, prove=lambda _before, _after: None)
+    durations = np.ones(len(knots) - 1)
+    short = shorten(ROBOT, knots, metric_of(ROBOT, "configuration"), durations, nothing)
+    assert all(kept is before for kept, before in zip(short, knots, strict=True))
 
 
 def test_blocks_are_written_as_a_band() -> None:

@@ -64,6 +64,8 @@ def shorten(robot: Robot, knots: Sequence[Knot], metric: Floats, durations: Floa
     path, size = list(knots), 1.0
     held = {i for i, knot in enumerate(path) if knot.fixed or not knot.targets}
     for _ in range(ROUNDS):
+        if len(held) == len(path):
+            break
         change = size * _limited(robot, _direction(robot, path, held, metric, durations))
         tried, wrong = _tried(path, change, means)
         before, after = (_effort(each, metric, durations) for each in (path, tried))
@@ -103,8 +105,12 @@ def _flat(path: Sequence[Knot]) -> Floats:
 
 
 def _direction(robot: Robot, path: Sequence[Knot], held: set[int], metric: Floats, durations: Floats) -> Floats:
-    """Return the change (T, n, 3) of all knots, but those that are held, that a Newton step makes."""
-    q = _flat(path)
+    """Return the change (T, n, 3) of all knots, but those that are held, that a Newton step makes.
+
+    It is computed with lengths in mean lengths of a segment, so that it is the same in every length unit.
+    """
+    units = _units(robot)
+    q, metric = _flat(path) / units, metric * np.outer(units, units)
     count, size = q.shape
     weights = 1.0 / durations
     free = np.stack([np.zeros((size, size)) if i in held else _null_space(robot, knot) for i, knot in enumerate(path)])
@@ -119,8 +125,13 @@ def _direction(robot: Robot, path: Sequence[Knot], held: set[int], metric: Float
     force[1:] -= pull
     force = np.einsum("tij,tj->ti", free, force)
     found = solveh_banded(_banded(diagonal, beside), force.ravel(), overwrite_ab=True, overwrite_b=True)
-    change: Floats = np.einsum("tij,tj->ti", free, found.reshape(count, size)).reshape(count, len(robot), 3)
-    return change
+    change: Floats = np.einsum("tij,tj->ti", free, found.reshape(count, size)) * units
+    return change.reshape(count, len(robot), 3)
+
+
+def _units(robot: Robot) -> Floats:
+    """Return what each coordinate (3 n,) is counted in: 1 rad, or the mean length of a segment."""
+    return np.tile([1.0, 1.0, robot.mean_length / len(robot)], len(robot))
 
 
 def _banded(diagonal: Floats, beside: Floats) -> Floats:
@@ -136,7 +147,7 @@ def _banded(diagonal: Floats, beside: Floats) -> Floats:
 
 
 def _null_space(robot: Robot, knot: Knot) -> Floats:
-    """Return the projection (3 n, 3 n) on what the targets of a knot leave open."""
+    """Return the projection (3 n, 3 n) on what the targets of a knot leave open, in the units of `_units`."""
     rigid = [3 * k + 2 for k, segment in enumerate(robot.segments) if segment.length[0] == segment.length[1]]
     rows = [np.eye(3 * len(robot))[rigid], *(_rows(robot, target, knot.q) for target in knot.targets)]
     values, vectors = np.linalg.svd(np.concatenate(rows), full_matrices=False)[1:]
@@ -146,9 +157,10 @@ def _null_space(robot: Robot, knot: Knot) -> Floats:
 
 
 def _rows(robot: Robot, target: Target, q: Floats) -> Floats:
-    """Return the derivative (r, 3 n) of what one target asks."""
-    jacobian = robot.jacobian(q, target.segment)
-    rows = [] if target.position is None else [jacobian[3:]]
+    """Return the derivative (r, 3 n) of what one target asks, in the units of `_units`."""
+    units = _units(robot)
+    jacobian = robot.jacobian(q, target.segment) * units
+    rows = [] if target.position is None else [jacobian[3:] / units[2]]
     if target.rotation is not None:
         rows.append(jacobian[:3])
     if target.direction is not None:
@@ -159,7 +171,7 @@ def _rows(robot: Robot, target: Target, q: Floats) -> Floats:
 
 def _limited(robot: Robot, change: Floats) -> Floats:
     """Make a change (T, n, 3) of all knots small enough for what it is based on."""
-    units = np.array([1.0, 1.0, robot.mean_length / len(robot)])
+    units = _units(robot).reshape(-1, 3)
     return change * min(1.0, FARTHEST / max(float(np.abs(change / units).max(initial=0.0)), 1e-300))
 
 

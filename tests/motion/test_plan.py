@@ -119,6 +119,12 @@ def test_what_was_not_found_is_not_called_impossible() -> None:
     assert sn.plan(robot, right, left, plate, time=0.0).status is sn.Status.TIME_LIMIT
 
 
+def test_a_target_that_no_motion_comes_to_is_not_counted() -> None:
+    motion = sn.plan(ROBOT, STRAIGHT, sn.Target((1.0, 1.0, 3.0)), time=0.0)
+    assert motion.solutions[0].solved
+    assert "time_limit (0 of 1 waypoints; not solved within the time budget)" in str(motion)
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

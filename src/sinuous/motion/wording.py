@@ -16,7 +16,7 @@ def text(motion: "Motion") -> str:
     bend, length = motion.largest_step
     parts = [f"Motion: {motion.status} ({_sentence(motion)})"]
     if motion.clearance is not None:
-        where = "all the way" if motion.between == "proved" else "at the waypoints"
+        where = "all the way" if motion.between == "proved" and len(motion.q) > 1 else "at the waypoints"
         parts.append(f"  clearance  {motion.clearance:.3g} {where}")
     if motion.between == "unproved":
         parts.append(f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear")
@@ -28,9 +28,9 @@ def text(motion: "Motion") -> str:
 
 
 def counted(motion: "Motion") -> str:
-    """Say how many waypoints are solved."""
-    solved = sum(solution.solved for solution in motion.solutions)
-    return f"{solved} of {len(motion.solutions) + motion.remaining} waypoints"
+    """Say how many waypoints the motion comes to: a plan may know a shape for its goal, and no way there."""
+    reached = len(motion.solutions) - motion.waypoint_knots.count(None)
+    return f"{reached} of {len(motion.solutions) + motion.remaining} waypoints"
 
 
 def _sentence(motion: "Motion") -> str:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
 from sinuous.arguments import Shortest
 from sinuous.checks import Floats
@@ -64,6 +63,8 @@ def shorten(robot: Robot, knots: Sequence[Knot], metric: Floats, durations: Floa
     path, size = list(knots), 1.0
     held = {i for i, knot in enumerate(path) if knot.fixed or not knot.targets}
     for _ in range(ROUNDS):
+        if len(held) == len(path):
+            break
         change = size * _limited(robot, _direction(robot, path, held, metric, durations))
         tried, wrong = _tried(path, change, means)
         before, after = (_effort(each, metric, durations) for each in (path, tried))
@@ -103,9 +104,13 @@ def _flat(path: Sequence[Knot]) -> Floats:
 
 
 def _direction(robot: Robot, path: Sequence[Knot], held: set[int], metric: Floats, durations: Floats) -> Floats:
-    """Return the change (T, n, 3) of all knots, but those that are held, that a Newton step makes."""
-    q = _flat(path)
-    count, size = q.shape
+    """Return the change (T, n, 3) of all knots, but those that are held, that a Newton step makes.
+
+    It is computed with lengths in mean lengths of a segment, so that it is the same in every length unit.
+    """
+    units = _units(robot)
+    q, metric = _flat(path) / units, metric * np.outer(units, units)
+    size = q.shape[1]
     weights = 1.0 / durations
     free = np.stack([np.zeros((size, size)) if i in held else _null_space(robot, knot) for i, knot in enumerate(path)])
     around = np.concatenate([[0.0], weights]) + np.concatenate([weights, [0.0]])
@@ -118,25 +123,35 @@ def _direction(robot: Robot, path: Sequence[Knot], held: set[int], metric: Float
     force[:-1] += pull
     force[1:] -= pull
     force = np.einsum("tij,tj->ti", free, force)
-    found = solveh_banded(_banded(diagonal, beside), force.ravel(), overwrite_ab=True, overwrite_b=True)
-    change: Floats = np.einsum("tij,tj->ti", free, found.reshape(count, size)).reshape(count, len(robot), 3)
-    return change
+    change: Floats = np.einsum("tij,tj->ti", free, _solved(diagonal, beside, force)) * units
+    return change.reshape(-1, len(robot), 3)
 
 
-def _banded(diagonal: Floats, beside: Floats) -> Floats:
-    """Write a symmetric matrix of blocks (T, m, m), and of those beside them (T - 1, m, m), as SciPy's upper band."""
-    count, size = diagonal.shape[:2]
-    band = np.zeros((2 * size, count * size))
-    for i in range(size):
-        for j in range(size):
-            if j >= i:
-                band[2 * size - 1 + i - j, j::size] = diagonal[:, i, j]
-            band[size - 1 + i - j, size + j :: size] = beside[:, i, j]
-    return band
+def _units(robot: Robot) -> Floats:
+    """Return what each coordinate (3 n,) is counted in: 1 rad, or the mean length of a segment."""
+    return np.tile([1.0, 1.0, robot.mean_length / len(robot)], len(robot))
+
+
+def _solved(diagonal: Floats, beside: Floats, right: Floats) -> Floats:
+    """Solve for x (T, m): symmetric positive definite, of blocks (T, m, m) and those beside them (T - 1, m, m).
+
+    It goes block after block, because LAPACK's solver for bands spreads such small ones over threads: where others
+    use the cores, that takes hundreds of times as long.
+    """
+    pivot, wanted = diagonal[0], right[0]
+    found, above = np.empty_like(right), np.empty_like(beside)
+    for t, block in enumerate(beside):
+        part = np.linalg.solve(pivot, np.column_stack([block, wanted]))
+        above[t], found[t] = part[:, :-1], part[:, -1]
+        pivot, wanted = diagonal[t + 1] - block.T @ above[t], right[t + 1] - block.T @ found[t]
+    found[-1] = np.linalg.solve(pivot, wanted)
+    for t in range(len(beside) - 1, -1, -1):
+        found[t] -= above[t] @ found[t + 1]
+    return found
 
 
 def _null_space(robot: Robot, knot: Knot) -> Floats:
-    """Return the projection (3 n, 3 n) on what the targets of a knot leave open."""
+    """Return the projection (3 n, 3 n) on what the targets of a knot leave open, in the units of `_units`."""
     rigid = [3 * k + 2 for k, segment in enumerate(robot.segments) if segment.length[0] == segment.length[1]]
     rows = [np.eye(3 * len(robot))[rigid], *(_rows(robot, target, knot.q) for target in knot.targets)]
     values, vectors = np.linalg.svd(np.concatenate(rows), full_matrices=False)[1:]
@@ -146,9 +161,10 @@ def _null_space(robot: Robot, knot: Knot) -> Floats:
 
 
 def _rows(robot: Robot, target: Target, q: Floats) -> Floats:
-    """Return the derivative (r, 3 n) of what one target asks."""
-    jacobian = robot.jacobian(q, target.segment)
-    rows = [] if target.position is None else [jacobian[3:]]
+    """Return the derivative (r, 3 n) of what one target asks, in the units of `_units`."""
+    units = _units(robot)
+    jacobian = robot.jacobian(q, target.segment) * units
+    rows = [] if target.position is None else [jacobian[3:] / units[2]]
     if target.rotation is not None:
         rows.append(jacobian[:3])
     if target.direction is not None:
@@ -159,7 +175,7 @@ def _rows(robot: Robot, target: Target, q: Floats) -> Floats:
 
 def _limited(robot: Robot, change: Floats) -> Floats:
     """Make a change (T, n, 3) of all knots small enough for what it is based on."""
-    units = np.array([1.0, 1.0, robot.mean_length / len(robot)])
+    units = _units(robot).reshape(-1, 3)
     return change * min(1.0, FARTHEST / max(float(np.abs(change / units).max(initial=0.0)), 1e-300))
 
 

@@ -37,15 +37,16 @@ class Snapshot(Frozen):
         What the kernels read of each, where it is known.
     """
 
-    __slots__ = ("_group", "_lock", "_obstacles", "_parts")
+    __slots__ = ("_group", "_lock", "_moves", "_obstacles", "_parts")
 
     _group: Floats | None
     _lock: threading.Lock
+    _moves: bool | None
     _obstacles: tuple[Obstacle, ...]
     _parts: Sequence[Part] | None
 
     def __init__(self, obstacles: tuple[Obstacle, ...], parts: Sequence[Part] | None = None) -> None:
-        self._set(_obstacles=obstacles, _parts=parts, _group=None, _lock=threading.Lock())
+        self._set(_obstacles=obstacles, _parts=parts, _group=None, _moves=None, _lock=threading.Lock())
 
     @property
     def obstacles(self) -> tuple[Obstacle, ...]:
@@ -90,7 +91,9 @@ class Snapshot(Frozen):
     @property
     def moves(self) -> bool:
         """Whether an obstacle moves."""
-        return any(isinstance(obstacle, Moving) for obstacle in self._obstacles)
+        if self._moves is None:  # every plan asks several times
+            self._set(_moves=any(isinstance(obstacle, Moving) for obstacle in self._obstacles))
+        return bool(self._moves)
 
     @property
     def first(self) -> "Snapshot":

@@ -124,6 +124,22 @@ def test_who_stands_still_is_as_clear_as_a_configuration_is() -> None:
         assert (answer[VERDICT] == CLEAR) == (min(clearance, gap) > 0.0) or abs(min(clearance, gap)) < 0.02
 
 
+def test_spheres_are_proved_as_capsules_without_length_are() -> None:
+    """Spheres that are far are told by their balls alone; of what has none, each distance is computed."""
+    verdicts = set()
+    for seed in range(60):
+        rng = np.random.default_rng([seed, 77])
+        case = random_case(seed)
+        balls = [(rng.uniform(-3.0, 3.0, 3), float(rng.uniform(0.05, 0.4))) for _ in range(30)]
+        spheres = case._replace(scene=Scene([sn.Sphere(*ball) for ball in balls]))
+        others = case._replace(scene=Scene([sn.Capsule(c, c, r) for c, r in balls]))
+        for slack in (1.0, SLACK):
+            one, other = prove(spheres, slack), prove(others, slack)
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+            verdicts.add(int(one[0, VERDICT]))
+    assert {CLEAR, TOUCHING} <= verdicts
+
+
 def test_meshes_and_clouds_are_no_different() -> None:
     """The same box as a primitive, as triangles and as a cloud of points: what one proves, the others do not deny."""
     rng = np.random.default_rng(5)

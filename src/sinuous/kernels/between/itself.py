@@ -67,10 +67,10 @@ def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
 
 
 @kernel
-def _see_alone(course: Course, i: int, prefix: bool, seen: Array) -> bool:
+def _see_alone(course: Course, i: int, seen: Array) -> bool:
     """Keep the gap of segment `i` with itself at the ends of an interval; say whether it is an overlap."""
     least = math.inf
-    for at_end in range(1 if prefix else 2):
+    for at_end in range(2):
         shape = course.last if at_end else course.first
         if meets_itself(shape, i):
             gap, t = own_gap(shape, i)
@@ -96,19 +96,17 @@ def list_pairs(sweep: Sweep) -> None:
 def clear_of_itself(course: Course, sweep: Sweep, level: int, aim: Aim, seen: Array) -> int:
     """Prove that the body does not run through itself during an interval; undecided pairs are left for its halves.
 
-    The gaps that `passed_over` bounds are not among them. `level`: halvings of time. Returns the verdict, with `prefix`
-    TOUCHING only where an overlap was seen when the interval begins, and keeps in `seen` (6,) what was found, `WHICH`
-    the other segment.
+    The gaps that `passed_over` bounds are not among them. `level`: halvings of time. Returns the verdict, and keeps in
+    `seen` (6,) what was found, `WHICH` the other segment. TOUCHING ends the work: nothing proves the interval. The pair
+    that touches comes first in its halves, where it decides, too.
     """
-    n, pairs, count = course.first.q.shape[0], sweep.pairs, 0
-    for e in range(sweep.left[level]):
+    n, pairs, count, most = course.first.q.shape[0], sweep.pairs, 0, sweep.left[level]
+    for e in range(most):
         i, j = pairs[e] // n, pairs[e] % n
         verdict = CLEAR
         if i == j:
-            if _see_alone(course, i, aim.prefix, seen):
-                return TOUCHING
             sure = _alone(course.first.limits, course.first.q, course.last.q, i) - aim.rounding
-            verdict = _judge(sure, aim, seen)
+            verdict = TOUCHING if _see_alone(course, i, seen) else _judge(sure, aim, seen)
         elif not never_concern(course, i, j):
             needed = course.first.limits[i, RADIUS] + course.first.limits[j, RADIUS]
             verdict = _judge(apart(course, i, j) - needed - aim.rounding, aim, seen)
@@ -116,6 +114,8 @@ def clear_of_itself(course: Course, sweep: Sweep, level: int, aim: Aim, seen: Ar
                 verdict, looks = clear_couple(course, couple_of(course, i, j), aim, seen)
                 spend(sweep.clock, PAIR_LOOKS * looks)
         if verdict == TOUCHING:
+            pairs[e], pairs[0] = pairs[0], pairs[e]
+            sweep.left[level + 1] = most
             return TOUCHING
         if verdict != CLEAR:
             pairs[e], pairs[count] = pairs[count], pairs[e]

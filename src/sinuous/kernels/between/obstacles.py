@@ -10,8 +10,8 @@ decided is halved: the piece of the segment, or, where motion is what leaves it 
 import math
 from collections import namedtuple
 
-from sinuous.kernels.between.drift import drift_of
-from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Motion, Sweep, bow
+from sinuous.kernels.between.drift import OF, drift_of
+from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Motion, Sweep, bow, place_on
 from sinuous.kernels.body.chords import sag
 from sinuous.kernels.body.pieces import following, free_part, look_here
 from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
@@ -20,14 +20,14 @@ from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, look, price_of, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
-from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
-from sinuous.kernels.tables import KIND, MAX_LENGTH, RADIUS, SIGN, TREE
+from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
+from sinuous.kernels.tables import CENTER, KIND, MAX_LENGTH, RADIUS, ROUNDING, SIGN, SPHERE, TREE
 
 Aim = namedtuple("Aim", ["slack", "finest", "rounding", "mount", "prefix"])
 """How far below the truth a clearance may be, as a share of it, and by `finest` more: with 1 it is enough that it is
 greater than 0. Pieces shorter than `finest`, and times in which nothing moves that far, are not halved. `rounding` is
 what arithmetic may be wrong by, `mount` the length of backbone that obstacles do not concern. With `prefix` an overlap
-does not end the work: everything before it is to be proved."""
+does not end the work, only that of its interval: everything before it is to be proved."""
 
 Interval = namedtuple("Interval", ["level", "begin", "h", "a", "b"])
 """Halvings of time, when it begins and how long it is, and which knots of the sweep its ends are."""
@@ -38,6 +38,9 @@ Piece = namedtuple("Piece", ["k", "s", "width", "half", "bend", "radius", "lag",
 how far from there the body may be; whether that place is beyond the mount half-way through the interval."""
 
 
+Corners = tuple[Vec, Vec, Vec, Vec]
+
+
 @kernel
 def wanted(aim: Aim, seen: Array) -> float:
     """The clearance from which on a bound is as good as it has to be, for what was `seen` (6,)."""
@@ -45,6 +48,9 @@ def wanted(aim: Aim, seen: Array) -> float:
         return 0.0
     return max(0.0, (1.0 - aim.slack) * float(seen[LEAST]) - aim.finest)
 
+
+BALL = 3
+"""Column of a ball: its radius, after its center."""
 
 GRACE = 1.0 + 1e-9
 """By how much more than its length a segment is taken to reach."""
@@ -65,6 +71,21 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
                 sweep.reach[k, count] = i
                 count += 1
         sweep.reached[k] = count
+
+
+@kernel
+def measure_balls(motion: Motion, sweep: Sweep) -> None:
+    """Fill the balls of spheres that stand still: center and radius; that of anything else is infinite.
+
+    Most obstacles are far from a piece of the body. Their balls, side by side in memory, say so in a third of the time.
+    """
+    table, balls = motion.scene.table, sweep.balls
+    for i in range(table.shape[0]):
+        put_vec(balls, i, 0, get_vec(table, i, CENTER))
+        known = table[i, KIND] == SPHERE and table[i, SIGN] > 0.0
+        balls[i, BALL] = table[i, ROUNDING] if known else math.inf
+    for e in range(motion.drifts.shape[0]):
+        balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
 
 @kernel
@@ -100,12 +121,17 @@ def _piece(
 
 
 @kernel
-def _by_corners(scene: Scene, sweep: Sweep, interval: Interval, i: int, piece: Piece) -> tuple[float, float, float]:
-    """Lower bound of the distance of a piece to a primitive, from its corners; what place and time leave open of it."""
+def _corners_of(sweep: Sweep, interval: Interval, piece: Piece) -> Corners:
+    """The ends of a piece when an interval begins, and when it ends."""
     qa, qb, fa, fb = sweep.q[interval.a], sweep.q[interval.b], sweep.frames[interval.a], sweep.frames[interval.b]
     k, r, t = piece.k, piece.s - 0.5 * piece.width, piece.s + 0.5 * piece.width
-    c0, c1 = body_point(qa, fa, k, r), body_point(qa, fa, k, t)
-    c2, c3 = body_point(qb, fb, k, r), body_point(qb, fb, k, t)
+    return place_on(qa, fa, k, r), place_on(qa, fa, k, t), place_on(qb, fb, k, r), place_on(qb, fb, k, t)
+
+
+@kernel
+def _by_corners(scene: Scene, i: int, corners: Corners, piece: Piece) -> tuple[float, float, float]:
+    """Lower bound of the distance of a piece to a primitive, from its corners; what place and time leave open of it."""
+    c0, c1, c2, c3 = corners
     center = scale(0.25, add(add(c0, c1), add(c2, c3)))
     d, g = slope(scene, i, center, math.inf, EXACT)
     z = dot(g, center)
@@ -121,15 +147,24 @@ def _by_corners(scene: Scene, sweep: Sweep, interval: Interval, i: int, piece: P
 
 
 @kernel
+def _far(sweep: Sweep, i: int, piece: Piece, enough: float) -> bool:
+    """Whether obstacle `i` is known to be farther from the center of a piece than what would change anything."""
+    away, passed = sub(piece.center, get_vec(sweep.balls, i, 0)), sweep.balls[i, BALL] + enough
+    return dot(away, away) > passed * passed
+
+
+@kernel
 def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, aim: Aim, seen: Array) -> int:
     """Put those obstacles first that may be too near to a piece during an interval; return their number."""
     near, k = sweep.near, piece.k
-    reach = piece.reach + aim.rounding
+    reach, more = piece.reach + aim.rounding, max(wanted(aim, seen), aim.rounding)
     count = 0
     for e in range(sweep.counts[interval.level, k]):
         i = near[k, e]
+        if _far(sweep, i, piece, reach + max(seen[LOW], more)):
+            continue
         far = reach + drift_of(sweep, i, interval.h, piece.center, piece.reach)
-        enough = far + max(wanted(aim, seen), aim.rounding)  # beyond that, what is returned may be no more than that
+        enough = far + more  # beyond that, what is returned may be no more than that
         d, _ = look_here(scene, i, piece.center, enough, BOUND)
         if d < enough:
             near[k, e], near[k, count] = near[k, count], i
@@ -149,8 +184,12 @@ def _decide(
     """
     verdict, space, time, looks = CLEAR, 0.0, 0.0, 0
     reach = piece.reach + aim.rounding
+    known, corners = False, (piece.center, piece.center, piece.center, piece.center)
     for e in range(count):
         i = sweep.near[piece.k, e]
+        enough = reach + max(seen[LOW], wanted(aim, seen))
+        if _far(sweep, i, piece, max(enough, seen[LEAST] + piece.radius - piece.lag)):
+            continue
         drift = drift_of(sweep, i, interval.h, piece.center, piece.reach)
         enough = reach + drift + max(wanted(aim, seen), aim.rounding)
         looks += price_of(scene, i)
@@ -162,35 +201,56 @@ def _decide(
             seen[LEAST], seen[WHEN], seen[SEGMENT] = gap, interval.begin + 0.5 * interval.h, piece.k
             seen[FRACTION], seen[WHICH] = piece.s, i
             if gap < 0.0:
-                verdict = TOUCHING
+                return TOUCHING, piece.half, reach, looks
         low, place, motion = d - reach - drift, piece.half, reach - piece.half - piece.radius
         if scene.table[i, KIND] < TREE and not (low > 0.0 and low >= wanted(aim, seen)):
-            by_corners, place, motion = _by_corners(scene, sweep, interval, i, piece)
+            if not known:
+                known, corners = True, _corners_of(sweep, interval, piece)
+            by_corners, place, motion = _by_corners(scene, i, corners, piece)
             low = max(low, by_corners - piece.radius - aim.rounding - drift)
             looks += 2
         if low > 0.0 and low >= wanted(aim, seen):
             seen[LOW] = min(seen[LOW], low)
             continue
-        verdict = max(verdict, UNDECIDED) if verdict != TOUCHING else TOUCHING
+        verdict = UNDECIDED
         space, time = max(space, place), max(time, motion + drift)
     return verdict, space, time, looks
+
+
+@kernel
+def _free_from(sweep: Sweep, interval: Interval, k: int, aim: Aim, begins: tuple[float, float]) -> float:
+    """Fraction of segment `k` from which on it is beyond the mount some time in an interval; `begins` as above."""
+    return min(
+        free_part(sweep.q[interval.a], k, aim.mount - begins[0]),
+        free_part(sweep.q[interval.b], k, aim.mount - begins[1]),
+    )
+
+
+@kernel
+def narrow_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim: Aim, seen: Array) -> None:
+    """Leave for the halves of an interval only the obstacles that may be too near to segment `k` in it."""
+    begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
+    start = _free_from(sweep, interval, k, aim, begins)
+    part = 1.0 - start
+    sweep.counts[interval.level + 1, k] = 0
+    if part > 0.0:
+        radius = motion.limits[k, RADIUS]
+        whole = _piece(sweep, interval, k, radius, start + 0.5 * part, part, begins, aim.mount)
+        sweep.counts[interval.level + 1, k] = _narrow(motion.scene, sweep, interval, whole, aim, seen)
 
 
 @kernel
 def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim: Aim, seen: Array) -> int:
     """Prove segment `k` clear during an interval; the obstacles that cannot be decided are left for its halves.
 
-    Returns the verdict, and keeps in `seen` (6,) what was found.
+    Returns the verdict, and keeps in `seen` (6,) what was found. TOUCHING ends the work: nothing proves the interval.
     """
     counts, level = sweep.counts, interval.level
     counts[level + 1, k] = 0
     if counts[level, k] == 0:
         return CLEAR
     begins = (_begin_of(sweep.q[interval.a], k), _begin_of(sweep.q[interval.b], k))
-    start = min(
-        free_part(sweep.q[interval.a], k, aim.mount - begins[0]),
-        free_part(sweep.q[interval.b], k, aim.mount - begins[1]),
-    )
+    start = _free_from(sweep, interval, k, aim, begins)
     part = 1.0 - start
     if part <= 0.0:
         return CLEAR
@@ -204,7 +264,8 @@ def clear_segment(motion: Motion, sweep: Sweep, interval: Interval, k: int, aim:
             width = part / (1 << deep)
             piece = _piece(sweep, interval, k, radius, start + (number + 0.5) * width, width, begins, aim.mount)
         verdict, space, time, looks = _decide(scene, sweep, interval, piece, count, aim, seen)
-        if verdict == TOUCHING and not aim.prefix:
+        if verdict == TOUCHING:
+            counts[level + 1, k] = count
             return TOUCHING
         if spend(sweep.clock, looks):
             return UNDECIDED

@@ -22,13 +22,14 @@ from sinuous.kernels.between.sweep import (
     WHEN,
     WHICH,
     bow_from,
+    place_on,
 )
 from sinuous.kernels.body.chords import arc_chord, chord_distance, sag
 from sinuous.kernels.body.pieces import following
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
 from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, TURNED, Shape, concern
 from sinuous.kernels.body.self_pieces import MOST_LOOKS, Pair, Pieces, amount_between, gap_at, pieces_of
-from sinuous.kernels.chain.kinematics import body_point, frame
+from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
 from sinuous.kernels.tables import RADIUS
@@ -110,7 +111,7 @@ def _by_circle(course: Course, pair: Pair, pieces: Pieces) -> float:
 def _corner(shape: Shape, k: int, s: float, joint: int) -> Vec:
     """A place of the body as it is seen from a joint."""
     rotation, position = frame(shape.frames, joint)
-    return vec_mat(sub(body_point(shape.q, shape.frames, k, s), position), rotation)
+    return vec_mat(sub(place_on(shape.q, shape.frames, k, s), position), rotation)
 
 
 @kernel
@@ -163,14 +164,14 @@ def _by_corners(course: Course, couple: Couple, pieces: Pieces) -> tuple[float, 
 
 
 @kernel
-def _see(course: Course, pair: Pair, pieces: Pieces, places: tuple[float, float], prefix: bool, seen: Array) -> bool:
+def _see(course: Course, pair: Pair, pieces: Pieces, places: tuple[float, float], seen: Array) -> bool:
     """Keep the gap between two places at the ends of the interval, if it is less than what was `seen` (6,).
 
     Where these do not concern each other, the places of their pieces that are farthest apart along the body are taken.
-    Returns whether there is an overlap: with `prefix`, when the interval begins.
+    Returns whether there is an overlap.
     """
     least = math.inf
-    for at_end in range(1 if prefix else 2):
+    for at_end in range(2):
         shape = course.last if at_end else course.first
         s, t = places
         if amount_between(shape, pair, pair.column, s, t) < pair.enough:
@@ -188,8 +189,8 @@ def _see(course: Course, pair: Pair, pieces: Pieces, places: tuple[float, float]
 def clear_couple(course: Course, couple: Couple, aim: Aim, seen: Array) -> tuple[int, int]:
     """Prove two segments apart during an interval: both are halved where that helps more than halving the time.
 
-    Returns the verdict, with `prefix` TOUCHING only where an overlap was seen when the interval begins; and how many
-    pairs of pieces were looked at. Keeps in `seen` (6,) what was found.
+    Returns the verdict, and how many pairs of pieces were looked at. Keeps in `seen` (6,) what was found. TOUCHING ends
+    the work: nothing proves the interval.
     """
     pair = couple.pair
     level = piece = looks = 0
@@ -203,7 +204,7 @@ def clear_couple(course: Course, couple: Couple, aim: Aim, seen: Array) -> tuple
                 by_corners, space, time, s, t = _by_corners(course, couple, pieces)
                 low = max(low, by_corners - aim.rounding)
                 if not (low > 0.0 and low >= wanted(aim, seen)):
-                    if _see(course, pair, pieces, (s, t), aim.prefix, seen):
+                    if _see(course, pair, pieces, (s, t), seen):
                         return TOUCHING, looks
                     size = u * _longest(course, pair.i) + v * _longest(course, pair.j)
                     if space <= time or size <= aim.finest or looks >= MOST_LOOKS:

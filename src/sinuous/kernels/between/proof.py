@@ -8,7 +8,7 @@ import math
 
 from sinuous.kernels.between.drift import measure_paces, place_obstacles
 from sinuous.kernels.between.itself import cannot_meet, clear_of_itself, list_pairs, passed_over
-from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment
+from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment, narrow_segment
 from sinuous.kernels.between.pairs import Course
 from sinuous.kernels.between.sweep import (
     FRACTION,
@@ -92,12 +92,31 @@ def list_obstacles(sweep: Sweep) -> None:
 
 
 @kernel
+def _forget(seen: Array) -> None:
+    """Know nothing of clearances."""
+    for row in range(2):
+        seen[row, LOW] = seen[row, LEAST] = math.inf
+        seen[row, WHEN], seen[row, SEGMENT], seen[row, FRACTION], seen[row, WHICH] = 0.0, -1.0, 0.0, -1.0
+
+
+@kernel
+def narrow_obstacles(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> None:
+    """Let every segment look only at the obstacles that it may touch some time in the motion, none of which moves."""
+    list_obstacles(sweep)
+    measure_rates(motion.q0, motion.q1, sweep.rates)
+    knot(motion, 0.0, sweep, 0)
+    knot(motion, 1.0, sweep, 1)
+    for k in range(motion.q0.shape[0]):
+        narrow_segment(motion, sweep, Interval(0, 0.0, 1.0, 0, 1), k, aim, seen[0])
+
+
+@kernel
 def touches_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
-    """Whether the body is seen to touch something at time t, among the obstacles that are listed."""
+    """Whether the body is seen to touch something at time t, among the obstacles that `narrow_obstacles` left."""
+    _forget(seen)  # what overlaps less than something before would not be seen
     knot(motion, t, sweep, 0)
-    place_obstacles(motion, t, sweep)
     for k in range(motion.q0.shape[0] - 1, -1, -1):
-        if clear_segment(motion, sweep, Interval(0, t, 0.0, 0, 0), k, aim, seen[0]) == TOUCHING:
+        if clear_segment(motion, sweep, Interval(1, t, 0.0, 0, 0), k, aim, seen[0]) == TOUCHING:
             return True
     if not motion.avoids_itself:
         return False
@@ -123,9 +142,13 @@ def _clear_of_obstacles(motion: Motion, travel: float, sweep: Sweep, aim: Aim, s
         undecided = False
         for k in range(n - 1, -1, -1):
             verdict = clear_segment(motion, sweep, interval, k, aim, seen)
-            if verdict == TOUCHING:
-                return TOUCHING, interval.begin
             undecided = undecided or verdict != CLEAR
+            if verdict == TOUCHING:
+                if not aim.prefix:
+                    return TOUCHING, interval.begin
+                for j in range(k):  # these are looked at when time is halved
+                    sweep.counts[level + 1, j] = sweep.counts[level, j]
+                break
         if not undecided:
             level, piece = following(level, piece)
             a, b = b, a
@@ -171,7 +194,7 @@ def _clear_of_itself(
         if verdict == CLEAR:
             level, piece = following(level, piece)
             first, a, b = last, b, a
-        elif verdict == TOUCHING or h * travel < aim.finest or level == LEVELS:
+        elif (verdict == TOUCHING and not aim.prefix) or h * travel < aim.finest or level == LEVELS:
             return verdict, begin
         else:
             level, piece = level + 1, 2 * piece
@@ -196,9 +219,17 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
     (infinite: there is nothing to be clear of); also the least that was seen, and where. When the time of the clock is
     over, the verdict is UNDECIDED. The `rounding` of `aim` is found here.
     """
-    for row in range(2):
-        seen[row, LOW] = seen[row, LEAST] = math.inf
-        seen[row, WHEN], seen[row, SEGMENT], seen[row, FRACTION], seen[row, WHICH] = 0.0, -1.0, 0.0, -1.0
+    _forget(seen)
+    return prove_again(motion, sweep, aim, seen)
+
+
+@kernel
+def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
+    """The same where `seen` has the least that was seen of this motion before: bounds are as tight as that wants it.
+
+    Whoever finds the least on the way proves everything before it more tightly than is worth while.
+    """
+    seen[0, LOW] = seen[1, LOW] = math.inf
     travel = measure_rates(motion.q0, motion.q1, sweep.rates)
     base, reach = frame(sweep.frames[0], 0)[1], 0.0
     for k in range(motion.q0.shape[0]):

@@ -1,6 +1,6 @@
 """What Python asks about motions: whether a path of knots is clear all the way."""
 
-from sinuous.kernels.between.obstacles import Aim
+from sinuous.kernels.between.obstacles import Aim, measure_balls
 from sinuous.kernels.between.proof import prove_between
 from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
 from sinuous.kernels.body.proof import UNDECIDED
@@ -41,6 +41,8 @@ def prove_motions(
     for i in range(knots.shape[0] - 1):
         seen = shaped(answers[i, SEEN:], (2, SEEN_WIDTH))
         motion = Motion(own.limits, knots[i], knots[i + 1], around, own.avoids_itself, drifts[i])
+        if i == 0:
+            measure_balls(motion, sweep)
         verdict, until = prove_between(motion, sweep, aim, seen)
         answers[i, VERDICT], answers[i, UNTIL] = verdict, until
         if late(sweep.clock):

@@ -13,11 +13,11 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
-from sinuous.kernels.chain.kinematics import forward, frame, put_frame
+from sinuous.kernels.chain.kinematics import body_point, forward, frame, put_frame
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
-from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.maths.vectors import Array, Vec
 
 LEVELS = 44
 """How often time may be halved."""
@@ -34,8 +34,8 @@ which time, on which segment, at which fraction of it, and to which obstacle or 
 
 SEEN_WIDTH = 6
 
-PACE_WIDTH, DRIFT_WIDTH = 5, 31
-"""Numbers of the pace of an obstacle, and of its drift: see `drift`."""
+PACE_WIDTH, DRIFT_WIDTH, BALL_WIDTH = 5, 31, 4
+"""Numbers of the pace of an obstacle, and of its drift: see `drift`; and of a ball, see `obstacles.measure_balls`."""
 
 KNOTS, HALFWAY = 3, 2
 """Configurations at hand: where an interval begins, where it ends, and the one half-way."""
@@ -60,6 +60,7 @@ Sweep = namedtuple(
         "pairs",
         "left",
         "paces",
+        "balls",
         "still",
         "clock",
     ],
@@ -69,8 +70,8 @@ first rows are the base; of every segment the obstacles that it can reach at all
 (n,) int64; those that may still matter first (n, m) int64, and how many of them that are after so many halvings of time
 (46, n) int64; `rates` (n, 5); `spans` (3, n + 1, 5) of `self_pairs`; numbers of obstacles (m,) int64; the pairs of
 segments i <= j as i n + j (n (n + 1) / 2,) int64, those that may still touch first, and how many of them that are after
-so many halvings (46,) int64; how fast every obstacle moves, `paces` (m, 5) of `drift`; no drifts (0, 31); and the
-clock, see `kernels.clock`."""
+so many halvings (46,) int64; how fast every obstacle moves, `paces` (m, 5) of `drift`; a ball that holds each, `balls`
+(m, 4), see `measure_balls`; no drifts (0, 31); and the clock, see `kernels.clock`."""
 
 
 def sweep_size(segments: int, obstacles: int) -> int:
@@ -78,20 +79,21 @@ def sweep_size(segments: int, obstacles: int) -> int:
     own = KNOTS * (15 * segments + 12 + SPAN_WIDTH * (segments + 1))
     pairs = segments * (segments + 1) // 2
     each = 2 * obstacles + 1 + LEVELS + 2 + RATES_WIDTH
-    return own + segments * each + (1 + PACE_WIDTH) * obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
+    return own + segments * each + (1 + PACE_WIDTH + BALL_WIDTH) * obstacles + pairs + LEVELS + 2 + CLOCK_SIZE
 
 
 @kernel
 def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     """Lay out the scratch of n segments among m obstacles in `buffer` (at least `sweep_size`); `base` (1, 12).
 
-    Every segment may reach every obstacle, at first, and none of these moves.
+    Every segment may reach every obstacle, at first, and none of these moves or is known to lie in a ball.
     """
     a = 3 * KNOTS * n
     b = a + 12 * KNOTS * (n + 1)
     c = b + SPAN_WIDTH * KNOTS * (n + 1)
     paces = c + RATES_WIDTH * n
-    d = paces + PACE_WIDTH * m
+    balls = paces + PACE_WIDTH * m
+    d = balls + BALL_WIDTH * m
     whole = buffer[d:].view(np.int64)
     e = n * m
     f = e + n
@@ -104,7 +106,8 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
     rotation, position = frame(base, 0)
     for at in range(KNOTS):
         put_frame(frames[at], 0, rotation, position)
-    buffer[paces:d] = 0.0
+    buffer[paces:balls] = 0.0
+    buffer[balls:d] = math.inf
     reach, reached = shaped(whole[:e], (n, m)), whole[e:f]
     for at in range(n):
         reached[at] = m
@@ -122,7 +125,8 @@ def carve_sweep(buffer: Array, base: Array, n: int, m: int) -> Sweep:
         whole[h:i],
         whole[i:j],
         whole[j:k],
-        shaped(buffer[paces:d], (m, PACE_WIDTH)),
+        shaped(buffer[paces:balls], (m, PACE_WIDTH)),
+        shaped(buffer[balls:d], (m, BALL_WIDTH)),
         shaped(buffer[:0], (0, DRIFT_WIDTH)),
         whole[k : k + CLOCK_SIZE],
     )
@@ -141,6 +145,14 @@ def knot(motion: Motion, t: float, sweep: Sweep, at: int) -> None:
     """Put the configuration at time t into a place of the sweep, with its frames."""
     at_time(motion.q0, motion.q1, t, sweep.q[at])
     forward(sweep.q[at], sweep.frames[at])
+
+
+@kernel
+def place_on(q: Array, frames: Array, k: int, s: float) -> Vec:
+    """Position of the backbone at the fraction `s` of segment `k`; the frames know both ends."""
+    if s <= 0.0:
+        return frame(frames, k)[1]
+    return frame(frames, k + 1)[1] if s >= 1.0 else body_point(q, frames, k, s)
 
 
 @kernel

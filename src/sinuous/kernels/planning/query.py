@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from sinuous.kernels.between.obstacles import keep_reachable
-from sinuous.kernels.between.sweep import SEEN_WIDTH, carve_sweep
+from sinuous.kernels.between.obstacles import keep_reachable, measure_balls
+from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import allow, begin
 from sinuous.kernels.compile import entry, kernel
@@ -97,7 +97,9 @@ def _prepare(own: Robot, around: Scene, asked: Asked, scratch: Array, workspace:
     begin(sweep.clock)
     allow(sweep.clock, seconds)
     keep_reachable(own.limits, frame(own.base, 0)[1], around, sweep)
-    return Space(own, around, mount, levers, sweep, seen), shaped(rest[: 6 * n], (2, n, 3)), rest[6 * n :]
+    pair = shaped(rest[: 6 * n], (2, n, 3))
+    measure_balls(Motion(own.limits, pair[0], pair[1], around, own.avoids_itself, sweep.still), sweep)
+    return Space(own, around, mount, levers, sweep, seen), pair, rest[6 * n :]
 
 
 @kernel

@@ -11,7 +11,7 @@ from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import late
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.space import Space, distance, looks_clear, prove_edge, random
+from sinuous.kernels.planning.space import Space, bound_edge, distance, looks_clear, prove_edge, random
 
 Path = namedtuple("Path", ["q", "answers"])
 """Configurations (p, n, 3), and answers (p, 14) about the edges that begin there."""
@@ -40,7 +40,22 @@ def path_length(space: Space, path: Path, count: int) -> float:
 @kernel
 def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
     """Prove an edge, and fill its answer (14,)."""
-    verdict, until = prove_edge(space, p, q, exact.slack, exact.finest)
+    verdict, until = prove_edge(space, p, q, 1.0, exact.finest)
+    if verdict == CLEAR:
+        return _bound(space, p, q, exact, answer)
+    return _keep(space, verdict, until, answer)
+
+
+@kernel
+def _bound(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
+    """Bound how clear an edge is that was proved clear last, and fill its answer (14,)."""
+    verdict, until = bound_edge(space, p, q, exact.slack, exact.finest)
+    return _keep(space, verdict, until, answer)
+
+
+@kernel
+def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
+    """Fill an answer (14,) with what was proved last; say whether it is CLEAR."""
     answer[VERDICT], answer[UNTIL] = verdict, until
     for row in range(2):
         for column in range(SEEN_WIDTH):
@@ -61,7 +76,7 @@ def _reaches(space: Space, path: Path, i: int, j: int, exact: Exactness) -> bool
     """Whether the motion from configuration `i` to `j` is proved clear; what bounds are proved is that of `i` then."""
     if not is_clear(space, path.q[i], path.q[j], exact):
         return False
-    prove(space, path.q[i], path.q[j], exact, path.answers[i])
+    _bound(space, path.q[i], path.q[j], exact, path.answers[i])
     return True
 
 

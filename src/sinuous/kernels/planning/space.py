@@ -10,7 +10,7 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.between.obstacles import Aim
-from sinuous.kernels.between.proof import list_obstacles, prove_between, touches_at
+from sinuous.kernels.between.proof import narrow_obstacles, prove_again, prove_between, touches_at
 from sinuous.kernels.between.sweep import Motion, at_time
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.compile import kernel
@@ -21,6 +21,9 @@ from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 PARTS = 8
 """Into how many parts a long motion is divided by the configurations that are looked at before it is proved."""
+
+BETWEEN = 2
+"""Looks between a time when nothing touches and one when something does."""
 
 Space = namedtuple("Space", ["robot", "scene", "mount", "levers", "sweep", "seen"])
 """The robot and the scene; length of backbone that obstacles do not concern; squares of the levers (n,); the scratch of
@@ -81,7 +84,7 @@ def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
     """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     aim = Aim(1.0, finest, 0.0, space.mount, False)
-    list_obstacles(space.sweep)
+    narrow_obstacles(motion, space.sweep, aim, space.seen)
     parts = 2
     while parts <= PARTS:
         for i in range(1, parts, 2):
@@ -92,7 +95,40 @@ def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
 
 
 @kernel
+def look_along(space: Space, p: Array, q: Array, back: float, finest: float) -> float:
+    """Until when the way from `p` to `q` (n, 3) may be worth a proof; 0: it is not.
+
+    It is looked at where it ends. While something is seen to touch, half of it is, down to a time `back` after its
+    beginning; then between the last two looks. What is left ends as long before the time when something touches.
+    """
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
+    aim = Aim(1.0, finest, 0.0, space.mount, False)
+    narrow_obstacles(motion, space.sweep, aim, space.seen)
+    clear, touching = 1.0, math.inf
+    while touches_at(motion, clear, space.sweep, aim, space.seen):
+        touching, clear = clear, 0.5 * clear
+        if touching <= back:
+            return 0.0
+    if clear == 1.0:
+        return clear
+    for _ in range(BETWEEN):
+        t = 0.5 * (clear + touching)
+        if touches_at(motion, t, space.sweep, aim, space.seen):
+            touching = t
+        else:
+            clear = t
+    return max(0.0, min(clear, touching - back))
+
+
+@kernel
 def prove_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
     """Verdict about the motion from `p` to `q` (n, 3), and until when it is proved; see `prove_between`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     return prove_between(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)
+
+
+@kernel
+def bound_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
+    """The same for a motion that was proved clear last, without a tight bound; see `prove_again`."""
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
+    return prove_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)

@@ -11,7 +11,7 @@ from sinuous.kernels.between.sweep import at_time
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.space import Space, clear_up_to, distance, draw, squared_distance
+from sinuous.kernels.planning.space import Space, clear_up_to, distance, draw, look_along, squared_distance
 
 Trees = namedtuple("Trees", ["q", "parents", "counts", "drawn"])
 """Nodes of both trees (2, c, n, 3), their parents (2, c) int64 (-1: a root), how many there are (2,) int64; and the
@@ -55,6 +55,11 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
     far = distance(begin, goal, space.levers)
     part = min(1.0, terms.step / far) if far > 0.0 else 1.0
     at_time(begin, goal, part, trees.q[side, new])
+    if far > 0.0:
+        part *= look_along(space, begin, trees.q[side, new], terms.back / (part * far), terms.back)
+        if part * far < terms.least:
+            return -1, False
+        at_time(begin, goal, part, trees.q[side, new])
     clear, until = clear_up_to(space, begin, trees.q[side, new], terms.finest)
     if not clear:
         part = part * until - terms.back / far

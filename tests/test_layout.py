@@ -49,6 +49,7 @@ KERNEL_FLOORS = {
     "solve": 5,
     "fitting": 4,
     "growing": 4,
+    "tubes": 2,
     "planning": 6,
     "roadmap": 3,
     "step": 3,

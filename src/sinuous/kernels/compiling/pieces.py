@@ -57,6 +57,7 @@ PIECES = (
             "kernels.freespace.lengthen.lengthen_route",
             "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",
+            "kernels.tubes.axis.follow_tube",
             "kernels.growing.grow.grow_chains",
             "kernels.growing.turning.turn_round",
             "kernels.fitting.settle.settle_chain",

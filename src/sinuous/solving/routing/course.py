@@ -26,6 +26,7 @@ from sinuous.solving.routing.growth import (
 )
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.searches import SIDES, Found, Searches
+from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups, turned, turned_back
 from sinuous.solving.sources import Batch, Question
 
@@ -137,7 +138,9 @@ class Course:
         self._tried: set[bytes] = set()
 
     def batches(self) -> Iterator[Batch]:
-        """Yield what comes of a route around edges, then of those over cells, coarse to fine."""
+        """Yield what comes of the tube that the base lies in, of a route around edges, then of those over cells."""
+        if not self._question.several:
+            yield from self._tube()
         seconds, plans = self._question.seconds_left(), self._searches.plans
         route = self._searches.by_edges(self._problem, self._query, seconds) if seconds > 0.0 else None
         if route is not None:
@@ -164,6 +167,19 @@ class Course:
             yield from self._try(plan.effort)
             yield self._scattered(max(plan.then, found.cells // CELLS_A_START))
         yield from self._try(None)
+
+    def _tube(self) -> Iterator[Batch]:
+        """Yield chains along the tube that the base lies in, where there is one."""
+        if self._groups[0][1] > 0.0 or self._question.seconds_left() <= 0.0:
+            return  # limits of actuators join what is in the tube and what is not
+        tube = tube_around(self._groups[1], self._query, self._question.seconds_left())
+        line = None if tube is None else within(tube, self._query)
+        if line is not None:
+            laid = self._searches.fit(self._problem, [line], self._question.seconds_left)
+            yield along(laid, (line,)[: len(laid)])
+        elif tube is not None and tube.open:
+            for chain, route in out_of(tube, self._groups, self._question.seconds_left):
+                yield along(chain[None], (route,))
 
     def bent(self, route: Floats) -> Iterator[Batch]:
         """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to most sides."""

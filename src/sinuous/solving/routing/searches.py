@@ -16,6 +16,7 @@ from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.kernels.tubes.axis import MOUTH
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
@@ -25,6 +26,7 @@ from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import walls_of
 from sinuous.solving.routing.growth import FEW, grown, settled
 from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
+from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
 
 POINTS = 1024
@@ -174,6 +176,9 @@ class Searches:
             grown(groups, line[None], FEW, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
             turned_back(groups, groups, still)
+            if query is not None:
+                tube_around(problem.scene._kernel_group, query, 0.0)
+            next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
         return monotonic() - began
 
     def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:

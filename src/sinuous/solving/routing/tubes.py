@@ -1,0 +1,201 @@
+"""Starts for a base that lies in a tube: the chain is laid along its axis, and what is left of it goes on from there.
+
+What lies in a tube is said by the tube. What is left is a shorter robot, that stands where the tube opens: mostly an
+easy question. A route to the target is of no use for it: it bends around the rim, and a chain that is much longer than
+the route is drawn together in the tube, too.
+"""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.chain.batch import frames_of, points_of
+from sinuous.kernels.clock import CLOCK_SIZE
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.kernels.solve.search import search
+from sinuous.kernels.step.states import workspace_size
+from sinuous.kernels.tables import (
+    MAX_LENGTH,
+    MIN_LENGTH,
+    MOUNT,
+    POSE_WIDTH,
+    QUERY_AXIS,
+    QUERY_FREE_LENGTH,
+    QUERY_GOAL,
+    QUERY_LONGEST,
+    QUERY_ORIGIN,
+    QUERY_RADIUS,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
+    TARGET_SEGMENT,
+)
+from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
+from sinuous.solving.routing.turned import Groups
+
+POINTS = 1000
+"""Most points of an axis."""
+
+SHORTEST = 3.0
+"""Length that a tube has at least."""
+
+BESIDE = 2.5
+"""How far from the axis a target in a tube is at most. In radii of the body."""
+
+SHARES = ((0.5, 0), (0.5, 1), (0.8, 0), (0.2, 0), (0.8, 1))
+"""What is tried in turn: how long segments in the tube are, between their least and their greatest length; and how many
+are left out that the tube holds only in part."""
+
+FINER = 0.4
+"""Of the first steps, those by which a tube is followed again that ends at a wall."""
+
+BARELY = 0.15
+"""Of a segment, what may stick out of the tube and still count as in it."""
+
+AHEAD = 2
+"""Points of the axis that its direction at the mouth is taken over."""
+
+STARTS = 6
+"""Own starts of what is left of the chain, the first of which is the single arc."""
+
+SAMPLES = 8
+"""Points of the route for each segment of what is left."""
+
+NO_TOOL = np.concatenate([np.eye(3).ravel(), np.zeros(3)])
+
+
+class Tube(NamedTuple):
+    """A tube that the base lies in.
+
+    Attributes
+    ----------
+    axis : ndarray (K, 3)
+        Points, evenly spaced but for the first step, from the base on.
+    ended : int
+        Where it ends: MOUTH, END or BRANCH of `sinuous.kernels.tubes.axis`.
+    """
+
+    axis: Floats
+    ended: int
+
+    @property
+    def open(self) -> bool:
+        """Whether it ends at a mouth."""
+        return self.ended == MOUTH
+
+
+def tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
+    """Return the tube that the base lies in, from what a route has to keep (28,); `None` where there is none."""
+    radius, longest = query[QUERY_RADIUS], query[QUERY_LONGEST]
+    if radius <= 0.0:
+        return None
+    spacing = max(radius, longest / POINTS)
+    tube = _followed(scene, query, spacing, seconds)
+    if tube is not None and tube.ended == END and within(tube, query) is None:
+        tube = _followed(scene, query, FINER * spacing, seconds)  # it may bend too much for the first steps
+    return tube
+
+
+def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> Tube | None:
+    radius = query[QUERY_RADIUS]
+    origin, axis = (query[at : at + 3] for at in (QUERY_ORIGIN, QUERY_AXIS))
+    points, clock = np.empty((2 * POINTS, 3)), np.zeros(CLOCK_SIZE, np.int64)
+    sizes = radius, spacing, query[QUERY_FREE_LENGTH]
+    count, ended = follow_tube(scene, np.stack([origin, axis]), sizes, seconds, clock, points)
+    known = points[:count]
+    if ended not in (MOUTH, END, BRANCH) or _along(known)[-1] < SHORTEST * radius:
+        return None
+    return Tube(known, ended)
+
+
+def within(tube: Tube, query: Floats) -> Floats | None:
+    """Return the line (K, 3) along the axis to a target that lies in the tube; `None` where it does not."""
+    goal = query[QUERY_GOAL : QUERY_GOAL + 3]
+    gaps = np.linalg.norm(tube.axis - goal, axis=1)
+    at = int(gaps.argmin())
+    last = len(tube.axis) - 1
+    if gaps[at] > BESIDE * query[QUERY_RADIUS] or at < 2 or (tube.open and at == last):
+        return None
+    return _spaced(np.vstack([tube.axis[:at], goal]))
+
+
+def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iterator[tuple[Floats, Floats]]:
+    """Yield chains (n, 3) that lead out of a tube, and the routes (K, 3) along which they lie."""
+    robot, _, _, _ = groups
+    n = int(robot[0])
+    segments = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+    least, most = segments[:, MIN_LENGTH], segments[:, MAX_LENGTH]
+    length, tried = _along(tube.axis)[-1], set()
+    for share, fewer in SHARES:
+        ends = np.cumsum(least + share * (most - least))
+        held = 1 + int(np.searchsorted(ends, length - BARELY * most[-1]))
+        count = held - fewer
+        if held > n or not 0 < count < n or (count, ends[count - 1]) in tried:
+            continue
+        tried.add((count, ends[count - 1]))
+        if seconds_left() <= 0.0:
+            return
+        yield _joined(groups, _lengthened(tube.axis, ends[count - 1]), count, seconds_left)
+
+
+def _joined(groups: Groups, line: Floats, count: int, seconds_left: Callable[[], float]) -> tuple[Floats, Floats]:
+    """A chain whose first segments lie along a line (K, 3) and whose others go from there to the targets; its route."""
+    robot, scene, settings, targets = groups
+    n = int(robot[0])
+    base, tool = robot[-2 * POSE_WIDTH : -POSE_WIDTH], robot[-POSE_WIDTH:]
+    head, frames = np.empty((1, count, 3)), np.empty((1, count + 1, 12))
+    workspace = np.empty(fit_workspace_size(count, 0, int(scene[0]), 0, len(line)))
+    part = _part(robot, 0, count, base, NO_TOOL)
+    fit_route(part, scene, settings, targets[:0], line, max(0.0, seconds_left()), workspace, head[0])
+    frames_of(head, base[None], frames)
+    begin = frames[0, -1]
+    rest, rows = np.zeros((1, n - count, 3)), _beyond(targets, count)
+    own = settings.copy()
+    own[MOUNT] = max(0.0, settings[MOUNT] - head[0, :, 2].sum())
+    workspace = np.empty(workspace_size(n - count, 0, int(scene[0]), len(rows)))
+    part, budget = _part(robot, count, n, begin, tool), (0, STARTS, 0, max(0.0, seconds_left()))
+    search(part, scene, own, rows, np.empty((0, n - count, 3)), budget, workspace, rest[0])
+    frames, points = np.empty((1, n - count + 1, 12)), np.empty((1, SAMPLES * (n - count) + 1, 3))
+    frames_of(rest, begin[None], frames)
+    points_of(rest, frames, SAMPLES, points)
+    return np.concatenate([head[0], rest[0]]), np.concatenate([line[:-1], points[0]])
+
+
+def _part(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> Floats:
+    """The segments of a robot from the first up to, without it, the last, as a robot that stands at a pose (12,)."""
+    header = robot[:ROBOT_HEADER].copy()
+    header[0] = last - first
+    rows = robot[ROBOT_HEADER + SEGMENT_WIDTH * first : ROBOT_HEADER + SEGMENT_WIDTH * last]
+    return np.concatenate([header, rows, base, tool])
+
+
+def _beyond(targets: Floats, count: int) -> Floats:
+    """The targets (t, 15) of what is left when so many segments are left out."""
+    rows = targets[(targets[:, TARGET_SEGMENT] < 0.0) | (targets[:, TARGET_SEGMENT] >= count)].copy()
+    rows[rows[:, TARGET_SEGMENT] >= 0.0, TARGET_SEGMENT] -= count
+    return rows
+
+
+def _lengthened(axis: Floats, length: float) -> Floats:
+    """The axis (K, 3) made so long: cut, or gone on straight."""
+    along = _along(axis)
+    inside = axis[along < length]
+    if length <= along[-1]:
+        end = np.array([np.interp(length, along, values) for values in axis.T])
+    else:
+        ahead = axis[-1] - axis[max(0, len(axis) - 1 - AHEAD)]
+        end = axis[-1] + (length - along[-1]) / np.linalg.norm(ahead) * ahead
+    return _spaced(np.vstack([inside, end]))
+
+
+def _along(line: Floats) -> Floats:
+    """Length (K,) of a line (K, 3) up to each of its points."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+
+
+def _spaced(line: Floats) -> Floats:
+    """As many points, or a few at least, evenly spaced along a line (K, 3)."""
+    along = _along(line)
+    places = np.linspace(0.0, along[-1], max(8, len(line)))
+    return np.stack([np.interp(places, along, axis) for axis in line.T], axis=-1)

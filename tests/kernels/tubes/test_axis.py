@@ -1,0 +1,129 @@
+"""Axes of tubes: beside the curve that a tube was made around, up to its mouth; and none where there is no tube."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from benchmarks.places.parts.surfaces import hollow, open_tube, solid
+from sinuous import Box, Cylinder, PointCloud, Robot, Scene, Segment
+from sinuous.kernels.clock import CLOCK_SIZE
+from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, NO_TUBE, UNENDED, follow_tube
+from tests.helpers import Floats, random_pose
+
+RADIUS = 0.1
+BENT = np.array([[0.9, 0.3, 1.0], [-0.5, 0.8, 1.2], [0.2, -1.1, 0.9]])
+
+
+def followed(scene: Scene, start: Floats, free: float = 0.0, most: int = 400) -> tuple[Floats, int]:
+    """The axis from a pose on, and how it ends."""
+    points, clock = np.empty((most, 3)), np.zeros(CLOCK_SIZE, np.int64)
+    group = scene.snapshot().group.copy()
+    sizes = (RADIUS, RADIUS, free)
+    count, ended = follow_tube(group, np.stack([start[:3, 3], start[:3, 2]]), sizes, 60.0, clock, points)
+    return points[:count], ended
+
+
+def walls(away: float, wide: float) -> list[Box]:
+    """Four walls about the z axis, their middles so far from it."""
+    sides = ((away, 0.0), (-away, 0.0), (0.0, away), (0.0, -away))
+    return [Box((x, y, 1.0), (0.1 if x else wide, 0.1 if y else wide, 3.0)) for x, y in sides]
+
+
+def curve(seed: int, samples: int) -> Floats:
+    """Poses (m, 4, 4) along three bent arcs, anywhere."""
+    robot = Robot([Segment((0.5, 1.5), 2.0)] * 3, base=random_pose(np.random.default_rng(seed)))
+    frames = [robot.base]
+    for k, coordinates in enumerate(BENT):
+        for share in np.linspace(0.0, 1.0, samples + 1)[1:]:
+            part = np.vstack([BENT[:k], share * coordinates])
+            frames.append(Robot([Segment((0.0, 1.5), 2.0)] * (k + 1), base=robot.base).tip(part))
+    return np.array(frames)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("width", [1.15, 1.6, 2.2])
+def test_the_axis_of_a_bent_pipe_lies_in_its_middle_and_ends_at_its_mouth(width: float, seed: int) -> None:
+    poses = curve(seed, 12)
+    wall = open_tube(poses, width * RADIUS, (width + 0.8) * RADIUS)
+    points, ended = followed(Scene([solid(wall, "pipe")]), poses[0])
+    assert ended == MOUTH
+    gaps, _ = cKDTree(curve(seed, 120)[:, :3, 3]).query(points)
+    assert gaps.max() <= 0.5 * RADIUS
+    assert np.linalg.norm(points[-1] - poses[-1, :3, 3]) <= 1.6 * RADIUS
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    assert steps.min() >= 0.5 * RADIUS
+    assert steps.max() <= 1.5 * RADIUS
+
+
+def test_a_base_beside_the_middle_is_led_to_it() -> None:
+    poses = curve(0, 12)
+    start = poses[0].copy()
+    start[:3, 3] += 0.5 * RADIUS * start[:3, 0]
+    points, ended = followed(Scene([solid(open_tube(poses, 1.6 * RADIUS, 2.4 * RADIUS), "pipe")]), start)
+    assert ended == MOUTH
+    gaps, _ = cKDTree(curve(0, 120)[:, :3, 3]).query(points[3:-2])
+    assert gaps.max() <= 0.35 * RADIUS
+
+
+def test_a_pipe_that_is_closed_ends_at_a_wall() -> None:
+    poses = curve(1, 12)
+    points, ended = followed(Scene([solid(hollow(poses, 1.4 * RADIUS, 2.2 * RADIUS), "pipe")]), poses[0])
+    assert ended == END
+    assert np.linalg.norm(points[-1] - poses[-1, :3, 3]) <= 2.5 * RADIUS
+
+
+def test_a_tube_that_branches_has_no_mouth_there() -> None:
+    # A channel along z, and from z = 1.2 to 1.6 on another one along x.
+    sides = [Box((0.0, y, 1.0), (4.0, 0.1, 3.0)) for y in (-0.2, 0.2)]
+    below = [Box((x, 0.0, 0.35), (3.7, 0.3, 1.7)) for x in (-2.0, 2.0)]
+    above = [Box((x, 0.0, 2.05), (3.7, 0.3, 0.9)) for x in (-2.0, 2.0)]
+    points, ended = followed(Scene([*sides, *below, *above]), np.eye(4))
+    assert ended == BRANCH
+    assert points[-1, 2] == pytest.approx(1.2, abs=2.0 * RADIUS)
+
+
+def test_a_cloud_of_points_is_a_tube_as_well() -> None:
+    turns, heights = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False), np.linspace(-0.2, 2.0, 60))
+    around = np.stack([np.cos(turns), np.sin(turns)], axis=-1).reshape(-1, 2) * 1.5 * RADIUS
+    cloud = PointCloud(np.column_stack([around, heights.ravel()]), 0.15 * RADIUS)
+    points, ended = followed(Scene([cloud]), np.eye(4))
+    assert ended == MOUTH
+    assert np.abs(points[:, :2]).max() <= 0.2 * RADIUS
+    assert points[-1, 2] == pytest.approx(2.0, abs=1.5 * RADIUS)
+
+
+def test_a_channel_of_boxes_is_a_tube() -> None:
+    points, ended = followed(Scene(walls(0.2, 0.5)), np.eye(4))
+    assert ended == MOUTH
+    assert points[-1, 2] == pytest.approx(2.5, abs=1.5 * RADIUS)
+
+
+NOWHERE = {
+    "nothing": [],
+    "one wall": [Box((0.3, 0.0, 1.0), (0.2, 5.0, 5.0))],
+    "two walls": [Box((x, 0.0, 1.0), (0.2, 5.0, 5.0)) for x in (-0.3, 0.3)],
+    "a pillar ahead": [Cylinder((0.0, 0.0, 0.5), (0.0, 0.0, 1.5), 0.3)],
+    "a wide hall": walls(2.0, 5.0),
+}
+
+
+@pytest.mark.parametrize("name", NOWHERE)
+def test_there_is_no_tube_where_the_way_is_open_to_a_side(name: str) -> None:
+    points, ended = followed(Scene(NOWHERE[name]), np.eye(4))
+    assert ended == NO_TUBE
+    assert len(points) == 1
+
+
+def test_obstacles_beside_what_does_not_concern_them_are_passed_over() -> None:
+    poses = curve(0, 12)
+    scene = Scene([solid(open_tube(poses, 1.3 * RADIUS, 2.0 * RADIUS), "pipe")])
+    points, ended = followed(scene, poses[0], free=2.5 * RADIUS)
+    assert ended == MOUTH
+    assert np.linalg.norm(points[1] - points[0]) == pytest.approx(2.5 * RADIUS, rel=0.1)
+
+
+def test_no_more_points_are_written_than_there_is_place_for() -> None:
+    poses = curve(0, 12)
+    points, ended = followed(Scene([solid(open_tube(poses, 1.5 * RADIUS, 2.0 * RADIUS), "pipe")]), poses[0], most=9)
+    assert ended == UNENDED
+    assert len(points) == 9

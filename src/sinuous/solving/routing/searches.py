@@ -15,7 +15,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.kernels.tables import QUERY_WIDTH, TARGET_WIDTH
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
@@ -24,6 +24,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import walls_of
 from sinuous.solving.routing.growth import FEW, grown, settled
+from sinuous.solving.routing.parts import beyond
 from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
 from sinuous.solving.routing.turned import Groups, turned_back
 
@@ -174,6 +175,7 @@ class Searches:
             grown(groups, line[None], FEW, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
             turned_back(groups, groups, still)
+            beyond(groups, np.zeros(TARGET_WIDTH), still[:1])
         return monotonic() - began
 
     def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:

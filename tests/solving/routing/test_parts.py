@@ -29,7 +29,8 @@ def groups(robot: Robot) -> Groups:
 
 
 def gate(count: int) -> Floats:
-    return packing.target_row(count, np.array([1.0, 1.0, 1.0]), np.array([0.0, 0.0, 1.0]), None)[0]
+    rows = packing.target_row(count, np.array([1.0, 1.0, 1.0]), np.array([0.0, 0.0, 1.0]), None)
+    return rows.reshape(-1)
 
 
 def tip(asked: Groups, q: Floats) -> Floats:

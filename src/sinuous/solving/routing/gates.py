@@ -119,7 +119,7 @@ class Passage:
         ends = [-1, *segments_of(groups)[-len(legs) :]]
         self._first = ends[self._which] + 1
         self._own = segments[self._first : ends[self._which + 1] + 1]
-        self._length = float(np.linalg.norm(legs[self._which, 1] - legs[self._which, 0]))
+        self._length = float(np.linalg.norm(np.diff(legs[self._which], axis=0), axis=1).max())  # corners are cut
         self.room = float(looked[self._which].min() / segments[:, RADIUS].min())
         self._narrow = float(looked[self._which].min())
         self._stretch = _stretch(looked[self._which], skipped)

@@ -10,6 +10,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL
 from sinuous.problem.problem import Problem
 from sinuous.solving.routing.course import ALIKE, GATES, GROWN, Course
+from sinuous.solving.routing.crossing import STARTS
 from sinuous.solving.routing.growth import FEW, MANY, ONE, Beam, grown
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.routes import Router
@@ -93,4 +94,6 @@ def test_costs_grow_with_what_is_tried() -> None:
     costs = list(GROWN.values())
     assert costs == sorted(costs)
     assert [beam.width for beam in GROWN] == sorted(beam.width for beam in GROWN)
-    assert [cost for _, cost, _ in GATES] == sorted(cost for _, cost, _ in GATES)
+    assert list(GATES.values()) == sorted(GATES.values())
+    assert [beam.width for beam in GATES] == sorted(beam.width for beam in GATES)
+    assert list(GATES) == list(STARTS)

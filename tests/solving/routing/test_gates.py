@@ -1,15 +1,15 @@
-"""Gates in the narrow places of routes: where they lie, and that chains go through them."""
+"""Gates in the narrow places of routes: where they lie."""
 
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from sinuous import Box, Robot, Scene, Segment, Target, Tolerance, packing
+from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
 from sinuous.kernels.tables import GOAL, TARGET_POSITION, TARGET_SEGMENT
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.gates import NARROW, STRETCHED, WIDE, Gate, Passage
-from sinuous.solving.routing.growth import LEG_POINTS, SOME, divided, grown, settled
+from sinuous.solving.routing.gates import NARROW, STRETCHED, WIDE, Passage, Way
+from sinuous.solving.routing.growth import LEG_POINTS, divided
 from sinuous.solving.routing.turned import Groups
 from tests.helpers import Floats
 
@@ -28,8 +28,12 @@ def straight(distances: Floats) -> Passage:
     return Passage(groups(ROBOT, [Target((0.0, 0.0, 4.8))], Scene()), LINE[None], distances[None])
 
 
-def gates(passage: Passage) -> list[Gate]:
-    return [passage.gate(i) for i in range(len(passage))]
+def ways(passage: Passage) -> list[Way]:
+    return [passage.way(i, count) for i, spot in enumerate(passage.places) for count in spot.counts]
+
+
+def place_of(row: Floats) -> Floats:
+    return row[TARGET_POSITION : TARGET_POSITION + 3]
 
 
 def with_one_narrow_place(first: int, last: int) -> Floats:
@@ -41,47 +45,73 @@ def with_one_narrow_place(first: int, last: int) -> Floats:
 @pytest.mark.parametrize("at", [40, 80, 110])
 def test_gates_lie_about_the_narrow_place_along_the_route(at: int) -> None:
     passage = straight(with_one_narrow_place(at, at))
-    found = gates(passage)
+    found = ways(passage)
     assert passage.room == pytest.approx(1.5)
     assert len(found) > 3
-    places = np.array([gate.row[TARGET_POSITION : TARGET_POSITION + 3] for gate in found])
+    assert {len(way.rows) for way in found} == {1}
+    places = np.array([place_of(way.rows[0]) for way in found])
     assert np.allclose(places[0], LINE[at])
     assert np.abs(places[:, 2] - LINE[at, 2]).max() <= 0.6 + 0.04
-    assert np.allclose([gate.row[GOAL : GOAL + 3] for gate in found], (0.0, 0.0, 1.0))
+    assert np.allclose([way.rows[0][GOAL : GOAL + 3] for way in found], (0.0, 0.0, 1.0))
 
 
 def test_a_chain_is_long_enough_on_either_side_of_each_gate() -> None:
-    for gate in gates(straight(with_one_narrow_place(60, 62))):
-        before, place = 1 + int(gate.row[TARGET_SEGMENT]), gate.row[TARGET_POSITION + 2]
+    for way in ways(straight(with_one_narrow_place(60, 62))):
+        before, place = 1 + int(way.rows[0][TARGET_SEGMENT]), way.rows[0][TARGET_POSITION + 2]
         assert 1 <= before < len(ROBOT)
         assert before * 1.2 >= STRETCHED * place - 1e-9
         assert (len(ROBOT) - before) * 1.2 >= STRETCHED * (4.8 - place) - 1e-9
 
 
-def test_no_gate_comes_twice_and_legs_meet_there() -> None:
-    found = gates(straight(with_one_narrow_place(80, 80)))
-    kinds = {(gate.row[TARGET_SEGMENT], *gate.row[TARGET_POSITION : TARGET_POSITION + 3]) for gate in found}
-    assert len(kinds) == len(found)
-    for gate in found:
-        assert gate.legs.shape == (2, LEG_POINTS, 3)
-        assert np.allclose(gate.legs[0, 0], LINE[0])
-        assert np.allclose(gate.legs[0, -1], gate.legs[1, 0])
-        assert np.allclose(gate.legs[0, -1], gate.row[TARGET_POSITION : TARGET_POSITION + 3])
-        assert np.allclose(gate.legs[1, -1], LINE[-1])
+@pytest.mark.parametrize(("first", "last"), [(80, 80), (50, 120)])
+def test_no_gate_comes_twice_and_legs_meet_there(first: int, last: int) -> None:
+    found = ways(straight(with_one_narrow_place(first, last)))
+    kinds = {(way.rows[0][TARGET_SEGMENT], *place_of(way.rows[0])) for way in found}
+    assert len(kinds) == len(found) > 3
+    for way in found:
+        assert len(way.legs) == len(way.rows) + 1
+        assert {leg.shape for leg in way.legs} == {(1, LEG_POINTS, 3)}
+        assert np.allclose(way.legs[0][0, 0], LINE[0])
+        assert np.allclose(way.legs[-1][-1, -1], LINE[-1])
+        for (before, beyond), row in zip(pairwise(way.legs), way.rows, strict=True):
+            assert np.allclose(before[-1, -1], beyond[0, 0])
+            assert np.linalg.norm(before[-1, -1] - place_of(row)) < 0.3 * 1.2 + 0.04
 
 
-def test_into_a_long_narrow_place_the_gate_is_where_it_begins() -> None:
+def test_a_long_narrow_place_has_gates_where_it_begins_and_where_it_ends() -> None:
     first, last = 50, 120  # more than two metres
-    places = [gate.row[TARGET_POSITION + 2] for gate in gates(straight(with_one_narrow_place(first, last)))]
-    assert places[0] == pytest.approx(LINE[first, 2] + 0.25 * 1.2, abs=0.03)
-    assert min(places) >= LINE[first, 2] - 1e-9
+    found = ways(straight(with_one_narrow_place(first, last)))
+    for way in found:
+        assert LINE[first, 2] <= way.rows[0][TARGET_POSITION + 2] <= LINE[first, 2] + 0.67 * 1.2 + 0.14
+    both = [way.rows for way in found if len(way.rows) == 2]
+    assert len(both) > 3
+    for begin, end in both:
+        through = end[TARGET_SEGMENT] - begin[TARGET_SEGMENT]
+        apart = end[TARGET_POSITION + 2] - begin[TARGET_POSITION + 2]
+        assert end[TARGET_POSITION + 2] <= LINE[last, 2] + 0.3 * 1.2
+        assert 0.8 * through * 0.999 <= apart <= 1.2 * through
+
+
+@pytest.mark.parametrize("dips", [[119, 120], [50], [50, 51, 120]])
+def test_where_a_route_cuts_corners_the_channel_is_still_seen(dips: list[int]) -> None:
+    """At its mouths a route comes nearer to the walls than in the middle of the channel."""
+    distances = with_one_narrow_place(50, 120)
+    distances[dips] = 1.15 * RADIUS
+    even, cut = (straight(each).places for each in (with_one_narrow_place(50, 120), distances))
+    assert [abs(one.at - other.at) <= 2 for one, other in zip(even, cut, strict=True)] == [True] * 3
+
+
+def test_what_overlaps_all_along_is_no_error() -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        straight(RADIUS * rng.normal(size=LEG_POINTS))
 
 
 def test_what_is_wide_or_narrow_up_to_an_end_has_no_gate() -> None:
-    assert len(straight(np.full(LEG_POINTS, 1.01 * WIDE * RADIUS))) == 0
-    assert len(straight(with_one_narrow_place(0, 80))) == 0
-    assert len(straight(with_one_narrow_place(80, LEG_POINTS - 1))) == 0
-    assert len(straight(np.full(LEG_POINTS, 1.5 * RADIUS))) == 0
+    assert not straight(np.full(LEG_POINTS, 1.01 * WIDE * RADIUS)).places
+    assert not straight(with_one_narrow_place(0, 80)).places
+    assert not straight(with_one_narrow_place(80, LEG_POINTS - 1)).places
+    assert not straight(np.full(LEG_POINTS, 1.5 * RADIUS)).places
     assert NARROW > 1.0
 
 
@@ -91,37 +121,11 @@ def test_with_an_elbow_the_gate_is_on_the_leg_that_is_narrow_and_of_its_segments
     wide, narrow = np.full(LEG_POINTS, 1.0), with_one_narrow_place(80, 80)
     asked = groups(ROBOT, targets, Scene())
     for which, distances in enumerate(([narrow, wide], [wide, narrow])):
-        found = gates(Passage(asked, legs, np.stack(distances)))
+        found = ways(Passage(asked, legs, np.stack(distances)))
         assert found
-        for gate in found:
-            assert gate.legs.shape == (3, LEG_POINTS, 3)
-            assert 3 * which <= gate.row[TARGET_SEGMENT] < 3 * which + 2
-            assert gate.asked(asked)[3].shape[0] == 3
-
-
-def test_a_chain_grown_through_a_gate_goes_through_the_door() -> None:
-    """A wall with a hole; the target is behind it and aside, so that what leads straight there meets the wall."""
-    half, wall = 1.6 * RADIUS, 2.5
-    boxes = [Box((side * (0.5 * 4.0 + half), 0.0, wall), (4.0, 8.0, 0.1)) for side in (-1.0, 1.0)]
-    boxes += [Box((0.0, side * (0.5 * 4.0 + half), wall), (2.0 * half, 4.0, 0.1)) for side in (-1.0, 1.0)]
-    scene = Scene(boxes)
-    target = Target((1.0, 0.6, 4.2))
-    line = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, wall + 0.3), target.position])
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    leg = np.stack([np.interp(np.linspace(0.0, along[-1], LEG_POINTS), along, axis) for axis in line.T], axis=-1)
-    asked = groups(ROBOT, [target], scene)
-    passage = Passage(asked, leg[None], scene.distance(leg)[None])
-    assert passage.room == pytest.approx(1.6, rel=0.01)
-    through = 0
-    for i in range(3):
-        gate = passage.gate(i)
-        chains = grown(gate.asked(asked), gate.legs, SOME, 60.0)
-        for q in settled(gate.asked(asked), chains, lambda: 60.0):
-            body = ROBOT.backbone(q, 40)
-            crossing = body[np.abs(body[:, 2] - wall).argmin()]
-            through += bool(np.abs(crossing[:2]).max() < half and scene.distance(body).min() > 0.9 * RADIUS)
-            assert ROBOT.excess(q) <= 1e-12
-    assert through >= 2
+        for way in found:
+            assert [len(leg) for leg in way.legs] == [1 + which, 2 - which]
+            assert 3 * which <= way.rows[0][TARGET_SEGMENT] < 3 * which + 2
 
 
 def test_a_route_is_divided_at_the_elbows_that_it_leads_past() -> None:

@@ -9,9 +9,11 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.solving.routing.crossing import Crossing
 from sinuous.solving.routing.gates import Passage
 from sinuous.solving.routing.growth import (
     FEW,
+    GLANCE,
     LEG_POINTS,
     MANY,
     ONE,
@@ -42,8 +44,11 @@ AT_ONCE, SOON = 6, 14
 GROWN = {ONE: 4, SOME: 10, FEW: 25, MANY: 100}
 """What it costs to grow chains along a route, from either end, in scattered starts, about."""
 
-GATES = ((ONE, 3, 1), (SOME, 5, 5), (FEW, 12, 5), (MANY, 110, 1))
-"""The same for chains that are grown through the first gate; and through how many gates of a route."""
+GATES = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
+"""The same for chains through the gates at the first place of a passage, part after part; the next cost one more."""
+
+PLACES = 3
+"""Places of gates in one passage."""
 
 ALONG = 2
 """Routes of one search along which chains are grown; through gates of the first one alone."""
@@ -135,6 +140,7 @@ class Course:
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
         self._passages: dict[int, Passage | None] = {}
+        self._crossings: dict[int, Crossing] = {}
         self._tried: set[bytes] = set()
 
     def batches(self) -> Iterator[Batch]:
@@ -229,8 +235,8 @@ class Course:
         if not alike and place < ALONG:
             for beam, cost in GROWN.items():
                 self._add(cost, line, beam, -1)
-            for beam, cost, count in GATES if place == 0 else ():
-                for gate in range(count):
+            for beam, cost in GATES.items() if place == 0 else ():
+                for gate in range(1 if beam == GLANCE else PLACES):
                     self._add((cost + gate) * (1 if finest else BLIND), line, beam, gate)
         if finest:
             for side in range(len(SIDES) if line.rank == 1 or not any(one.finest for one in self._lines[:-1]) else 1):
@@ -295,14 +301,17 @@ class Course:
             yield along(turned_back(self._groups, other, chain)[None], (line.route,))
 
     def _through(self, line: Line, beam: Beam, number: int) -> Iterator[Batch]:
-        """Yield chains that are grown along a line, through one of its gates."""
+        """Yield chains through the gates at one place of a line, of which each part is solved by itself."""
         passage = self._passage(line)
-        if passage is None or number >= len(passage) or not (line.finest or passage.room > CUT):
+        if passage is None or not (line.finest or passage.room > CUT):
             return
-        self._spent += GROWN[beam] // 2
-        gate = passage.gate(number)
-        for chain in self._chains(gate.asked(self._groups), gate.legs, beam):
-            yield along(chain[None], (line.route,))
+        crossing = self._crossings.setdefault(line.rank, Crossing(self._groups, passage))
+        if number >= len(crossing):
+            return
+        self._spent += GATES[beam]
+        for chain in crossing.chains(number, beam, self._question.seconds_left):
+            if self._is_new(chain):
+                yield along(chain[None], (line.route,))
 
     def _room(self, line: Line) -> float:
         """Distance from the obstacles that a line keeps, in radii of the body."""

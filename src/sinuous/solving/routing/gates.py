@@ -1,13 +1,15 @@
-"""Gates: poses in the narrowest places of a route, through which chains are grown.
+"""Gates: poses in the narrowest places of a route, which a chain is led through.
 
 A chain that comes to a narrow place at a slant is lost there, and what leads into it straight is one chain among many.
 So the end of one of its segments is asked to lie in that place, along the route, as if it were an elbow.
 """
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import (
@@ -15,6 +17,7 @@ from sinuous.kernels.tables import (
     GOAL,
     HAS_POSITION,
     MAX_LENGTH,
+    MIN_LENGTH,
     ORIENTATION,
     RADIUS,
     ROBOT_HEADER,
@@ -26,45 +29,71 @@ from sinuous.kernels.tables import (
 from sinuous.solving.routing.growth import LEG_POINTS, respaced, segments_of
 from sinuous.solving.routing.turned import Groups
 
-NARROW, WIDE = 1.1, 2.5
+NARROW, WIDE = 1.35, 2.5
 """Up to so many times the least distance a place is as narrow as the narrowest one; and distance, in radii of the body,
 from which on no place is narrow."""
 
-SHIFTS, INWARDS = (0.0, -0.5, 0.5), (0.25, 0.75, 0.0)
+ALIKE = 0.06
+"""How much distances of a channel from its walls differ, of their median."""
+
+SHIFTS, INWARDS = (0.0, -0.5, 0.5), (0.0, 0.33, 0.67)
 """How far beyond a narrow place the gate lies, in lengths of a segment; and how far beyond where one begins that is
 longer than a segment."""
 
-SHARES = (0.5, 0.75, 0.25, 1.0, 0.0)
-"""Of the numbers of segments that may lie before a gate: which are tried, from the fewest to the most."""
+BEGUN, ENDED = 0.7, (0.5, 1.5, 2.5)
+"""How far within a long narrow place the gate lies where it begins, and where it ends: for each place of the first, in
+units of its room. A route cuts the corner there, so it is not known well where the walls end."""
 
 STRETCHED = 0.95
 """Of the length of a route, the least that a chain along it can have."""
 
+SHARES = (0.5, 0.0, 0.9)
+"""How long segments in a narrow place are, between their least and their greatest length: for each place."""
+
+TAUT = 0.9998
+"""Length that segments in a narrow place span at most, of their own."""
+
+BEYOND = (0.3, 0.0, 0.15)
+"""How far beyond the end of a narrow place what lies in it may end, in lengths of a segment: for each place."""
+
 TANGENT = 3
-"""Points on either side that the tangent of a route is taken over."""
+"""Points on either side that the tangent of a route is taken over; where a long narrow place begins, those in it."""
 
 ENDS = 0.04
 """Of a leg, what is not looked at, at its ends."""
 
 
-class Gate(NamedTuple):
-    """A pose that the end of a segment is to have.
+class Way(NamedTuple):
+    """A way through a passage: poses that the ends of segments are to have, and the route between them.
 
     Attributes
     ----------
-    row : ndarray (15,)
-        That as a target.
-    legs : ndarray (l, K, 3)
-        The legs of the route, one of which is divided at the gate.
+    rows : list of ndarray (15,)
+        The poses as targets: one; or two, where a long narrow place begins and where it ends.
+    legs : list of ndarray (l, K, 3)
+        The legs of the route up to the first pose, from there to the next one, and from the last to its end.
     """
 
-    row: Floats
-    legs: Floats
+    rows: list[Floats]
+    legs: list[Floats]
 
-    def asked(self, groups: Groups) -> Groups:
-        """Return a problem with the gate among its targets."""
-        robot, scene, settings, targets = groups
-        return robot, scene, settings, np.vstack([targets, self.row])
+
+class Spot(NamedTuple):
+    """Where gates are.
+
+    Attributes
+    ----------
+    at : int
+        At which point of the leg.
+    counts : list of int
+        How many segments of the leg may be before them: from the fewest on.
+    even : int
+        Which of these leave either part as much length to be stowed, for each of its segments.
+    """
+
+    at: int
+    counts: list[int]
+    even: int
 
 
 class Passage:
@@ -90,50 +119,83 @@ class Passage:
         ends = [-1, *segments_of(groups)[-len(legs) :]]
         self._first = ends[self._which] + 1
         self._own = segments[self._first : ends[self._which + 1] + 1]
-        self._length = float(np.linalg.norm(legs[self._which, 1] - legs[self._which, 0]))
+        self._length = float(np.linalg.norm(np.diff(legs[self._which], axis=0), axis=1).max())  # corners are cut
         self.room = float(looked[self._which].min() / segments[:, RADIUS].min())
+        self._narrow = float(looked[self._which].min())
         self._stretch = _stretch(looked[self._which], skipped)
-        self._order = sorted(self._all()) if self.room < WIDE else []
+        mean = self._own[:, MAX_LENGTH].mean()
+        self._inwards = bool((self._stretch[1] - self._stretch[0]) * self._length > mean)
+        self.places = list(self._all()) if self.room < WIDE else []
 
-    def __len__(self) -> int:
-        """How many gates there are."""
-        return len(self._order)
+    def way(self, place: int, count: int) -> Way:
+        """Return the way through the gate at a place with so many segments of the leg before it."""
+        at, leg = self.places[place].at, self._legs[self._which]
+        rows, cuts = [self._row(at, count, 0 if self._inwards else TANGENT, TANGENT)], [0, at]
+        through, gone = self._through(place, count) if self._inwards else (0, 0.0)
+        end = min(at + round(gone / self._length), self._stretch[1])
+        if end > at and 0 < through < len(self._own) - count:
+            rows.append(self._row(end, count + through, TANGENT, 0, at + gone / self._length - end))
+            cuts.append(end)
+        parts = [respaced(leg[a : b + 1], LEG_POINTS)[None] for a, b in pairwise([*cuts, len(leg) - 1])]
+        parts[0] = np.concatenate([self._legs[: self._which], parts[0]])
+        parts[-1] = np.concatenate([parts[-1], self._legs[self._which + 1 :]])
+        return Way(rows, parts)
 
-    def gate(self, number: int) -> Gate:
-        """Return gate `number`, the most promising first."""
-        _, at, count = self._order[number]
-        leg, segment = self._legs[self._which], self._first + count - 1
-        tangent = leg[at + TANGENT] - leg[at - TANGENT]
+    def _through(self, place: int, count: int) -> tuple[int, float]:
+        """How many segments lie between a gate and the end of the narrow place, and how far from the gate they end."""
+        room = self._length * (self._stretch[1] - self.places[place].at) - ENDED[place] * self._narrow
+        low, high = (np.concatenate([[0.0], np.cumsum(self._own[count:, which])]) for which in (MIN_LENGTH, MAX_LENGTH))
+        own, more = low + SHARES[place] * (high - low), BEYOND[place] * high[-1] / len(high)
+        through = int(np.flatnonzero(own <= room + more)[-1])
+        return through, float(min(max(room, TAUT * low[through]), TAUT * high[through]))
+
+    def _row(self, at: int, count: int, back: int, ahead: int, more: float = 0.0) -> Floats:
+        """The pose at a point of the leg, or more points ahead, as a target, after so many of its segments."""
+        leg = self._legs[self._which]
+        tangent = leg[at + ahead] - leg[at - back]
         row = np.zeros(TARGET_WIDTH)
-        row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = segment, 1.0, DIRECTION
-        row[TARGET_POSITION : TARGET_POSITION + 3] = leg[at]
+        row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = self._first + count - 1, 1.0, DIRECTION
+        row[TARGET_POSITION : TARGET_POSITION + 3] = leg[at] + more / (back + ahead) * tangent
         row[GOAL : GOAL + 3] = tangent / np.linalg.norm(tangent)
-        parts = [respaced(part, LEG_POINTS) for part in (leg[: at + 1], leg[at:])]
-        return Gate(row, np.stack([*self._legs[: self._which], *parts, *self._legs[self._which + 1 :]]))
+        return row
 
-    def _all(self) -> Iterator[tuple[float, int, int]]:
-        """Yield of each gate its rank, at which point of the leg it is, and how many segments are before it."""
-        high = np.concatenate([[0.0], np.cumsum(self._own[:, MAX_LENGTH])])
-        mean, last = high[-1] / len(self._own), self._legs.shape[1] - 1
+    def _all(self) -> Iterator[Spot]:
+        """Yield where gates are, the most promising first."""
+        low, high = (np.concatenate([[0.0], np.cumsum(self._own[:, at])]) for at in (MIN_LENGTH, MAX_LENGTH))
+        mean, n, last = high[-1] / len(self._own), len(self._own), self._legs.shape[1] - 1
         begin, end = self._stretch
         if begin <= self._skipped or end >= last - self._skipped:
             return  # an end lies in it: chains are in there, or get there, without a gate
-        inwards = (end - begin) * self._length > mean
-        for i, shift in enumerate(INWARDS if inwards else SHIFTS):
-            at = (begin if inwards else (begin + end) // 2) + round(shift * mean / self._length)
+        first = begin + round(BEGUN * self._narrow / self._length) if self._inwards else (begin + end) // 2
+        for shift in INWARDS if self._inwards else SHIFTS:
+            at = first + round(shift * mean / self._length)
             if not TANGENT < at < last - TANGENT:
                 continue
             before, after = STRETCHED * self._length * at, STRETCHED * self._length * (last - at)
-            counts = [m for m in range(1, len(self._own)) if high[m] >= before and high[-1] - high[m] >= after]
-            shares = (round(share * (len(counts) - 1)) for share in SHARES)
-            for j, which in enumerate(dict.fromkeys(shares) if counts else ()):
-                yield 1.1 * i + j, at, counts[which]
+            counts = [m for m in range(1, n) if high[m] >= before and high[-1] - high[m] >= after]
+            if counts:
+                stowed = [max(0.0, low[m] - before) / m - max(0.0, low[-1] - low[m] - after) / (n - m) for m in counts]
+                yield Spot(at, counts, int(np.abs(stowed).argmin()))
 
 
 def _stretch(distances: Floats, skipped: int) -> tuple[int, int]:
-    """First and last point of what is about as narrow as the narrowest place, around it."""
-    at, wide = int(distances.argmin()), np.flatnonzero(distances > NARROW * distances.min())
-    before, after = wide[wide < at], wide[wide > at]
-    first = int(before[-1]) + 1 if len(before) else 0
-    last = int(after[0]) - 1 if len(after) else len(distances) - 1
+    """First and last point of the narrow place around the narrowest point.
+
+    A route that leads out of a channel cuts the corner of its mouth, so the narrowest point may be there. The walls of
+    the channel are where distances are all alike.
+    """
+    at = int(distances.argmin())
+    first, last = _run(distances <= NARROW * max(0.0, distances[at]), at)
+    middle = np.sort(distances[first : last + 1])[(last - first) // 2]
+    alike = np.abs(distances - middle) <= ALIKE * abs(middle)
+    alike[:first] = alike[last + 1 :] = False
+    runs = [_run(alike, int(at)) for at in np.flatnonzero(alike)]
+    first, last = max(runs, key=lambda run: run[1] - run[0])
     return first + skipped, last + skipped
+
+
+def _run(which: NDArray[np.bool_], at: int) -> tuple[int, int]:
+    """First and last of the neighbours of a point that are all so."""
+    others = np.flatnonzero(~which)
+    before, after = others[others < at], others[others > at]
+    return int(before[-1]) + 1 if len(before) else 0, int(after[0]) - 1 if len(after) else len(which) - 1

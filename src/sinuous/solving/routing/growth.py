@@ -35,7 +35,7 @@ class Beam(NamedTuple):
     width: int
 
 
-ONE, SOME, FEW, MANY = Beam(1, 4), Beam(1, 8), Beam(2, 16), Beam(8, 64)
+GLANCE, ONE, SOME, FEW, MANY = Beam(1, 2), Beam(1, 4), Beam(1, 8), Beam(2, 16), Beam(8, 64)
 """What is tried first, and where that does not lead to a solution."""
 
 LEG_POINTS = 160

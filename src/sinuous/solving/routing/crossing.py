@@ -1,0 +1,180 @@
+"""Chains through the gates of a passage: part after part, each solved by itself and proved clear."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.solve.search import search
+from sinuous.kernels.step.states import workspace_size
+from sinuous.kernels.tables import GOAL, MERIT, OUT_OF_REACH, SOLVED, TARGET_POSITION, TARGET_SEGMENT
+from sinuous.solving.routing.gates import Passage, Way
+from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, grown, settled
+from sinuous.solving.routing.parts import before, begin, beyond
+from sinuous.solving.routing.turned import Groups
+
+STARTS = {GLANCE: 3, ONE: 6, SOME: 20, FEW: 50, MANY: 150}
+"""Beams with which parts are grown, from the least effort on, and scattered starts of a part with each."""
+
+AGAIN = 1
+"""Numbers of segments before a gate that are tried again with more effort, though those beyond did not get there."""
+
+SEED = 0
+"""Of the scattered starts of parts."""
+
+PLACE, ALONG = slice(TARGET_POSITION, TARGET_POSITION + 3), slice(GOAL, GOAL + 3)
+"""Position and direction of a gate, in its row."""
+
+Left = Callable[[], float]
+"""Seconds left."""
+
+
+class Part:
+    """One part of a robot, solved with more and more effort.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        Its problem, see `Groups`.
+    legs : ndarray (l, K, 3)
+        The part of the route that belongs to it, from target to target.
+
+    Attributes
+    ----------
+    nearest : ndarray (m, 3) or None
+        What came nearest to a solution.
+    """
+
+    def __init__(self, groups: Groups, legs: Floats) -> None:
+        self._groups, self._legs = groups, legs
+        robot, scene, _, targets = groups
+        self._workspace = np.empty(workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))
+        self._first = self._effort = 0
+        self._possible, self._least = True, math.inf
+        self._q: Floats | None = None
+        self.nearest: Floats | None = None
+
+    def solved(self, most: Beam, left: Left) -> Floats | None:
+        """Return a configuration (m, 3) that is proved, with no more effort than this; `None` where none is found."""
+        efforts = list(STARTS)
+        while self._q is None and self._possible and self._effort <= efforts.index(most) and left() > 0.0:
+            beam = efforts[self._effort]
+            self._effort += 1
+            found = (self._follow(chains, own, left) for chains, own in self._tries(beam, left))
+            self._q = next((q for q in found if q is not None), None)
+        return self._q
+
+    def _tries(self, beam: Beam, left: Left) -> Iterator[tuple[Floats, tuple[int, int]]]:
+        """Yield chains (c, m, 3) and numbers of scattered starts that are to be followed."""
+        first, self._first = self._first, self._first + STARTS[beam]
+        nothing = np.empty((0, int(self._groups[0][0]), 3))
+        yield nothing, (first, self._first)
+        if left() > 0.0 and self._possible:
+            chains = grown(self._groups, self._legs, beam, left())
+            if len(chains):
+                yield chains, (0, 0)
+                yield np.array([*nothing, *settled(self._groups, chains, left)]), (0, 0)
+
+    def _follow(self, chains: Floats, own: tuple[int, int], left: Left) -> Floats | None:
+        """Follow starts to the first that is solved and proved."""
+        best = np.empty((int(self._groups[0][0]), 3))
+        record = search(*self._groups, chains, (*own, SEED, max(0.0, left())), self._workspace, best)
+        code, merit = record[0], record[MERIT - 1]
+        self._possible = self._possible and code < OUT_OF_REACH
+        if merit < self._least:
+            self._least, self.nearest = merit, best
+        return best if code == SOLVED else None
+
+
+class Parts:
+    """The parts of a robot between the gates of one way, each solved from where the one before it ends.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        The problem of the whole, see `Groups`.
+    way : Way
+    """
+
+    def __init__(self, groups: Groups, way: Way) -> None:
+        self._rest, self._way = groups, way
+        self._parts: list[Part] = []
+
+    def solved(self, most: Beam, left: Left) -> tuple[Floats | None, bool]:
+        """Return a configuration (n, 3) whose parts are solved, each with no more effort than this; and how far it got.
+
+        That is whether the first part is solved. Where only the last part is not, what came nearest is taken: the whole
+        chain has more freedom than its last part.
+        """
+        chains: list[Floats] = []
+        for i in range(len(self._way.legs)):
+            if i == len(self._parts):
+                self._parts.append(self._next(chains))
+            chain = self._parts[i].solved(most, left)
+            if chain is None and i == len(self._way.rows):
+                chain = self._parts[i].nearest
+            if chain is None:
+                return None, i > 0
+            chains.append(chain)
+        return np.concatenate(chains), True
+
+    def _next(self, chains: list[Floats]) -> Part:
+        """The part that follows those of these configurations."""
+        rows, done = self._way.rows, len(chains)
+        if done > 0:
+            gate = rows[done - 1]
+            self._rest = beyond(self._rest, gate, chains[-1])
+            farther = (begin(self._rest) - gate[PLACE]) @ gate[ALONG]
+            for row in rows[done:]:
+                row[TARGET_SEGMENT] -= len(chains[-1])
+                row[PLACE] += farther * row[ALONG]  # what lies between two gates is as long as it is
+        own = before(self._rest, rows[done]) if done < len(rows) else self._rest
+        return Part(own, self._way.legs[done])
+
+
+class Crossing:
+    """Chains through the gates of a passage.
+
+    The more segments are before a gate, the harder the part before it is, and the easier that beyond: their number is
+    found by halving, with little effort; with more, it goes on from where that has ended.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        The problem, see `Groups`.
+    passage : Passage
+    """
+
+    def __init__(self, groups: Groups, passage: Passage) -> None:
+        self._groups, self._passage = groups, passage
+        self._parts: dict[tuple[int, int], Parts] = {}
+        self._reached: dict[int, int] = {}
+
+    def __len__(self) -> int:
+        """At how many places there are gates."""
+        return len(self._passage.places)
+
+    def chains(self, place: int, most: Beam, left: Left) -> Iterator[Floats]:
+        """Yield configurations (n, 3) through the gates at a place, whose parts took no more effort than this."""
+        spot = self._passage.places[place]
+        low, high, i = 0, len(spot.counts) - 1, spot.even
+        before = self._reached.get(place)
+        if before is not None:
+            low = i = min(max(0, before - AGAIN), high)
+        while low <= high and left() > 0.0:
+            chain, through = self._whole(place, spot.counts[i], most, left)
+            if chain is not None:
+                yield chain
+            if most == GLANCE:
+                return
+            low, high = (i + 1, high) if through else (low, i - 1)
+            self._reached[place] = low
+            i = low if before is not None else (low + high) // 2
+
+    def _whole(self, place: int, count: int, most: Beam, left: Left) -> tuple[Floats | None, bool]:
+        """Return a configuration with so many segments before the gate, if one is found, and whether they got there."""
+        key = place, count
+        if key not in self._parts:
+            self._parts[key] = Parts(self._groups, self._passage.way(place, count))
+        return self._parts[key].solved(most, left)

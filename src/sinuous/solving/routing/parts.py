@@ -1,0 +1,101 @@
+"""A robot in two parts: the segments before a gate, and those beyond it, each with a problem of its own.
+
+Two problems of half the segments are far easier than one of all: where one start of a hundred leads through a gate, and
+one of a hundred from there to the target, it is one of ten thousand that does both.
+"""
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.chain.batch import frames_of
+from sinuous.kernels.tables import (
+    ACTUATOR_WIDTH,
+    ANGLE_TOLERANCE,
+    FIRST_SEGMENT,
+    LAST_SEGMENT,
+    MAX_LENGTH,
+    MIN_LENGTH,
+    MOUNT,
+    POSE_POSITION,
+    POSE_WIDTH,
+    POSITION_TOLERANCE,
+    RADIUS,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
+    TARGET_SEGMENT,
+    UNIT,
+)
+from sinuous.solving.routing.turned import Groups
+
+NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
+"""Pose (12,) of the tip without a tool."""
+
+LOOSE, SLANT = 0.25, 0.08
+"""How far from a gate the part before it may end: in radii of the body, and in rad."""
+
+
+def before(groups: Groups, row: Floats) -> Groups:
+    """Return the problem of the segments up to a gate, which is a target row (15,): to end there, nearly."""
+    robot, scene, settings, targets = groups
+    count = int(row[TARGET_SEGMENT]) + 1
+    segments, base, _ = _split(robot)
+    own = targets[_segments(groups) < count]
+    last = row.copy()
+    last[TARGET_SEGMENT] = -1.0
+    told = _scaled(settings, segments[:count])
+    told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * segments[:, RADIUS].min())
+    told[ANGLE_TOLERANCE] = max(told[ANGLE_TOLERANCE], SLANT)
+    return _robot(robot, 0, count, base, NO_TOOL), scene, told, np.vstack([own, last])
+
+
+def beyond(groups: Groups, row: Floats, chain: Floats) -> Groups:
+    """Return the problem of the segments beyond a gate, from where the chain (m, 3) before it ends."""
+    robot, scene, settings, targets = groups
+    count = int(row[TARGET_SEGMENT]) + 1
+    segments, base, tool = _split(robot)
+    frames = np.empty((1, count + 1, POSE_WIDTH))
+    frames_of(chain[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
+    own = targets[_segments(groups) >= count]
+    own[:, TARGET_SEGMENT] = np.where(own[:, TARGET_SEGMENT] < 0.0, -1.0, own[:, TARGET_SEGMENT] - count)
+    told = _scaled(settings, segments[count:])
+    told[MOUNT] = max(0.0, told[MOUNT] - chain[:, 2].sum())
+    return _robot(robot, count, len(segments), frames[0, count], tool), scene, told, own
+
+
+def begin(groups: Groups) -> Floats:
+    """Where the backbone begins (3,)."""
+    return _split(groups[0])[1][POSE_POSITION:]
+
+
+def _split(robot: Floats) -> tuple[Floats, Floats, Floats]:
+    """Rows (n, 7) of the segments of a robot, and the poses (12,) of its base and its tool."""
+    n = int(robot[0])
+    rows = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+    return rows, robot[-2 * POSE_WIDTH : -POSE_WIDTH], robot[-POSE_WIDTH:]
+
+
+def _robot(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> Floats:
+    """Group of a robot of the segments from `first` up to, without it, `last`.
+
+    Limits of actuators that see others, too, are left out: the whole robot has to keep them.
+    """
+    segments, _, _ = _split(robot)
+    rows = robot[ROBOT_HEADER + segments.size : -2 * POSE_WIDTH].reshape(-1, ACTUATOR_WIDTH)
+    inside = (rows[:, FIRST_SEGMENT] >= first) & (rows[:, LAST_SEGMENT] < last)
+    own = rows[inside & (rows[:, FIRST_SEGMENT] == rows[:, LAST_SEGMENT])]
+    own[:, [FIRST_SEGMENT, LAST_SEGMENT]] -= first
+    header = [float(last - first), float(len(own)), robot[2]]
+    return np.concatenate([header, segments[first:last].ravel(), own.ravel(), base, tool])
+
+
+def _scaled(settings: Floats, segments: Floats) -> Floats:
+    """Settings for a robot of these segments (m, 7)."""
+    told = settings.copy()
+    told[UNIT] = segments[:, [MIN_LENGTH, MAX_LENGTH]].mean(axis=1).sum()
+    return told
+
+
+def _segments(groups: Groups) -> Floats:
+    """Segment (t,) whose end each target concerns."""
+    robot, _, _, targets = groups
+    return np.where(targets[:, TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, TARGET_SEGMENT])

@@ -1,0 +1,91 @@
+"""A robot in two parts: together they are the whole, in shape, limits and targets."""
+
+import numpy as np
+import pytest
+
+from sinuous import Chambers, Robot, Scene, Segment, Target, Tendons, Tolerance, packing
+from sinuous.checks import Floats
+from sinuous.kernels.chain.batch import frames_of
+from sinuous.kernels.tables import MOUNT, ROBOT_HEADER, SEGMENT_WIDTH, TARGET_SEGMENT, UNIT
+from sinuous.poses import pose
+from sinuous.problem.problem import Problem
+from sinuous.solving.routing.parts import before, begin, beyond
+from sinuous.solving.routing.turned import Groups
+
+TOOL = pose((0.02, 0.0, 0.1), direction=(0.3, 0.0, 1.0))
+ROBOT = Robot(
+    [Segment((0.8, 1.0 + 0.1 * k), 2.0, radius=0.05 + 0.01 * k) for k in range(5)],
+    base=pose((1.0, -2.0, 0.5), direction=(0.2, 1.0, -0.4)),
+    tool=TOOL,
+    mount=1.3,
+)
+TARGETS = [Target((1.0, 0.0, 0.5), segment=1), Target((2.0, 0.0, 0.5), segment=4), Target((2.0, 1.0, 0.5))]
+
+
+def groups(robot: Robot) -> Groups:
+    problem = Problem(robot, TARGETS, Scene())
+    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
+    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
+
+
+def gate(count: int) -> Floats:
+    rows = packing.target_row(count, np.array([1.0, 1.0, 1.0]), np.array([0.0, 0.0, 1.0]), None)
+    return rows.reshape(-1)
+
+
+def tip(asked: Groups, q: Floats) -> Floats:
+    """Position of the tip, by the compiled kinematics of a group."""
+    robot = asked[0]
+    frames = np.empty((1, len(q) + 1, 12))
+    frames_of(q[None].copy(), robot[-24:-12].reshape(1, 12).copy(), frames)
+    end = frames[0, -1]
+    place: Floats = end[:9].reshape(3, 3) @ robot[-3:] + end[9:]
+    return place
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_what_is_beyond_begins_where_what_is_before_ends(count: int) -> None:
+    rng = np.random.default_rng(count)
+    asked = groups(ROBOT)
+    for _ in range(20):
+        q = np.column_stack([rng.uniform(-1.0, 1.0, (5, 2)), rng.uniform(0.8, 1.0, 5)])
+        first, second = before(asked, gate(count)), beyond(asked, gate(count), q[:count])
+        ends = ROBOT.forward(q)  # the independent answer is that of the whole robot
+        assert np.allclose(tip(first, q[:count]), ends[count - 1, :3, 3])
+        assert np.allclose(begin(second), ends[count - 1, :3, 3])
+        assert np.allclose(tip(second, q[count:]), ROBOT.tip(q)[:3, 3])
+        assert second[2][MOUNT] == pytest.approx(max(0.0, 1.3 - q[:count, 2].sum()))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_segments_and_targets_are_shared_out(count: int) -> None:
+    asked = groups(ROBOT)
+    q = np.tile([0.0, 0.0, 0.9], (count, 1))
+    first, second = before(asked, gate(count)), beyond(asked, gate(count), q)
+    rows = [part[0][ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * int(part[0][0])] for part in (first, second)]
+    assert np.array_equal(np.concatenate(rows), ROBOT.limits.ravel())
+    assert first[2][UNIT] + second[2][UNIT] == pytest.approx(ROBOT.mean_length)
+    assert np.array_equal(first[3][-1, 1:], gate(count)[1:])
+    assert first[3][-1, TARGET_SEGMENT] == -1.0
+    ends = [*first[3][:-1, TARGET_SEGMENT], *(np.where(second[3][:, 0] < 0.0, 4.0 - count, second[3][:, 0]) + count)]
+    assert ends == [0.0, 3.0, 4.0]
+
+
+def test_limits_of_actuators_that_see_both_parts_are_left_out() -> None:
+    tendons, chambers = Tendons(3, 0.05, displacement=(-0.2, 0.2)), Chambers(3, 0.05, length=(0.5, 1.5))
+    pulled, blown = Segment((0.8, 1.2), 2.0, tendons=tendons), Segment((0.8, 1.2), 2.0, chambers=chambers)
+    robot = Robot([blown, pulled, blown], radius=0.05)
+    asked = groups_of_tip(robot)
+    q = np.tile([0.0, 0.0, 1.0], (2, 1))
+    for part, segments in ((before(asked, gate(2)), 2), (beyond(asked, gate(2), q), 1)):
+        assert part[0][0] == segments
+        own = part[0][ROBOT_HEADER + SEGMENT_WIDTH * segments : -24].reshape(-1, 7)
+        assert len(own) == part[0][1] > 0
+        assert (own[:, 0] == own[:, 1]).all()
+        assert set(own[:, 0]) <= set(range(segments))
+
+
+def groups_of_tip(robot: Robot) -> Groups:
+    problem = Problem(robot, [Target((0.0, 0.0, 2.5))], Scene())
+    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
+    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()

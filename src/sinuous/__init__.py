@@ -83,9 +83,9 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
+    from sinuous.solving.solve import solve as solve
+    from sinuous.solving.solve import solve_all as solve_all
     from sinuous.solving.solver import Solver as Solver
-    from sinuous.solving.solver import solve as solve
-    from sinuous.solving.solver import solve_all as solve_all
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
@@ -143,7 +143,8 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Active", "Step"),
     "solution.verification": ("Verification", "Verifications"),
-    "solving.solver": ("Solver", "solve", "solve_all"),
+    "solving.solve": ("solve", "solve_all"),
+    "solving.solver": ("Solver",),
     "problem.target": ("Target",),
     "motion.leader.leader": ("follow_the_leader",),
     "motion.leader.stage": ("on_stage",),

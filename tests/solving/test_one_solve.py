@@ -8,8 +8,8 @@ import pytest
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
-from sinuous.solving import solver as solving
 from sinuous.solving.routing.routes import Router
+from sinuous.solving.solve import solve
 from sinuous.solving.solver import OneSolve, Solver
 
 ROBOT = Robot.uniform(3, (0.8, 1.2), radius=0.05)
@@ -54,10 +54,10 @@ def test_without_routes_there_is_nothing_to_load(loads: list[float], options: di
 
 
 def test_one_solve_is_what_the_function_makes(loads: list[float]) -> None:
-    assert solving.solve(ROBOT, NEAR, SCENE).solved
+    assert solve(ROBOT, NEAR, SCENE).solved
     assert loads == []
     again = Solver(ROBOT, SCENE).solve(NEAR)
-    assert (solving.solve(ROBOT, NEAR, SCENE).q == again.q).all()
+    assert (solve(ROBOT, NEAR, SCENE).q == again.q).all()
 
 
 def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:

@@ -16,10 +16,10 @@ from sinuous.solving.classes.by_class import CANDIDATES, ByClass, Dislike
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.explorer import Explorer
 from sinuous.solving.classes.naming import name_classes, sort_out
-from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.search import Distinct
-from sinuous.solving.sources import Batch, OneAfterAnother, Question
+from sinuous.solving.starts.portfolio import Portfolio
+from sinuous.solving.starts.sources import Batch, OneAfterAnother, Question
 
 Kind = Literal["route", "shape"]
 """What may be asked for."""

@@ -31,11 +31,12 @@ from sinuous.solving.again import Again
 from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import RENAMED, SolveArguments, SolveOptions, refuse_renamed
-from sinuous.solving.portfolio import Portfolio
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
-from sinuous.solving.sources import Batch, Question
+from sinuous.solving.starts.portfolio import Portfolio
+from sinuous.solving.starts.sources import Batch, Question, Source
+from sinuous.solving.starts.thinner import Thinner
 from sinuous.solving.velocity.stepping import Stepping
 
 Initial = Solution | Rows
@@ -71,6 +72,9 @@ class Solver(Stepping):
     _ahead: ClassVar[bool] = True
     """Whether the search for routes is compiled, or loaded, before the first solve."""
 
+    _grows: ClassVar[bool] = True
+    """Whether thinner bodies are tried where all routes fail."""
+
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> None:
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
@@ -96,12 +100,18 @@ class Solver(Stepping):
         self._router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
         if self._router is not None and self._ahead:
             self._router.load()
-        self._portfolio = Portfolio(chosen.max_starts, self._router)
+        self._portfolio = Portfolio(chosen.max_starts, self._further())
         self._again = Again(OneSolve.prepared, chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._no_initial: Floats = np.empty((0, len(robot), 3))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
+
+    def _further(self) -> Source | None:
+        """What is asked after the first starts, among obstacles: routes, and thinner bodies between them."""
+        if self._router is None or not self._grows:
+            return self._router
+        return Thinner(self._router, self.robot, self.options, ThinSolve.prepared)
 
     def solve(
         self,
@@ -152,7 +162,7 @@ class Solver(Stepping):
             budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
-            if self._router is not None and outcome.code in UNDECIDED:
+            if self._router is not None and self._grows and outcome.code in UNDECIDED:
                 began += self._router.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
         return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
@@ -373,28 +383,7 @@ class OneSolve(Solver):
     _ahead = False
 
 
-def solve(
-    robot: Robot,
-    target: Targets,
-    scene: SceneLike | None = None,
-    *,
-    initial: Initial | None = None,
-    **options: Unpack[SolveArguments],
-) -> Solution:
-    """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
-    return OneSolve(robot, scene, **options).solve(target, initial)
+class ThinSolve(OneSolve):
+    """A solver for a body that is thinner than that of a solver that has the search for routes ready."""
 
-
-def solve_all(
-    robot: Robot,
-    target: Targets,
-    scene: SceneLike | None = None,
-    *,
-    initial: Initial | None = None,
-    count: Whole = 8,
-    apart: Number = 0.02,
-    by: Kind | None = None,
-    **options: Unpack[SolveArguments],
-) -> list[Solution]:
-    """Find several solutions, ranked: by route or by shape; parameters as for `Solver` and `Solver.solve_all`."""
-    return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart, by=by)
+    _grows = False

@@ -1,5 +1,7 @@
 """Axes of tubes: beside the curve that a tube was made around, up to its mouth; and none where there is no tube."""
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -8,6 +10,7 @@ from benchmarks.places.parts.surfaces import hollow, open_tube, solid
 from sinuous import Box, Cylinder, PointCloud, Robot, Scene, Segment
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, NO_TUBE, UNENDED, follow_tube
+from sinuous.scene.obstacles import Obstacle
 from tests.helpers import Floats, random_pose
 
 RADIUS = 0.1
@@ -48,7 +51,7 @@ def test_the_axis_of_a_bent_pipe_lies_in_its_middle_and_ends_at_its_mouth(width:
     points, ended = followed(Scene([solid(wall, "pipe")]), poses[0])
     assert ended == MOUTH
     gaps, _ = cKDTree(curve(seed, 120)[:, :3, 3]).query(points)
-    assert gaps.max() <= 0.5 * RADIUS
+    assert np.max(gaps) <= 0.5 * RADIUS
     assert np.linalg.norm(points[-1] - poses[-1, :3, 3]) <= 1.6 * RADIUS
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     assert steps.min() >= 0.5 * RADIUS
@@ -62,7 +65,7 @@ def test_a_base_beside_the_middle_is_led_to_it() -> None:
     points, ended = followed(Scene([solid(open_tube(poses, 1.6 * RADIUS, 2.4 * RADIUS), "pipe")]), start)
     assert ended == MOUTH
     gaps, _ = cKDTree(curve(0, 120)[:, :3, 3]).query(points[3:-2])
-    assert gaps.max() <= 0.35 * RADIUS
+    assert np.max(gaps) <= 0.35 * RADIUS
 
 
 def test_a_pipe_that_is_closed_ends_at_a_wall() -> None:
@@ -98,7 +101,7 @@ def test_a_channel_of_boxes_is_a_tube() -> None:
     assert points[-1, 2] == pytest.approx(2.5, abs=1.5 * RADIUS)
 
 
-NOWHERE = {
+NOWHERE: Mapping[str, Sequence[Obstacle]] = {
     "nothing": [],
     "one wall": [Box((0.3, 0.0, 1.0), (0.2, 5.0, 5.0))],
     "two walls": [Box((x, 0.0, 1.0), (0.2, 5.0, 5.0)) for x in (-0.3, 0.3)],

@@ -15,7 +15,7 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.explorer import Explorer
 from sinuous.solving.classes.tasks import Task, Tasks
 from sinuous.solving.routing.routes import Router
-from sinuous.solving.sources import Batch, Question
+from sinuous.solving.starts.sources import Batch, Question
 from tests.helpers import Floats
 from tests.solving.classes.places import BARS, DOORS, ROBOT, TARGET, bars, pillar, wall
 

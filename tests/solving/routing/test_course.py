@@ -15,7 +15,7 @@ from sinuous.solving.routing.growth import FEW, MANY, ONE, Beam, grown
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.searches import Found
-from sinuous.solving.sources import Question
+from sinuous.solving.starts.sources import Question
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 SCENE = Scene([Sphere((0, 0, 2.2), 0.7), Sphere((0.9, 0.2, 3.1), 0.4)])

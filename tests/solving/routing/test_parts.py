@@ -49,7 +49,7 @@ def test_what_is_beyond_begins_where_what_is_before_ends(count: int) -> None:
     asked = groups(ROBOT)
     for _ in range(20):
         q = np.column_stack([rng.uniform(-1.0, 1.0, (5, 2)), rng.uniform(0.8, 1.0, 5)])
-        first, second = before(asked, gate(count)), beyond(asked, gate(count), q[:count])
+        first, second = before(asked, gate(count)), beyond(asked, q[:count])
         ends = ROBOT.forward(q)  # the independent answer is that of the whole robot
         assert np.allclose(tip(first, q[:count]), ends[count - 1, :3, 3])
         assert np.allclose(begin(second), ends[count - 1, :3, 3])
@@ -61,7 +61,7 @@ def test_what_is_beyond_begins_where_what_is_before_ends(count: int) -> None:
 def test_segments_and_targets_are_shared_out(count: int) -> None:
     asked = groups(ROBOT)
     q = np.tile([0.0, 0.0, 0.9], (count, 1))
-    first, second = before(asked, gate(count)), beyond(asked, gate(count), q)
+    first, second = before(asked, gate(count)), beyond(asked, q)
     rows = [part[0][ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * int(part[0][0])] for part in (first, second)]
     assert np.array_equal(np.concatenate(rows), ROBOT.limits.ravel())
     assert first[2][UNIT] + second[2][UNIT] == pytest.approx(ROBOT.mean_length)
@@ -77,7 +77,7 @@ def test_limits_of_actuators_that_see_both_parts_are_left_out() -> None:
     robot = Robot([blown, pulled, blown], radius=0.05)
     asked = groups_of_tip(robot)
     q = np.tile([0.0, 0.0, 1.0], (2, 1))
-    for part, segments in ((before(asked, gate(2)), 2), (beyond(asked, gate(2), q), 1)):
+    for part, segments in ((before(asked, gate(2)), 2), (beyond(asked, q), 1)):
         assert part[0][0] == segments
         own = part[0][ROBOT_HEADER + SEGMENT_WIDTH * segments : -24].reshape(-1, 7)
         assert len(own) == part[0][1] > 0

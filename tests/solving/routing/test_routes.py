@@ -15,7 +15,7 @@ from sinuous.solving.routing.course import CELLS_A_START, Course
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.searches import MEMORY, Found
-from sinuous.solving.sources import Question
+from sinuous.solving.starts.sources import Question
 from tests.helpers import Floats
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)

@@ -13,7 +13,7 @@ from sinuous.robot.actuators import Tendons
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.tubes import SHARES, Tube, out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups
-from sinuous.solving.sources import Question
+from sinuous.solving.starts.sources import Question
 from tests.helpers import Floats
 
 RADIUS = 0.08
@@ -82,6 +82,7 @@ def test_what_lies_in_a_pipe_is_solved_along_it() -> None:
 
 def test_an_elbow_beyond_the_pipe_is_asked_of_the_same_segment() -> None:
     elbow = Target(ROBOT.forward(Q)[4, :3, 3], segment=5)
+    assert elbow.position is not None
     for q, _ in chains(ROBOT, PIPE, [elbow, TARGET])[:1]:
         assert np.linalg.norm(ROBOT.forward(q)[4, :3, 3] - elbow.position) < 1e-2
 
@@ -95,6 +96,7 @@ def test_a_target_in_the_pipe_is_reached_along_its_axis() -> None:
     assert not tube.open
     line = within(tube, query)
     assert line is not None
+    assert TARGET.position is not None
     assert np.allclose(line[-1], TARGET.position)
     assert scene.distance(line).min() >= 0.8 * RADIUS
     assert sn.solve(ROBOT, TARGET, scene).solved

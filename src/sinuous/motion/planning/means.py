@@ -15,11 +15,11 @@ from sinuous.motion.planning.question import Question
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.between import Prover
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.starts.thinner import with_radii
 
 ROOMS = (0.2, 0.05)
 """By how much thicker robots are thicker, in radii of each segment."""
@@ -101,9 +101,4 @@ class Means:
         options = replace(
             SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
         )
-        return OneSolve.prepared(_thicker(self.robot, room), Scene.of(self._scene), options)
-
-
-def _thicker(robot: Robot, by: float) -> Robot:
-    """Return the robot with a body that is thicker by a share of its radii."""
-    return robot.changed(segments=[s.changed(radius=(1.0 + by) * s.radius) for s in robot.segments])
+        return OneSolve.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)

@@ -19,7 +19,7 @@ from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, 
 from sinuous.solving.classes.tasks import Task, Tasks
 from sinuous.solving.routing.plans import ALTERNATIVES, Plan
 from sinuous.solving.routing.routes import Router
-from sinuous.solving.sources import Batch, Question
+from sinuous.solving.starts.sources import Batch, Question
 
 SEARCHES = 96
 """Most searches for routes."""

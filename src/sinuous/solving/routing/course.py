@@ -30,7 +30,7 @@ from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.searches import SIDES, Found, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups, turned, turned_back
-from sinuous.solving.sources import Batch, Question
+from sinuous.solving.starts.sources import Batch, Question
 
 CELLS_A_START = 400
 """Cells that a search looks at in the time of a scattered start, about."""

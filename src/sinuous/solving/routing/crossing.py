@@ -74,7 +74,7 @@ class Part:
             chains = grown(self._groups, self._legs, beam, left())
             if len(chains):
                 yield chains, (0, 0)
-                yield np.array([*nothing, *settled(self._groups, chains, left)]), (0, 0)
+                yield np.concatenate([nothing, *(q[None] for q in settled(self._groups, chains, left))]), (0, 0)
 
     def _follow(self, chains: Floats, own: tuple[int, int], left: Left) -> Floats | None:
         """Follow starts to the first that is solved and proved."""
@@ -124,7 +124,7 @@ class Parts:
         rows, done = self._way.rows, len(chains)
         if done > 0:
             gate = rows[done - 1]
-            self._rest = beyond(self._rest, gate, chains[-1])
+            self._rest = beyond(self._rest, chains[-1])
             farther = (begin(self._rest) - gate[PLACE]) @ gate[ALONG]
             for row in rows[done:]:
                 row[TARGET_SEGMENT] -= len(chains[-1])

@@ -38,20 +38,20 @@ def before(groups: Groups, row: Floats) -> Groups:
     """Return the problem of the segments up to a gate, which is a target row (15,): to end there, nearly."""
     robot, scene, settings, targets = groups
     count = int(row[TARGET_SEGMENT]) + 1
-    segments, base, _ = _split(robot)
+    segments, _, _ = _split(robot)
     own = targets[_segments(groups) < count]
     last = row.copy()
     last[TARGET_SEGMENT] = -1.0
     told = _scaled(settings, segments[:count])
     told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * segments[:, RADIUS].min())
     told[ANGLE_TOLERANCE] = max(told[ANGLE_TOLERANCE], SLANT)
-    return _robot(robot, 0, count, base, NO_TOOL), scene, told, np.vstack([own, last])
+    return first(robot, count), scene, told, np.vstack([own, last])
 
 
-def beyond(groups: Groups, row: Floats, chain: Floats) -> Groups:
-    """Return the problem of the segments beyond a gate, from where the chain (m, 3) before it ends."""
+def beyond(groups: Groups, chain: Floats) -> Groups:
+    """Return the problem of what is left of a robot, from where the chain (m, 3) of its first segments ends."""
     robot, scene, settings, targets = groups
-    count = int(row[TARGET_SEGMENT]) + 1
+    count = len(chain)
     segments, base, tool = _split(robot)
     frames = np.empty((1, count + 1, POSE_WIDTH))
     frames_of(chain[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
@@ -60,6 +60,12 @@ def beyond(groups: Groups, row: Floats, chain: Floats) -> Groups:
     told = _scaled(settings, segments[count:])
     told[MOUNT] = max(0.0, told[MOUNT] - chain[:, 2].sum())
     return _robot(robot, count, len(segments), frames[0, count], tool), scene, told, own
+
+
+def first(robot: Floats, count: int) -> Floats:
+    """Return the group of a robot of the first `count` segments, without a tool."""
+    _, base, _ = _split(robot)
+    return _robot(robot, 0, count, base, NO_TOOL)
 
 
 def begin(groups: Groups) -> Floats:

@@ -6,7 +6,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.solving.routing.course import Course
 from sinuous.solving.routing.searches import Searches
-from sinuous.solving.sources import Batch, Question
+from sinuous.solving.starts.sources import Batch, Question
 
 
 class Router(Searches):

@@ -15,7 +15,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import QUERY_WIDTH, TARGET_WIDTH
+from sinuous.kernels.tables import QUERY_WIDTH
 from sinuous.kernels.tubes.axis import MOUTH
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -180,7 +180,7 @@ class Searches:
             if query is not None:
                 tube_around(problem.scene._kernel_group, query, 0.0)
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
-            beyond(groups, np.zeros(TARGET_WIDTH), still[:1])
+            beyond(groups, still[:1])
         return monotonic() - began
 
     def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:

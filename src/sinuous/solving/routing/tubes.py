@@ -19,7 +19,6 @@ from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
     MAX_LENGTH,
     MIN_LENGTH,
-    MOUNT,
     POSE_WIDTH,
     QUERY_AXIS,
     QUERY_FREE_LENGTH,
@@ -29,9 +28,9 @@ from sinuous.kernels.tables import (
     QUERY_RADIUS,
     ROBOT_HEADER,
     SEGMENT_WIDTH,
-    TARGET_SEGMENT,
 )
 from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
+from sinuous.solving.routing.parts import beyond, first
 from sinuous.solving.routing.turned import Groups
 
 POINTS = 1000
@@ -61,8 +60,6 @@ STARTS = 6
 
 SAMPLES = 8
 """Points of the route for each segment of what is left."""
-
-NO_TOOL = np.concatenate([np.eye(3).ravel(), np.zeros(3)])
 
 
 class Tube(NamedTuple):
@@ -142,39 +139,18 @@ def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Ite
 def _joined(groups: Groups, line: Floats, count: int, seconds_left: Callable[[], float]) -> tuple[Floats, Floats]:
     """A chain whose first segments lie along a line (K, 3) and whose others go from there to the targets; its route."""
     robot, scene, settings, targets = groups
-    n = int(robot[0])
-    base, tool = robot[-2 * POSE_WIDTH : -POSE_WIDTH], robot[-POSE_WIDTH:]
-    head, frames = np.empty((1, count, 3)), np.empty((1, count + 1, 12))
-    workspace = np.empty(fit_workspace_size(count, 0, int(scene[0]), 0, len(line)))
-    part = _part(robot, 0, count, base, NO_TOOL)
-    fit_route(part, scene, settings, targets[:0], line, max(0.0, seconds_left()), workspace, head[0])
-    frames_of(head, base[None], frames)
-    begin = frames[0, -1]
-    rest, rows = np.zeros((1, n - count, 3)), _beyond(targets, count)
-    own = settings.copy()
-    own[MOUNT] = max(0.0, settings[MOUNT] - head[0, :, 2].sum())
-    workspace = np.empty(workspace_size(n - count, 0, int(scene[0]), len(rows)))
-    part, budget = _part(robot, count, n, begin, tool), (0, STARTS, 0, max(0.0, seconds_left()))
-    search(part, scene, own, rows, np.empty((0, n - count, 3)), budget, workspace, rest[0])
-    frames, points = np.empty((1, n - count + 1, 12)), np.empty((1, SAMPLES * (n - count) + 1, 3))
-    frames_of(rest, begin[None], frames)
-    points_of(rest, frames, SAMPLES, points)
-    return np.concatenate([head[0], rest[0]]), np.concatenate([line[:-1], points[0]])
-
-
-def _part(robot: Floats, first: int, last: int, base: Floats, tool: Floats) -> Floats:
-    """The segments of a robot from the first up to, without it, the last, as a robot that stands at a pose (12,)."""
-    header = robot[:ROBOT_HEADER].copy()
-    header[0] = last - first
-    rows = robot[ROBOT_HEADER + SEGMENT_WIDTH * first : ROBOT_HEADER + SEGMENT_WIDTH * last]
-    return np.concatenate([header, rows, base, tool])
-
-
-def _beyond(targets: Floats, count: int) -> Floats:
-    """The targets (t, 15) of what is left when so many segments are left out."""
-    rows = targets[(targets[:, TARGET_SEGMENT] < 0.0) | (targets[:, TARGET_SEGMENT] >= count)].copy()
-    rows[rows[:, TARGET_SEGMENT] >= 0.0, TARGET_SEGMENT] -= count
-    return rows
+    held, head = first(robot, count), np.empty((count, 3))
+    workspace = np.empty(fit_workspace_size(count, int(held[1]), int(scene[0]), 0, len(line)))
+    fit_route(held, scene, settings, targets[:0], line, max(0.0, seconds_left()), workspace, head)
+    rest = beyond(groups, head)
+    n, actuators = (int(number) for number in rest[0][:2])
+    q, nothing = np.zeros((n, 3)), np.empty((0, n, 3))
+    workspace = np.empty(workspace_size(n, actuators, int(scene[0]), len(rest[3])))
+    search(*rest, nothing, (0, STARTS, 0, max(0.0, seconds_left())), workspace, q)
+    frames, points = np.empty((1, n + 1, POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
+    frames_of(q[None].copy(), rest[0][None, -2 * POSE_WIDTH : -POSE_WIDTH].copy(), frames)
+    points_of(q[None].copy(), frames, SAMPLES, points)
+    return np.concatenate([head, q]), np.concatenate([line[:-1], points[0]])
 
 
 def _lengthened(axis: Floats, length: float) -> Floats:

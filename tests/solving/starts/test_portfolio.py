@@ -10,8 +10,8 @@ from sinuous.kernels.tables import GIVEN, RANDOM, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.solving.portfolio import ALONE, LOCAL, Portfolio
-from sinuous.solving.sources import Batch, Question
+from sinuous.solving.starts.portfolio import ALONE, LOCAL, Portfolio
+from sinuous.solving.starts.sources import Batch, Question
 
 PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from sinuous.solving.sources import Batch, Opening, Question, Scattered, Source
+from sinuous.solving.starts.sources import Batch, Opening, Question, Scattered, Source
 
 LOCAL = 6
 """Starts before routes through free space are searched for: they cost little, and mostly suffice."""

@@ -11,7 +11,7 @@ from sinuous.kernels.tables import GIVEN, RANDOM, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.solving.sources import Batch, OneAfterAnother, Opening, Question, Scattered
+from sinuous.solving.starts.sources import Batch, OneAfterAnother, Opening, Question, Scattered
 from tests.helpers import Floats
 
 PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))

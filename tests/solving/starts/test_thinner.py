@@ -14,7 +14,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import ThinSolve
 from sinuous.solving.starts.sources import Batch, Question
-from sinuous.solving.starts.thinner import SHARES, STEPS, Thinner, with_radii
+from sinuous.solving.starts.thinner import A_START, OF_TIME, SHARES, STEPS, Thinner, with_radii
 from tests.helpers import Floats
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), max_bend=2.0, radius=0.1)
@@ -50,12 +50,12 @@ class Routes:
 
     name = SOURCES[ROUTE]
 
-    def __init__(self, *then: int) -> None:
-        self._then = then
+    def __init__(self, *then: int, laid: int = 1) -> None:
+        self._then, self._laid = then, laid
 
     def batches(self, question: Question) -> Iterator[Batch]:
         for then in self._then:
-            yield Batch(self.name, np.zeros((0, 3, 3)), then=then)
+            yield Batch(self.name, np.zeros((self._laid, 3, 3)), then=then)
 
 
 def question(several: bool = False, seconds: float = 1.0) -> Question:
@@ -85,12 +85,25 @@ def test_it_goes_as_far_as_it_can_in_shorter_steps() -> None:
     assert len(solvers.asked) < 12
 
 
-def test_it_comes_after_what_routes_have_asked_for() -> None:
+def test_it_comes_after_what_routes_have_cost() -> None:
     first, second = (after for _, after in SHARES)
-    batches = list(thinner(Solvers(1.0), first, 0, second, 7).batches(question()))
-    assert [len(batch.initial) for batch in batches] == [0, 1, 0, 0, 1, 0]
-    batches = list(thinner(Solvers(1.0), first - 1).batches(question()))
-    assert [len(batch.initial) for batch in batches] == [0, 1, 1]
+    batches = list(thinner(Solvers(1.0), first - A_START, 0, second, 7).batches(question()))
+    assert [len(batch.initial) for batch in batches] == [1, 1, 1, 1, 1, 1]
+    assert [batch.then for batch in batches] == [first - A_START, 0, 0, second, 0, 7]
+    batches = list(thinner(Solvers(1.0), 0, 1).batches(question()))
+    assert [batch.then for batch in batches] == [0, 1, 0, 0]
+
+
+def test_it_waits_for_a_route_and_leaves_time() -> None:
+    source = Thinner(Routes(*[1000] * 3, laid=0), ROBOT, SolveOptions(), cast(Any, Solvers(1.0).prepare))
+    assert [len(batch.initial) for batch in source.batches(question())] == [0, 0, 0, 1, 1]
+    left: list[float] = []
+
+    def prepare(*_: Any) -> Any:
+        return SimpleNamespace(solve=lambda *_, time: left.append(time) or Answer(False, np.zeros((3, 3))))
+
+    list(Thinner(Routes(), ROBOT, SolveOptions(), cast(Any, prepare)).batches(question(seconds=8.0)))
+    assert left == [(1.0 - OF_TIME) * 8.0] * len(SHARES)
 
 
 def test_nothing_comes_of_it_where_nothing_thin_is_solved_or_time_is_over_or_several_are_wanted() -> None:

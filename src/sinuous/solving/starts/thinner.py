@@ -6,6 +6,7 @@ solves it there is near to what solves it here, mostly, and each step of growing
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from sinuous.checks import Floats
@@ -20,8 +21,14 @@ from sinuous.solving.starts.sources import Batch, Question, Source
 if TYPE_CHECKING:
     from sinuous.solving.solver import Solver
 
-SHARES = ((0.7, 150), (0.5, 400))
-"""Of the radii, those with which it begins; each after so many scattered starts that routes have asked for."""
+SHARES = ((0.7, 60), (0.5, 150))
+"""Of the radii, those with which it begins; and what routes have cost before, in scattered starts."""
+
+A_START = 4
+"""What a start from a route costs, in scattered starts."""
+
+OF_TIME = 0.5
+"""Of the time that is left, what one of them may take: routes that come later may be better."""
 
 STARTS = 300
 """Most starts of such a solve."""
@@ -56,17 +63,20 @@ class Thinner:
 
     def batches(self, question: Question) -> Iterator[Batch]:
         """Yield all batches of routes, and between them or after them a configuration for each share."""
-        due, asked = [] if question.several or not any(self._robot.radii) else list(SHARES), 0
+        due, cost, known = [] if question.several or not any(self._robot.radii) else list(SHARES), 0, False
         for batch in self._routes.batches(question):
             yield batch
-            asked += batch.then
-            while due and asked >= due[0][1]:
+            cost += batch.then + A_START * len(batch.initial)
+            known = known or len(batch.initial) > 0
+            while due and known and cost >= due[0][1]:
                 yield from self._begun(question, due.pop(0)[0])
         for share, _ in due:
             yield from self._begun(question, share)
 
     def _begun(self, question: Question, share: float) -> Iterator[Batch]:
         """Yield the configuration of a body that began with a share of its radii, grown as far as that went."""
+        later = (1.0 - OF_TIME) * question.seconds_left()
+        question = question._replace(seconds_left=partial(_sooner, question.seconds_left, later))
         thin = self._solved(question, share, self._options, None)
         if thin is not None:
             yield Batch(self.name, self._grown(question, share, thin.q)[None].copy(), routes=_frozen(thin.route))
@@ -95,6 +105,10 @@ class Thinner:
 def with_radii(robot: Robot, share: float) -> Robot:
     """Return a robot whose segments have a share of their radii, less or more than all of it."""
     return robot.changed(segments=[segment.changed(radius=share * segment.radius) for segment in robot.segments])
+
+
+def _sooner(seconds_left: Callable[[], float], by: float) -> float:
+    return seconds_left() - by
 
 
 def _frozen(route: Floats | None) -> tuple[Floats, ...]:

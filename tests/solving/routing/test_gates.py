@@ -140,3 +140,18 @@ def test_a_route_is_divided_at_the_elbows_that_it_leads_past() -> None:
     whole = divided(groups(ROBOT, [tip], Scene()), route, RADIUS)
     assert whole is not None
     assert np.allclose(whole, LINE)
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_whatever_a_place_looks_like_its_ways_lie_along_the_route(seed: int) -> None:
+    """Also places that are narrow for so short a stretch, beside their mouths, that no segment lies between them."""
+    rng = np.random.default_rng(seed)
+    distances = RADIUS * rng.uniform(1.0, 10.0) * np.exp(np.cumsum(rng.normal(0.0, 0.1, LEG_POINTS)))
+    for first in rng.integers(0, LEG_POINTS, 2):
+        distances[first : first + int(rng.integers(1, 60))] = RADIUS * rng.uniform(-0.2, 2.4)
+    for way in ways(straight(distances)):
+        segments = [row[TARGET_SEGMENT] for row in way.rows]
+        assert segments[0] >= 0
+        assert segments[-1] < len(ROBOT) - 1
+        assert np.all(np.diff(segments) > 0)
+        assert np.all(np.diff([0.0, *(row[TARGET_POSITION + 2] for row in way.rows)]) > 0.0)

@@ -146,7 +146,7 @@ class Passage:
         room = self._length * (self._stretch[1] - self.places[place].at) - ENDED[place] * self._narrow
         low, high = (np.concatenate([[0.0], np.cumsum(self._own[count:, which])]) for which in (MIN_LENGTH, MAX_LENGTH))
         own, more = low + SHARES[place] * (high - low), BEYOND[place] * high[-1] / len(high)
-        through = int(np.flatnonzero(own <= room + more)[-1])
+        through = max(0, int(np.searchsorted(own, room + more, side="right")) - 1)
         return through, float(min(max(room, TAUT * low[through]), TAUT * high[through]))
 
     def _row(self, at: int, count: int, back: int, ahead: int, more: float = 0.0) -> Floats:

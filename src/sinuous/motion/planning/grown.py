@@ -9,8 +9,8 @@ from sinuous.solving.planning.trees import Trees, Way
 ROUNDS = (64, 256, 1024)
 """Draws after which more goals are asked for. Then the trees are planted anew, with other draws, twice as many."""
 
-NARROW = 8
-"""A tree with no more nodes after the first round grows from a narrow place."""
+NARROW = 0.125
+"""A tree with no more nodes than this share of the draws of the first round grows from a narrow place."""
 
 
 def grown(question: Question, ends: Ends) -> Iterator[Way | None]:
@@ -22,7 +22,7 @@ def grown(question: Question, ends: Ends) -> Iterator[Way | None]:
     goals, first, last = question.goals(question.start[None]), 0, ROUNDS[0]
     roots = roots_of([question.start], [[goal] for goal in goals])
     way = trees.grow(roots, seed, (first, last), question.watch.seconds_left(), question.shortcuts)
-    ends.narrow = way is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW
+    ends.narrow = way is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW * last
     yield way
     known = len(goals) if not any(len(ends.eased(q)) > 1 for q in roots) else 0
     for following in ROUNDS[1:]:

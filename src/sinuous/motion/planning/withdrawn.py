@@ -17,10 +17,10 @@ DRAWS, MOST_DRAWS = 256, 2**20
 OF_START = (2, 4)
 """Turns in which the start is drawn back, each time beginning with another kind of retreat; in others, a goal."""
 
-ALONE = 4
+ALONE = 2
 """Turns that trees have before, where no end is in a narrow place: they are there sooner."""
 
-STEPS = 64
+STEPS = 16
 """Steps of the first retreat in its first turn. Trees from ends that have room may be there before it goes on, so they
 have two turns then."""
 

@@ -1,9 +1,7 @@
 """An interrupted plan of several files: whatever ends it, the same command goes on, and nothing is planned twice."""
 
 import signal
-import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +12,8 @@ from sinuous.cli.answers import journal
 from sinuous.cli.app import main
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import Planner
-from tests.cli.going_on import answers, lines
+from tests.cli.going_on import answers, ended_at, lines, whole
 
-PATIENCE = 300.0
 ARM = sn.Robot.uniform(3, (0.8, 1.2), max_bend=2, radius=0.05)
 BALL = sn.Sphere((0.1, 0, 2), radius=0.2, name="ball")
 COMING = sn.Moving(sn.Sphere((0, 0, 0), 0.4, name="coming"), [0, 2, 4], [(0, 0, 2.2), (0, 0, 2.2), (0, 3, 2.2)])
@@ -48,11 +45,6 @@ def files(tmp_path: Path) -> list[str]:
     return [str(name) for name in names]
 
 
-def whole(files: list[str], folder: Path) -> list[Any]:
-    main(["plan", *files, "--out", str(folder / "whole.jsonl")])
-    return answers(folder / "whole.jsonl")
-
-
 class Counted:
     """Counts plans, and interrupts the one after so many."""
 
@@ -72,31 +64,19 @@ class Counted:
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
 def test_a_real_end(end: signal.Signals, files: list[str], tmp_path: Path) -> None:
     out = tmp_path / "out.jsonl"
-    command = [sys.executable, "-c", PROCESS, "plan", *files, "--out", str(out)]
-    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, **pipes) as process:
-        until = time.monotonic() + PATIENCE
-        while lines(out) < 3:
-            assert process.poll() is None, process.communicate()
-            assert time.monotonic() < until
-            time.sleep(0.005)
-        process.send_signal(end)
-        err = process.communicate(timeout=60)[1]
-    assert process.returncode == (130 if end is signal.SIGINT else -signal.SIGKILL)
-    assert ("the same command goes on" in err) == (end is signal.SIGINT)
-    kept = lines(out) - 1
+    kept = ended_at(3, end, PROCESS, ["plan", *files], out) - 1
     assert 2 <= kept < len(JOBS)
     with pytest.MonkeyPatch.context() as patch:
         tried = Counted(patch)
         assert main(["plan", *files, "--out", str(out)]) == 1
     assert tried.count == len(JOBS) - kept  # nothing that was kept is planned again
-    assert answers(out) == whole(files, tmp_path)
+    assert answers(out) == whole(["plan", *files], tmp_path)
     assert lines(out) == 0
 
 
 def test_wherever_it_ends(files: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(journal, "EVERY", 0.0)
-    expected = whole(files, tmp_path)
+    expected = whole(["plan", *files], tmp_path)
     out, table = tmp_path / "out.jsonl", tmp_path / "q.csv"
     command = ["plan", *files, "--out", str(out), "--csv", str(table), "--rate", "20"]
     for ended in range(len(JOBS)):

@@ -1,9 +1,7 @@
 """An interrupted track: whatever ends it, the same command goes on, and the answer is that of one that nobody ended."""
 
 import signal
-import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,11 +14,19 @@ from sinuous.cli.answers import journal
 from sinuous.cli.app import main
 from sinuous.motion.following.tracker import Tracker
 from sinuous.solution.solution import Solution
-from tests.cli.going_on import answers, lines
+from tests.cli.going_on import answers, ended_at, lines, whole
 
-WAYPOINTS, PATIENCE = 1500, 300.0
+WAYPOINTS = 1500
 ARM = sn.Robot.uniform(4, (45, 70), max_bend=1.5, radius=4)
 BALL = sn.Sphere((40, 0, 180), radius=15, name="ball")
+
+SLOWLY = (
+    "import sys, time; from sinuous.cli.answers import journal; from sinuous.cli.app import main;"
+    "from sinuous.motion.following.tracker import Tracker; journal.EVERY = 0.05; go_to = Tracker.go_to;"
+    "Tracker.go_to = lambda self, targets: (time.sleep(0.005), go_to(self, targets))[1];"
+    "sys.exit(main(sys.argv[1:]))"
+)
+"""The command line, where every waypoint takes a little longer, so that the end finds it at work."""
 
 
 def circle(count: int, out_of_reach: int | None = None) -> list[sn.Target]:
@@ -41,42 +47,18 @@ def files(tmp_path: Path) -> list[str]:
     return [str(tmp_path / f"{name}.yaml") for name in paths]
 
 
-def whole(files: list[str], folder: Path) -> list[Any]:
-    main(["track", *files, "--out", str(folder / "whole.jsonl")])
-    return answers(folder / "whole.jsonl")
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT to a process alone")
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
 def test_a_real_end(end: signal.Signals, files: list[str], tmp_path: Path) -> None:
     out = tmp_path / "out.jsonl"
-    # Every waypoint takes a little longer, so that the end finds it at work, whatever the machine.
-    slowly = (
-        "import sys, time; from sinuous.cli.answers import journal; from sinuous.cli.app import main;"
-        "from sinuous.motion.following.tracker import Tracker; journal.EVERY = 0.05; go_to = Tracker.go_to;"
-        "Tracker.go_to = lambda self, targets: (time.sleep(0.005), go_to(self, targets))[1];"
-        "sys.exit(main(sys.argv[1:]))"
-    )
-    command = [sys.executable, "-c", slowly, "track", *files, "--out", str(out)]
-    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, **pipes) as process:
-        until = time.monotonic() + PATIENCE
-        while lines(out) < 60:
-            assert process.poll() is None, process.communicate()
-            assert time.monotonic() < until
-            time.sleep(0.005)
-        process.send_signal(end)
-        err = process.communicate(timeout=60)[1]
-    assert process.returncode == (130 if end is signal.SIGINT else -signal.SIGKILL)
-    assert ("the same command goes on" in err) == (end is signal.SIGINT)
-    kept = lines(out) - 1
+    kept = ended_at(60, end, SLOWLY, ["track", *files], out) - 1
     assert 60 <= kept + 1 < WAYPOINTS
     tried = counted()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Tracker, "go_to", tried.go_to)
         assert main(["track", *files, "--out", str(out)]) == 1
     assert tried.count == 7 + WAYPOINTS + 5 - kept  # nothing that was kept is done again
-    assert answers(out) == whole(files, tmp_path)
+    assert answers(out) == whole(["track", *files], tmp_path)
     assert lines(out) == 0
 
 
@@ -96,7 +78,7 @@ class counted:  # noqa: N801
 @pytest.mark.parametrize("ended", [0, 1, 6, 7, 8, 47, 48, 49, 100])
 def test_wherever_it_ends(ended: int, files: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sn.Job(ARM, scene=[BALL], path=circle(60, 40)).save(files[1])
-    expected = whole(files, tmp_path)
+    expected = whole(["track", *files], tmp_path)
     out, tried = tmp_path / "out.jsonl", counted()
 
     def interrupted(tracker: Tracker, targets: Any) -> Solution:
@@ -142,7 +124,7 @@ def test_a_line_that_is_not_whole_is_done_again(
     interrupt_after(1, monkeypatch, command)
     assert lines(tmp_path / "out.jsonl") == 1 + 5
     assert main(command) == 0
-    assert answers(tmp_path / "out.jsonl") == whole(files[:1], tmp_path)
+    assert answers(tmp_path / "out.jsonl") == whole(["track", files[0]], tmp_path)
 
 
 def test_what_changed_is_refused(

@@ -14,7 +14,7 @@ from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
-from sinuous.solving.routing.growth import respaced
+from sinuous.solving.polylines import respaced
 from tests.helpers import Floats
 
 RADIUS = 0.1

@@ -8,9 +8,10 @@ import pytest
 from sinuous import Box, Robot, Scene, Segment, Target, Tolerance, packing
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
+from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.crossing import STARTS, Crossing, Part
 from sinuous.solving.routing.gates import Passage
-from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, ONE, respaced
+from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, ONE
 from sinuous.solving.routing.turned import Groups
 
 RADIUS = 0.1

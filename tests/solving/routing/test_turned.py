@@ -7,7 +7,8 @@ from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
-from sinuous.solving.routing.growth import Beam, grown, respaced, settled
+from sinuous.solving.polylines import respaced
+from sinuous.solving.routing.growth import Beam, grown, settled
 from sinuous.solving.routing.turned import Groups, turned, turned_back
 
 TOOL = pose((0.1, 0.0, 0.3), direction=(0.3, 0.0, 1.0))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.motion.in_time.pacing import cut
 from sinuous.motion.in_time.question import ROUNDING, TimedQuestion, TimedWay
 
 TICKS = 16
@@ -160,11 +161,7 @@ def _grid(question: TimedQuestion, path: Floats) -> _Grid | None:
         if number > MOST_TICKS:
             return None
         ticks[-1] = question.end
-    places = [path[:1]]
-    for a, b, count in zip(path[:-1], path[1:], counts.tolist(), strict=True):
-        share = (np.arange(1, count + 1) / count)[:, None, None]
-        places.append((1.0 - share) * a + share * b)
-    return _allowed(question, np.concatenate(places), ticks, tick)
+    return _allowed(question, cut(path, counts), ticks, tick)
 
 
 def _tick(speeds: Floats, gains: Floats, window: float) -> float:

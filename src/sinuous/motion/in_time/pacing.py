@@ -8,6 +8,7 @@ is kept.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.motion.in_time.question import ROUNDING, TimedQuestion, TimedWay
@@ -31,7 +32,7 @@ class _Came(NamedTuple):
 
 def paced(question: TimedQuestion, path: Floats) -> TimedWay | None:
     """Pace a path of configurations (p, n, 3) so that every step is clear; `None` where that was not found."""
-    places = _cut(question, path)
+    places = _evenly_cut(question, path)
     most, ticks = _ticks(question, places)
     if ticks is None:
         return None
@@ -69,19 +70,23 @@ def _layer(
     return reached
 
 
-def _cut(question: TimedQuestion, path: Floats) -> Floats:
+def _evenly_cut(question: TimedQuestion, path: Floats) -> Floats:
     """Cut a path into pieces, each on one straight leg, that take about as long or, without rates, are as far."""
     moves = np.diff(path, axis=0)
     sizes = question.least(moves)
     if not (sizes > 0.0).all():
         sizes = np.abs(moves).sum(axis=(1, 2))
-    counts = np.maximum(1, np.ceil(PIECES * sizes / max(float(sizes.sum()), 1e-300) - 1e-9)).astype(int)
+    counts = np.maximum(1, np.ceil(PIECES * sizes / max(float(sizes.sum()), 1e-300) - 1e-9)).astype(np.intp)
+    return cut(path, counts)
+
+
+def cut(path: Floats, counts: NDArray[np.intp]) -> Floats:
+    """Return a path (p, n, 3) with its legs cut into so many even pieces (p - 1,): all their ends (N, n, 3)."""
     pieces = [path[:1]]
     for a, b, count in zip(path[:-1], path[1:], counts.tolist(), strict=True):
         share = (np.arange(1, count + 1) / count)[:, None, None]
         pieces.append((1.0 - share) * a + share * b)
-    places: Floats = np.concatenate(pieces)
-    return places
+    return np.concatenate(pieces)
 
 
 def _ticks(question: TimedQuestion, places: Floats) -> tuple[int, Floats | None]:

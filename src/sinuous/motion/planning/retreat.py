@@ -14,6 +14,7 @@ from sinuous.motion.leader.laying import movable, within_limits
 from sinuous.motion.planning.means import ROOMS, Means
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
+from sinuous.solving.polylines import lengths_along, points_at
 
 FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
 """Steps of the tip, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
@@ -75,8 +76,7 @@ class Retreat:
     def __init__(self, means: Means, q: Floats, kind: int) -> None:
         self._means, self._way, self._first = means, 0, kind
         self._points = means.robot.backbone(q, OF_CURVE)
-        steps = np.linalg.norm(np.diff(self._points, axis=0), axis=1)
-        self._along = np.concatenate([[0.0], np.cumsum(steps)])
+        self._along = lengths_along(self._points)
         self._step, self._stuck = FIRST * means.robot.mean_length, 0
         self.left = float(self._along[-1])
         self.knots = [q]
@@ -109,7 +109,7 @@ class Retreat:
         return True
 
     def _target(self, along: float, kind: Kind) -> Target:
-        place = [np.interp(along, self._along, axis) for axis in self._points.T]
+        place = points_at(self._points, self._along, np.array([along]))[0]
         if not kind.points:
             return Target(place)
         i = int(np.clip(np.searchsorted(self._along, along), 1, len(self._along) - 1))

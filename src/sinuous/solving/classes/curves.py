@@ -16,6 +16,7 @@ from sinuous.kernels.freespace import homotopy
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.polylines import lengths_along, points_at
 
 FEWEST, MOST = 64, 512
 """Points of a curve."""
@@ -86,13 +87,12 @@ class Curves:
 
     def along(self, route: Floats) -> Floats:
         """Return a route (k, 3) beyond the mount, drawn tight: (N, 3)."""
-        steps = np.linalg.norm(np.diff(route, axis=0), axis=1)
-        return self._tight(route, np.concatenate([[0.0], np.cumsum(steps)]))
+        return self._tight(route, lengths_along(route))
 
     def _tight(self, points: Floats, along: Floats) -> Floats:
         """Draw a line tight whose points (k, 3) lie at these lengths (k,)."""
         wanted = np.linspace(min(self.mount, along[-1]), along[-1], self._points)
-        curve = np.stack([np.interp(wanted, along, column) for column in points.T], axis=1)
+        curve = points_at(points, along, wanted)
         homotopy.draw_tight(self._group, curve, self.keep, self._seconds(), self._workspace)
         return curve
 

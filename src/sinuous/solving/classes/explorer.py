@@ -17,6 +17,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.classes.tasks import Task, Tasks
+from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.plans import ALTERNATIVES, Plan
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.starts.sources import Batch, Question
@@ -126,7 +127,7 @@ class Explorer:
 
     def _keeps(self, scene: Snapshot, route: Floats) -> float:
         """Least distance of a route from the obstacles that concern it."""
-        gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
+        gone = lengths_along(route)
         concerned = route[gone >= min(self._curves.mount, gone[-1])]
         return float(scene.distance(concerned).min())
 

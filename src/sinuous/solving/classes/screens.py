@@ -12,6 +12,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.solving.classes.curves import Curves, across
+from sinuous.solving.polylines import lengths_along, points_at
 
 RAYS = 256
 """Lines of sight that a screen is made of."""
@@ -81,11 +82,10 @@ class Bounds(NamedTuple):
 
 def refined(route: Floats, spacing: float) -> Floats:
     """Return a route with points (k, 3) at most so far apart: a thin wall may stand between those that it has."""
-    steps = np.linalg.norm(np.diff(route, axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
+    along = lengths_along(route)
     count = int(min(MOST_POINTS, np.ceil(along[-1] / spacing) + 1)) if spacing > 0.0 else len(route)
     wanted = np.linspace(0.0, along[-1], max(count, len(route)))
-    return np.stack([np.interp(wanted, along, column) for column in route.T], axis=1)
+    return points_at(route, along, wanted)
 
 
 def passages(route: Floats, distances: Floats, bounds: Bounds) -> list[Passage]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.crossing import Crossing
 from sinuous.solving.routing.gates import Passage
 from sinuous.solving.routing.growth import (
@@ -23,7 +24,6 @@ from sinuous.solving.routing.growth import (
     gone_on,
     grown,
     leg_queries,
-    respaced,
     settled,
 )
 from sinuous.solving.routing.plans import CELLS, Plan

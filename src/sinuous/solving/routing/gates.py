@@ -26,7 +26,8 @@ from sinuous.kernels.tables import (
     TARGET_SEGMENT,
     TARGET_WIDTH,
 )
-from sinuous.solving.routing.growth import LEG_POINTS, respaced, segments_of
+from sinuous.solving.polylines import respaced
+from sinuous.solving.routing.growth import LEG_POINTS, segments_of
 from sinuous.solving.routing.turned import Groups
 
 NARROW, WIDE = 1.35, 2.5

@@ -25,6 +25,7 @@ from sinuous.kernels.tables import (
     TARGET_POSITION,
     TARGET_SEGMENT,
 )
+from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.turned import Groups
 
 
@@ -43,13 +44,6 @@ LEG_POINTS = 160
 
 ARRIVAL = 5
 """Points of a leg that its last tangent is taken over."""
-
-
-def respaced(route: Floats, count: int) -> Floats:
-    """Return so many points that are evenly spaced along a route (K, 3)."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(route, axis=0), axis=1))])
-    places = np.linspace(0.0, along[-1], count)
-    return np.stack([np.interp(places, along, axis) for axis in route.T], axis=-1)
 
 
 def _in_order(groups: Groups) -> dict[int, int]:

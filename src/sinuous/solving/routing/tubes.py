@@ -30,6 +30,7 @@ from sinuous.kernels.tables import (
     SEGMENT_WIDTH,
 )
 from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
+from sinuous.solving.polylines import lengths_along, points_at, respaced
 from sinuous.solving.routing.parts import beyond, first
 from sinuous.solving.routing.turned import Groups
 
@@ -101,7 +102,7 @@ def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> T
     sizes = radius, spacing, query[QUERY_FREE_LENGTH]
     count, ended = follow_tube(scene, np.stack([origin, axis]), sizes, seconds, clock, points)
     known = points[:count]
-    if ended not in (MOUTH, END, BRANCH) or _along(known)[-1] < SHORTEST * radius:
+    if ended not in (MOUTH, END, BRANCH) or lengths_along(known)[-1] < SHORTEST * radius:
         return None
     return Tube(known, ended)
 
@@ -123,7 +124,7 @@ def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Ite
     n = int(robot[0])
     segments = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
     least, most = segments[:, MIN_LENGTH], segments[:, MAX_LENGTH]
-    length, tried = _along(tube.axis)[-1], set()
+    length, tried = lengths_along(tube.axis)[-1], set()
     for share, fewer in SHARES:
         ends = np.cumsum(least + share * (most - least))
         held = 1 + int(np.searchsorted(ends, length - BARELY * most[-1]))
@@ -155,23 +156,16 @@ def _joined(groups: Groups, line: Floats, count: int, seconds_left: Callable[[],
 
 def _lengthened(axis: Floats, length: float) -> Floats:
     """The axis (K, 3) made so long: cut, or gone on straight."""
-    along = _along(axis)
+    along = lengths_along(axis)
     inside = axis[along < length]
     if length <= along[-1]:
-        end = np.array([np.interp(length, along, values) for values in axis.T])
+        end = points_at(axis, along, np.array([length]))[0]
     else:
         ahead = axis[-1] - axis[max(0, len(axis) - 1 - AHEAD)]
         end = axis[-1] + (length - along[-1]) / np.linalg.norm(ahead) * ahead
     return _spaced(np.vstack([inside, end]))
 
 
-def _along(line: Floats) -> Floats:
-    """Length (K,) of a line (K, 3) up to each of its points."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-
-
 def _spaced(line: Floats) -> Floats:
     """As many points, or a few at least, evenly spaced along a line (K, 3)."""
-    along = _along(line)
-    places = np.linspace(0.0, along[-1], max(8, len(line)))
-    return np.stack([np.interp(places, along, axis) for axis in line.T], axis=-1)
+    return respaced(line, max(8, len(line)))

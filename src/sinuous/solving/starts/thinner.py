@@ -79,7 +79,8 @@ class Thinner:
         question = question._replace(seconds_left=partial(_sooner, question.seconds_left, later))
         thin = self._solved(question, share, self._options, None)
         if thin is not None:
-            yield Batch(self.name, self._grown(question, share, thin.q)[None].copy(), routes=_frozen(thin.route))
+            routes = () if thin.route is None else (thin.route,)
+            yield Batch(self.name, self._grown(question, share, thin.q)[None].copy(), routes=routes)
 
     def _grown(self, question: Question, share: float, q: Floats) -> Floats:
         """Let a body grow from a share of its radii; return its configuration (n, 3) when it was thickest."""
@@ -109,11 +110,3 @@ def with_radii(robot: Robot, share: float) -> Robot:
 
 def _sooner(seconds_left: Callable[[], float], by: float) -> float:
     return seconds_left() - by
-
-
-def _frozen(route: Floats | None) -> tuple[Floats, ...]:
-    if route is None:
-        return ()
-    own = route.copy()
-    own.setflags(write=False)
-    return (own,)

@@ -1,0 +1,21 @@
+"""Lines through points: how long they are up to each of them, and other points along them."""
+
+import numpy as np
+
+from sinuous.checks import Floats
+
+
+def lengths_along(line: Floats) -> Floats:
+    """Return the length (K,) of a line (K, 3) up to each of its points."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+
+
+def points_at(line: Floats, along: Floats, wanted: Floats) -> Floats:
+    """Return the points (M, 3) at lengths (M,) along a line (K, 3), whose own points are at `along` (K,)."""
+    return np.stack([np.interp(wanted, along, column) for column in line.T], axis=-1)
+
+
+def respaced(line: Floats, count: int) -> Floats:
+    """Return so many points that are evenly spaced along a line (K, 3)."""
+    along = lengths_along(line)
+    return points_at(line, along, np.linspace(0.0, along[-1], count))

@@ -32,7 +32,11 @@ def test_it_says_what_files_contain(capsys: pytest.CaptureFixture[str], problem:
 
 
 @pytest.mark.parametrize(
-    ("start", "code", "said"), [("result.json", 0, "meets its target"), ("straight", 1, "is no answer")]
+    ("start", "code", "said"),
+    [
+        ("result.json", 0, "meets its target"),
+        ("straight", 1, "start is clear, a motion can begin there, but it is no answer: position error "),
+    ],
 )
 def test_a_start_is_verified(
     capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path, start: str, code: int, said: str

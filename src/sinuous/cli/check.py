@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import typer
 
+from sinuous.checks import Floats
 from sinuous.cli.reading import read_all
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
@@ -48,9 +49,12 @@ def _verified(problem: ProblemFile) -> Verification | None:
     """What the start is: held against the first target, or, where a configuration is the goal, merely looked at."""
     if problem.start is None:
         return None
-    if problem.goal is not None:
-        return verified(problem.robot, problem.start, problem.scene.snapshot().first, (), problem.tolerance)
-    return verify(problem.problem(), problem.start)
+    return _alone(problem, problem.start) if problem.goal is not None else verify(problem.problem(), problem.start)
+
+
+def _alone(problem: ProblemFile, q: Floats) -> Verification:
+    """What a configuration (n, 3) is by itself, without a target."""
+    return verified(problem.robot, q, problem.scene.snapshot().first, (), problem.tolerance)
 
 
 def _contents(problem: ProblemFile, start: Verification | None) -> dict[str, Any]:
@@ -82,7 +86,7 @@ def _description(problem: ProblemFile, start: Verification | None) -> str:
     if contents["targets_from_base"] is not None:
         sizes.append(f"targets: {span(contents['targets_from_base'])} from the base")
     notes = [f"note: {note}" for note in problem.notes]
-    verdict = [] if start is None else [f"start {_verdict(start, problem.goal is None)}"]
+    verdict = [] if start is None else [f"start {_verdict(problem, start)}"]
     values = "  ".join(f"{name}={value:.4g}" for name, value in (contents["actuators"] or {}).items())
     return "\n  ".join([line, *sizes, *notes, *verdict, *([f"actuators there: {values}"] if values else [])])
 
@@ -123,15 +127,20 @@ def _counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
-def _verdict(start: Verification, to_target: bool) -> str:
-    """What was found of the start, which is to meet a target, or only to be clear."""
+def _verdict(problem: ProblemFile, start: Verification) -> str:
+    """What was found of the start, which is to meet a target, or only to be clear.
+
+    For a motion it is enough to be clear, and a file does not say whether one is wanted.
+    """
     seen = (
         f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g}, from itself "
         f"{start.self_clearance:.3g}{_where(start)} (sampled)"
     )
-    if not to_target:
+    if problem.goal is not None:
         return f"{'is clear' if start.ok else 'is blocked'}: {seen}"
     verdict = "meets its target" if start.ok else "is no answer"
+    if not start.ok and problem.start is not None and _alone(problem, problem.start).ok:
+        verdict = "is clear, a motion can begin there, but it is no answer"
     return f"{verdict}: position error {start.position_error:.3g}, angle error {start.angle_error:.3g}, {seen}"
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.motion.pairs import draw
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, VERDICT
 from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH, sweep_size
 from sinuous.kernels.body.proof import CLEAR
@@ -93,6 +94,44 @@ def test_shortcuts_make_no_path_longer_and_leave_it_clear() -> None:
         assert tight.length <= plain.length + 1e-9
         shorter += tight.length < 0.99 * plain.length
     assert shorter > 0
+
+
+def test_the_bound_of_a_path_is_tight_and_that_of_any_edge_half_as_large_as_it_may_be() -> None:
+    edges = 0
+    for seed in range(12):
+        scene, ends = pair(seed)
+        made = Plan(ROBOT, scene)
+        path = made.grow(ends)
+        tight = prove_steps(ROBOT, made.scene, path, slack=0.01).clearances
+        found = made.answers[: len(path) - 1, SEEN + LOW]
+        assert (found >= 0.49 * tight).all()
+        assert found.min() >= 0.89 * tight.min()
+        edges += len(found)
+    assert edges > 12
+
+
+@pytest.mark.parametrize(("segments", "number"), [(6, 192), (4, 1)])
+def test_trees_come_out_of_narrow_places(segments: int, number: int) -> None:
+    """Hardly any direction leads out of there in which all segments move at once."""
+    hard = draw(segments, 1, number, 0)
+    for seed in range(4):
+        path = Plan(hard.robot, hard.scene).grow(np.stack([hard.start, hard.goal]), (0, 1024), seed=seed)
+        assert len(path) > 2, seed
+        assert prove_steps(hard.robot, hard.scene.snapshot(), path).proved.all()
+
+
+def test_a_tree_that_is_behind_keeps_limits_that_segments_share() -> None:
+    line = sn.Actuators([[0.05, 0.0, 0.0] * 4, [0.0, 0.05, 0.0] * 4], limits=[(-0.08, 0.08)] * 2)
+    robot = sn.Robot([sn.Segment(1.0, 2.8, radius=0.05)] * 4, actuators=line)
+    rng = np.random.default_rng(5)
+    goals = [q for q in (shape(robot, rng) for _ in range(2000)) if robot.excess(q) <= 0.0]
+    goals = [q for q in goals if np.hypot(*robot.tip(q)[:2, 3]) > 1.0][:150]
+    made = Plan(robot, Scene([sn.Sphere(robot.tip(q)[:3, 3], 0.02) for q in goals]))  # so none of them is reached
+    made.grow(np.stack([np.tile([0.0, 0.0, 1.0], (4, 1)), *goals]), (0, 200))
+    nodes = nodes_of(made.work[1], len(robot))
+    assert len(goals) == 150
+    assert len(nodes) > 2
+    assert max(robot.excess(q) for q in nodes) < 1e-12
 
 
 def test_trees_grow_on_with_more_goals() -> None:

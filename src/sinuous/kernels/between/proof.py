@@ -92,7 +92,7 @@ def list_obstacles(sweep: Sweep) -> None:
 
 
 @kernel
-def _forget(seen: Array) -> None:
+def forget(seen: Array) -> None:
     """Know nothing of clearances."""
     for row in range(2):
         seen[row, LOW] = seen[row, LEAST] = math.inf
@@ -113,7 +113,13 @@ def narrow_obstacles(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> Non
 @kernel
 def touches_at(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
     """Whether the body is seen to touch something at time t, among the obstacles that `narrow_obstacles` left."""
-    _forget(seen)  # what overlaps less than something before would not be seen
+    forget(seen)  # what overlaps less than something before would not be seen
+    return bool(touches_too(motion, t, sweep, aim, seen))
+
+
+@kernel
+def touches_too(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -> bool:
+    """The same after looks at which nothing touched: `seen` has the least of all of them."""
     knot(motion, t, sweep, 0)
     for k in range(motion.q0.shape[0] - 1, -1, -1):
         if clear_segment(motion, sweep, Interval(1, t, 0.0, 0, 0), k, aim, seen[0]) == TOUCHING:
@@ -219,7 +225,7 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
     (infinite: there is nothing to be clear of); also the least that was seen, and where. When the time of the clock is
     over, the verdict is UNDECIDED. The `rounding` of `aim` is found here.
     """
-    _forget(seen)
+    forget(seen)
     return prove_again(motion, sweep, aim, seen)
 
 

@@ -10,7 +10,16 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.shortcuts import Exactness, Path, forget, is_clear, path_length, shorten, skip
+from sinuous.kernels.planning.shortcuts import (
+    Exactness,
+    Path,
+    bound_worst,
+    forget_edges,
+    joins,
+    path_length,
+    shorten,
+    skip,
+)
 from sinuous.kernels.planning.space import Space, measure_levers
 from sinuous.kernels.planning.trees import Terms, Trees, grow, path_through, plant
 from sinuous.kernels.problem import Robot, read_robot
@@ -18,12 +27,12 @@ from sinuous.kernels.problem import Robot, read_robot
 STEP, SPACING, LEAST, FINE, BACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
 """Of the trees, in robot lengths; see `Terms`."""
 
-SLACK, FINEST = 0.1, 1e-7
-"""How far below the truth clearances may be, as a share of them, and the length, in robot lengths, below which the
-proof of an edge of the path gives up."""
+SLACK, OF_EDGES, FINEST = 0.1, 0.5, 1e-7
+"""How far below the truth the clearance of the path may be, and that of any edge, as a share of it; and the length, in
+robot lengths, below which the proof of an edge of the path gives up."""
 
 LOOSE = 1e-4
-"""The same length for a proof that an edge is clear, without a tight bound of how clear."""
+"""The same length for a proof that an edge is clear which is not known to be."""
 
 FOR_PROOF = 0.1
 """Seconds for the path that was found, its shortcuts and proofs, for each second of the search."""
@@ -66,7 +75,7 @@ def nodes_of(workspace: Array, segments: int) -> Array:
 def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
     """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
     for i in range(goals.shape[0]):
-        if is_clear(space, start, goals[i], exact):
+        if joins(space, start, goals[i], exact, path.answers[0]):
             copy(start, path.q[0])
             copy(goals[i], path.q[1])
             return 2
@@ -75,13 +84,13 @@ def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: 
 
 @kernel
 def _finish(space: Space, path: Path, count: int, asked: Asked, exact: Exactness, pair: Array) -> int:
-    """Prove the edges of a path with bounds, and leave out what can be left out; return how many are left."""
+    """Leave out of a path what can be left out, prove its edges with bounds, and return how many knots are left."""
     _, _, seconds, seed, _, _, tries = asked
     allow(space.sweep.clock, FOR_PROOF * seconds)
-    forget(path, count)
     count = skip(space, path, count, exact)
     if tries > 0 and count > 2:
         count = skip(space, path, shorten(space, path, count, tries, seed, exact, pair), exact)
+    bound_worst(space, path, count, exact)
     return count
 
 
@@ -104,7 +113,7 @@ def _prepare(own: Robot, around: Scene, asked: Asked, scratch: Array, workspace:
 
 @kernel
 def _exactness(unit: float) -> Exactness:
-    return Exactness(SLACK, FINEST * unit, FINE * unit, LOOSE * unit)
+    return Exactness(SLACK, OF_EDGES, FINEST * unit, FINE * unit, LOOSE * unit)
 
 
 @entry
@@ -134,6 +143,7 @@ def plan(
         one, other = grow(space, trees, terms, first, last)
         if one >= 0:
             count = path_through(trees, one, other, q)
+            forget_edges(path, count)
     if count > 0:
         count = _finish(space, path, count, asked, exact, pair)
     return count, trees.counts[0] + trees.counts[1], path_length(space, path, count)
@@ -149,4 +159,6 @@ def tighten(
     """
     own, around = read_robot(robot), read_scene(scene)
     space, pair, _ = _prepare(own, around, asked, scratch, workspace)
-    return int(_finish(space, Path(q, answers), count, asked, _exactness(asked[1]), pair))
+    path = Path(q, answers)
+    forget_edges(path, count)
+    return int(_finish(space, path, count, asked, _exactness(asked[1]), pair))

@@ -3,10 +3,11 @@
 An edge has an answer (14,), see `between.query`: its verdict, until when it is proved, and what was seen.
 """
 
+import math
 from collections import namedtuple
 
 from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
-from sinuous.kernels.between.sweep import SEEN_WIDTH, at_time
+from sinuous.kernels.between.sweep import LEAST, LOW, SEEN_WIDTH, at_time
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import late
 from sinuous.kernels.compile import kernel
@@ -16,13 +17,13 @@ from sinuous.kernels.planning.space import Space, bound_edge, distance, looks_cl
 Path = namedtuple("Path", ["q", "answers"])
 """Configurations (p, n, 3), and answers (p, 14) about the edges that begin there."""
 
-Exactness = namedtuple("Exactness", ["slack", "finest", "coarse", "loose"])
-"""How far below the truth clearances may be, as a share of them; the length below which a proof is not halved; the one
-for looks before a proof; and the one for a proof without a tight bound."""
+Exactness = namedtuple("Exactness", ["slack", "of_edges", "finest", "coarse", "loose"])
+"""How far below the truth the clearance of the path may be, and that of any edge, as a share of it; the length below
+which a proof is not halved; the one for looks before a proof; and the one where it is not known what a proof says."""
 
 
 @kernel
-def forget(path: Path, count: int) -> None:
+def forget_edges(path: Path, count: int) -> None:
     """Know nothing about the edges between `count` configurations."""
     for i in range(count - 1):
         path.answers[i, VERDICT] = UNDECIDED
@@ -39,17 +40,10 @@ def path_length(space: Space, path: Path, count: int) -> float:
 
 @kernel
 def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
-    """Prove an edge, and fill its answer (14,)."""
+    """Prove an edge that is thought to be clear, and fill its answer (14,): first that it is, then how clear."""
     verdict, until = prove_edge(space, p, q, 1.0, exact.finest)
     if verdict == CLEAR:
-        return _bound(space, p, q, exact, answer)
-    return _keep(space, verdict, until, answer)
-
-
-@kernel
-def _bound(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
-    """Bound how clear an edge is that was proved clear last, and fill its answer (14,)."""
-    verdict, until = bound_edge(space, p, q, exact.slack, exact.finest)
+        verdict, until = bound_edge(space, p, q, exact.of_edges, exact.finest)
     return _keep(space, verdict, until, answer)
 
 
@@ -64,20 +58,46 @@ def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
 
 
 @kernel
-def is_clear(space: Space, p: Array, q: Array, exact: Exactness) -> bool:
-    """Whether an edge is proved clear, without a tight bound of how clear."""
+def joins(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
+    """Whether an edge is proved clear; its answer (14,) is filled then."""
     if not looks_clear(space, p, q, exact.coarse):
         return False
-    return bool(prove_edge(space, p, q, 1.0, exact.loose)[0] == CLEAR)
+    verdict, until = bound_edge(space, p, q, exact.of_edges, exact.loose)
+    return verdict == CLEAR and _keep(space, verdict, until, answer)
 
 
 @kernel
-def _reaches(space: Space, path: Path, i: int, j: int, exact: Exactness) -> bool:
-    """Whether the motion from configuration `i` to `j` is proved clear; what bounds are proved is that of `i` then."""
-    if not is_clear(space, path.q[i], path.q[j], exact):
-        return False
-    _bound(space, path.q[i], path.q[j], exact, path.answers[i])
-    return True
+def _least_clear(path: Path, count: int, seen: int) -> int:
+    """The edge whose bound is the least, of those that are proved; the answer has that from column `seen` on."""
+    least, at = math.inf, -1
+    for i in range(count - 1):
+        if path.answers[i, VERDICT] == CLEAR and path.answers[i, seen + LOW] < least:
+            least, at = path.answers[i, seen + LOW], i
+    return at
+
+
+@kernel
+def bound_worst(space: Space, path: Path, count: int, exact: Exactness) -> None:
+    """Bound more tightly the edges that decide how clear a path of `count` configurations is.
+
+    Bounds of all other edges are less tight: close to obstacles those take long.
+    """
+    for row in range(2):
+        seen, last = SEEN + row * SEEN_WIDTH, -1
+        for _ in range(count - 1):
+            i = _least_clear(path, count, seen)
+            if i < 0 or i == last:
+                break
+            answer, last = path.answers[i], i
+            if answer[seen + LOW] >= (1.0 - exact.slack) * answer[seen + LEAST]:
+                break
+            for each in range(2):
+                for column in range(SEEN_WIDTH):
+                    space.seen[each, column] = answer[SEEN + each * SEEN_WIDTH + column]
+            verdict, until = bound_edge(space, path.q[i], path.q[i + 1], exact.slack, exact.finest)
+            if verdict != CLEAR:
+                break
+            _keep(space, verdict, until, answer)
 
 
 @kernel
@@ -90,7 +110,7 @@ def skip(space: Space, path: Path, count: int, exact: Exactness) -> int:
     kept = at = 0
     while at < count - 1:
         far = 1 if late(space.sweep.clock) else count - 1 - at
-        while far > 1 and not _reaches(space, path, kept, at + far, exact):
+        while far > 1 and not joins(space, path.q[kept], path.q[at + far], exact, path.answers[kept]):
             far = 1 if late(space.sweep.clock) else far // 2
         if far == 1:
             if path.answers[at, VERDICT] == CLEAR:

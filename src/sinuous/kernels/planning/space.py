@@ -10,7 +10,14 @@ from collections import namedtuple
 import numpy as np
 
 from sinuous.kernels.between.obstacles import Aim
-from sinuous.kernels.between.proof import narrow_obstacles, prove_again, prove_between, touches_at
+from sinuous.kernels.between.proof import (
+    forget,
+    narrow_obstacles,
+    prove_again,
+    prove_between,
+    touches_at,
+    touches_too,
+)
 from sinuous.kernels.between.sweep import Motion, at_time
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.compile import kernel
@@ -21,6 +28,9 @@ from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 PARTS = 8
 """Into how many parts a long motion is divided by the configurations that are looked at before it is proved."""
+
+ALONG = 4
+"""The same for an edge of a tree: a proof that fails is dearer than these looks."""
 
 BETWEEN = 2
 """Looks between a time when nothing touches and one when something does."""
@@ -81,14 +91,18 @@ def clear_up_to(space: Space, p: Array, q: Array, finest: float) -> tuple[bool, 
 
 @kernel
 def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
-    """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first."""
+    """Whether nothing is seen to touch on the way from `p` to `q` (n, 3), at seven times, the middle first.
+
+    Then the space has `seen` the least of all of them, and `bound_edge` goes on from there.
+    """
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     aim = Aim(1.0, finest, 0.0, space.mount, False)
     narrow_obstacles(motion, space.sweep, aim, space.seen)
+    forget(space.seen)
     parts = 2
     while parts <= PARTS:
         for i in range(1, parts, 2):
-            if touches_at(motion, i / parts, space.sweep, aim, space.seen):
+            if touches_too(motion, i / parts, space.sweep, aim, space.seen):
                 return False
         parts *= 2
     return True
@@ -99,7 +113,8 @@ def look_along(space: Space, p: Array, q: Array, back: float, finest: float) -> 
     """Until when the way from `p` to `q` (n, 3) may be worth a proof; 0: it is not.
 
     It is looked at where it ends. While something is seen to touch, half of it is, down to a time `back` after its
-    beginning; then between the last two looks. What is left ends as long before the time when something touches.
+    beginning; then between the last two looks. What is left is looked at in between, and ends before what touches
+    there. The end is as long before the time when something touches.
     """
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     aim = Aim(1.0, finest, 0.0, space.mount, False)
@@ -109,15 +124,29 @@ def look_along(space: Space, p: Array, q: Array, back: float, finest: float) -> 
         touching, clear = clear, 0.5 * clear
         if touching <= back:
             return 0.0
-    if clear == 1.0:
-        return clear
+    if clear < 1.0:
+        clear, touching = _look_between(space, motion, aim, clear, touching)
+    end, parts = clear, 2
+    while parts <= ALONG and clear == end:
+        for i in range(1, parts, 2):
+            t = end * i / parts
+            if touches_at(motion, t, space.sweep, aim, space.seen):
+                clear, touching = _look_between(space, motion, aim, t - end / parts, t)
+                break
+        parts *= 2
+    return max(0.0, min(clear, touching - back))
+
+
+@kernel
+def _look_between(space: Space, motion: Motion, aim: Aim, clear: float, touching: float) -> tuple[float, float]:
+    """Look between a time when nothing touches and one when something does; return two such times that are nearer."""
     for _ in range(BETWEEN):
         t = 0.5 * (clear + touching)
         if touches_at(motion, t, space.sweep, aim, space.seen):
             touching = t
         else:
             clear = t
-    return max(0.0, min(clear, touching - back))
+    return clear, touching
 
 
 @kernel
@@ -129,6 +158,6 @@ def prove_edge(space: Space, p: Array, q: Array, slack: float, finest: float) ->
 
 @kernel
 def bound_edge(space: Space, p: Array, q: Array, slack: float, finest: float) -> tuple[int, float]:
-    """The same for a motion that was proved clear last, without a tight bound; see `prove_again`."""
+    """The same for a motion that was looked at last, or proved without a tight bound; see `prove_again`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     return prove_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)

@@ -10,8 +10,9 @@ from collections import namedtuple
 from sinuous.kernels.between.sweep import at_time
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.space import Space, clear_up_to, distance, draw, look_along, squared_distance
+from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
+from sinuous.kernels.planning.space import Space, clear_up_to, distance, draw, look_along, random, squared_distance
+from sinuous.kernels.step.actuation import share
 
 Trees = namedtuple("Trees", ["q", "parents", "counts", "drawn"])
 """Nodes of both trees (2, c, n, 3), their parents (2, c) int64 (-1: a root), how many there are (2,) int64; and the
@@ -24,6 +25,13 @@ not halved; how far an edge stays back from what stops it, all in the length uni
 COARSE, FINER, FINEST = 1.0, 0.1, 0.01
 """How fine the shortest edge, proofs and what stays back are, as shares: most are coarse, every fourth is finer, every
 sixteenth the finest. Who stands close to an obstacle needs small steps, others are quicker without."""
+
+BEHIND = 3
+"""So many times as many nodes must one tree have for the other to have three of four draws: that one begins in a narrow
+place."""
+
+ALONE = 0.75
+"""Share of its draws in which only a run of segments moves. Of all directions at once hardly any leads out of there."""
 
 
 @kernel
@@ -87,6 +95,25 @@ def _connect(space: Space, trees: Trees, side: int, goal: Array, terms: Terms) -
 
 
 @kernel
+def _behind(trees: Trees) -> int:
+    """The tree that has far fewer nodes than the other; -1: none has."""
+    if BEHIND * trees.counts[0] < trees.counts[1]:
+        return 0
+    return 1 if BEHIND * trees.counts[1] < trees.counts[0] else -1
+
+
+@kernel
+def _keep_others(space: Space, begin: Array, index: int, seed: int, drawn: Array) -> None:
+    """Let only a random run of segments differ between what was drawn (n, 3) and where it is gone to from."""
+    n = begin.shape[0]
+    one, other = int(n * random(index, seed + 1, 0)), int(n * random(index, seed + 1, 1))
+    for k in range(n):
+        if k < min(one, other) or k > max(one, other):
+            put_vec(drawn, k, 0, get_vec(begin, k, 0))
+    at_time(begin, drawn, share(space.robot.actuation, begin, drawn), drawn)
+
+
+@kernel
 def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tuple[int, int]:
     """Let both trees grow by draws `first` to `last` - 1, until they meet.
 
@@ -101,8 +128,12 @@ def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tup
         draw(space, trees.q[0, 0], index, terms.seed, trees.drawn)
         fine = COARSE if index % 4 != 3 else FINER if index % 16 != 15 else FINEST
         own = Terms(terms.step, terms.spacing, terms.least * fine, terms.finest * fine, terms.back * fine, terms.seed)
-        side = index % 2 if fine == COARSE else index // 4 % 2
+        side, behind = index % 2 if fine == COARSE else index // 4 % 2, _behind(trees)
+        if behind >= 0:
+            side = behind if index % 4 > 0 else 1 - behind
         at = _nearest(trees, side, trees.drawn, space.levers)
+        if side == behind and random(index, terms.seed + 2, 0) < ALONE:
+            _keep_others(space, trees.q[side, at], index, terms.seed, trees.drawn)
         new, _ = _extend(space, trees, side, at, trees.drawn, own)
         if new >= 0:
             met = _connect(space, trees, 1 - side, trees.q[side, new], own)

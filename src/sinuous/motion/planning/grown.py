@@ -9,7 +9,7 @@ from sinuous.solving.planning.trees import Trees, Way
 ROUNDS = (64, 256, 1024)
 """Draws after which more goals are asked for. Then the trees are planted anew, with other draws, twice as many."""
 
-NARROW = 0.125
+NARROW = 0.1875
 """A tree with no more nodes than this share of the draws of the first round grows from a narrow place."""
 
 

@@ -7,6 +7,8 @@ from numpy.random import Generator
 
 from benchmarks.places.parts.surfaces import Surface, joined, solid
 from benchmarks.places.place import Draw, Sketch
+from sinuous.robot.robot import Robot
+from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box
 
 GAP = 0.01
@@ -27,10 +29,15 @@ def meshed(draw: Draw, seed: int, rng: Generator) -> Sketch | None:
     sketch = draw(seed, rng)
     if sketch is None:
         return None
-    gap = GAP * min(sketch.robot.radii)
     boxes = [o for o in sketch.obstacles if isinstance(o, Box)]
     others = [o for o in sketch.obstacles if not isinstance(o, Box)]
-    return sketch._replace(obstacles=[solid(joined([_surface(box, gap) for box in boxes]), "walls"), *others])
+    return sketch._replace(obstacles=[one_mesh(boxes, sketch.robot), *others])
+
+
+def one_mesh(boxes: list[Box], robot: Robot) -> Mesh:
+    """Return boxes as one mesh."""
+    gap = GAP * min(robot.radii)
+    return solid(joined([_surface(box, gap) for box in boxes]), "walls")
 
 
 def _surface(box: Box, gap: float) -> Surface:

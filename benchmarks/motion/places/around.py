@@ -44,7 +44,7 @@ def swept(robot: Robot, knots: Floats) -> Floats:
     return points.reshape(-1, 3)
 
 
-def balls(robot: Robot, knots: Floats, count: int, rng: Generator) -> list[Sphere] | None:
+def balls(robot: Robot, knots: Floats, rng: Generator, count: int) -> list[Sphere] | None:
     """Put balls beside shapes of a motion (T, n, 3), clear of all of it; `None` where there is no room for so many."""
     unit, tree = max(robot.radii), cKDTree(swept(robot, knots))
     way = samples(knots)

@@ -1,4 +1,7 @@
-"""Plans into the intricate places of `clutter`: to the hidden shape, straight from outside, and from another shape."""
+"""Plans into the intricate places of `clutter`: to the hidden shape, straight from outside, and from another shape.
+
+Both ends are clear; that there is a motion from one to the other is not known. `known` asks where it is.
+"""
 
 from collections.abc import Iterator
 from functools import partial

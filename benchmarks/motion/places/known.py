@@ -1,6 +1,6 @@
 """Plans for which a motion is known: from the straight robot into places that were made around a hidden motion."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 from zlib import crc32
@@ -13,13 +13,15 @@ from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
 from benchmarks.motion.judged import collides
 from benchmarks.motion.places.around import balls, plates
-from benchmarks.motion.places.motions import LEADING, WANDERING, draw_motion
+from benchmarks.motion.places.motions import KINDS, THREADING, draw_motion, keeps_apart
 from benchmarks.motion.places.trials import COUNT, QUICK, SECONDS, STRIDE, Trial, lines_of
-from benchmarks.places.parts.robots import robot_of
+from benchmarks.motion.places.walls import door_in, door_out, pipe, two_doors
+from benchmarks.places.meshed import one_mesh
+from benchmarks.places.parts.robots import longest, robot_of
 from benchmarks.solvers.parallel import in_processes
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Box, Obstacle
 from sinuous.scene.scene import Scene
 
 PLANNED = "plans for which a motion is known: planned and proved within 5 s, and found clear by the judges"
@@ -28,7 +30,7 @@ FALSE = "plans for which a motion is known: called proved, and a judge finds a c
 PATIENCE = 300
 """Draws of one place before its family counts as having none."""
 
-Around = Callable[[Robot, Floats, Generator], list[Obstacle] | None]
+Around = Callable[[Robot, Floats, Generator], Sequence[Obstacle] | None]
 """From a robot and the knots of a motion (T, n, 3) to what stands around it; `None` where there is no room."""
 
 
@@ -47,19 +49,53 @@ class Task(NamedTuple):
     seed: int
 
 
-def _balls(count: int, robot: Robot, knots: Floats, rng: Generator) -> list[Obstacle] | None:
-    found = balls(robot, knots, count, rng)
-    return None if found is None else list(found)
+class Family(NamedTuple):
+    """Places of one kind.
+
+    Attributes
+    ----------
+    kind : str
+        How the hidden motion goes.
+    around : callable
+        What stands around it.
+    robots : callable
+        From a seed and its random numbers to a robot.
+    """
+
+    kind: str
+    around: Around
+    robots: Callable[[int, Generator], Robot] = robot_of
 
 
-def _plates(robot: Robot, knots: Floats, rng: Generator) -> list[Obstacle] | None:
-    return list(plates(robot, knots, rng))
+def _meshed(walls: Callable[[Robot, Floats, Generator], list[Box] | None]) -> Around:
+    """The same walls as one mesh."""
+
+    def around(robot: Robot, knots: Floats, rng: Generator) -> list[Obstacle] | None:
+        boxes = walls(robot, knots, rng)
+        return None if boxes is None else [one_mesh(boxes, robot)]
+
+    return around
 
 
-FAMILIES: dict[str, tuple[str, Around]] = {
-    f"{what}, {kind}": (kind, around)
-    for what, around in (("40 balls", partial(_balls, 40)), ("100 balls", partial(_balls, 100)), ("plates", _plates))
-    for kind in (WANDERING, LEADING)
+_DOORS: dict[str, Callable[[Robot, Floats, Generator], list[Box] | None]] = {
+    "door in": door_in,
+    "door out": door_out,
+    "two doors": two_doors,
+}
+
+_ANY: dict[str, Around] = {
+    "40 balls": partial(balls, count=40),
+    "100 balls": partial(balls, count=100),
+    "plates": plates,
+}
+
+FAMILIES: dict[str, Family] = {
+    **{f"{what}, {kind}": Family(kind, around) for what, around in _ANY.items() for kind in KINDS},
+    **{what: Family(THREADING, around) for what, around in _DOORS.items()},
+    **{f"{what} mesh": Family(THREADING, _meshed(around)) for what, around in _DOORS.items()},
+    "pipe between": Family(THREADING, pipe),
+    "folded": Family(THREADING, door_out, longest),
+    "folded mesh": Family(THREADING, _meshed(door_out), longest),
 }
 """How the hidden motion goes, and what stands around it."""
 
@@ -72,15 +108,15 @@ def make(family: str, seed: int) -> Hidden:
     RuntimeError
         When none is found.
     """
-    kind, around = FAMILIES[family]
+    kind, around, robots = FAMILIES[family]
     for attempt in range(PATIENCE):
         rng = np.random.default_rng([crc32(family.encode()), seed, attempt])
-        robot = robot_of(seed, rng)
+        robot = robots(seed, rng)
         knots = draw_motion(robot, kind, rng)
-        obstacles = None if knots is None else around(robot, knots, rng)
-        if knots is None or obstacles is None:
+        obstacles = around(robot, knots, rng)
+        if obstacles is None or not keeps_apart(robot, knots):
             continue
-        scene = Scene(obstacles)
+        scene = Scene(list(obstacles))
         if not collides(robot, scene, knots):
             return Hidden(robot, scene, knots)
     raise RuntimeError(f"{family} has no place for seed {seed}")

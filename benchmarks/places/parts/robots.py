@@ -43,6 +43,11 @@ def robot_of(seed: int, rng: Generator) -> Robot:
     return Robot(segments, mount=mount, base=pose(unit * rng.normal(size=3), rotation=rng.normal(size=4)))
 
 
+def longest(seed: int, rng: Generator) -> Robot:
+    """Return the robot of 20 segments of a seed."""
+    return robot_of(5 * seed + 4, rng)
+
+
 SLENDER, STOUT = (0.05, 0.12), (0.15, 0.22)
 """Of the body of various robots: range of its radius at the base, of a segment's length."""
 

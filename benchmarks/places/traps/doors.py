@@ -98,7 +98,7 @@ def two_doors(robot: Robot, rng: Generator) -> Sketch | None:
     other = cell_around(line.after(k), frame @ flip, half, line.radius, rng)
     if first is None or other is None:
         return None
-    common = _common_wall(first, other, min(robot.radii), rng)
+    common = common_wall(first, other, min(robot.radii), rng)
     return None if common is None else sketch_of(robot, common, q, rng)
 
 
@@ -117,7 +117,7 @@ def _cell_at_base(robot: Robot, q: Floats, line: Line, k: int, rng: Generator) -
     return sketch_of(robot, cell.boxes("cell"), q, rng)
 
 
-def _common_wall(first: Cell, other: Cell, thin: float, rng: Generator) -> list[Box] | None:
+def common_wall(first: Cell, other: Cell, thin: float, rng: Generator) -> list[Box] | None:
     """Walls of two cells on both sides of a wall with the door of the first, and a slit beside it.
 
     `None` where no room is left for the slit.

@@ -22,6 +22,9 @@ FIRST, LONGEST, SHORTEST = 0.01, 0.05, 1e-3
 ENOUGH = 0.02
 """What is left in front of the tip of a body that is drawn back altogether, in robot lengths."""
 
+BEFORE = 0.5
+"""What is as near before the tip of the other end slides, too, in segments."""
+
 MOST_STEPS = 100_000
 
 OF_CURVE = 20
@@ -40,13 +43,23 @@ class Kind(NamedTuple):
         Whether it begins each step by sliding back along itself, or where it is.
     points : bool
         Whether its tip points along the curve, or where it likes.
+    meets : bool
+        Whether only what is beyond the tip of the other end slides, and the rest goes to where it is there.
     """
 
     slides: bool
     points: bool
+    meets: bool = False
 
 
-KINDS = (Kind(True, False), Kind(True, True), Kind(False, False), Kind(False, True))
+KINDS = (
+    Kind(True, False, True),
+    Kind(True, False),
+    Kind(True, True, True),
+    Kind(True, True),
+    Kind(False, False),
+    Kind(False, True),
+)
 """What is tried first, and, where that is stuck, what goes on from there: all of them with most room, then with less.
 """
 
@@ -64,6 +77,9 @@ class Retreat:
         Where it begins: within all limits and clear.
     kind : int
         With which of the `KINDS` it begins.
+    other : ndarray (n, 3)
+        The other end of the way. The place of the curve beside its tip is where kinds that meet it are with the tip
+        when the rest of the body is as it is there.
 
     Attributes
     ----------
@@ -73,10 +89,13 @@ class Retreat:
         What is left of the curve in front of the tip.
     """
 
-    def __init__(self, means: Means, q: Floats, kind: int) -> None:
+    def __init__(self, means: Means, q: Floats, kind: int, other: Floats) -> None:
         self._means, self._way, self._first = means, 0, kind
         self._points = means.robot.backbone(q, OF_CURVE)
         self._along = lengths_along(self._points)
+        self._other = other
+        apart = np.linalg.norm(self._points - means.robot.tip(other)[:3, 3], axis=1)
+        self._beside = float(self._along[apart.argmin()])
         self._step, self._stuck = FIRST * means.robot.mean_length, 0
         self.left = float(self._along[-1])
         self.knots = [q]
@@ -100,13 +119,26 @@ class Retreat:
         means, q = self._means, self.knots[-1]
         kind = KINDS[(self._first + self._way) % len(KINDS)]
         room = (*ROOMS, 0.0)[self._way // len(KINDS)]
-        begin = slid_back(means.robot, q, self.left - along) if kind.slides else q
+        begin = self._slid_back(self.left - along, kind.meets) if kind.slides else q
         new = means.lead(self._target(along, kind), begin, room)
         if new is None or not means.is_clear(q, new):
             return False
         self.knots.append(new)
         self.left = along
         return True
+
+    def _slid_back(self, by: float, meets: bool) -> Floats:
+        """The body, slid back; of one that meets the other end, what is before that one's tip goes there instead."""
+        q, robot = self.knots[-1], self._means.robot
+        n, weights = len(q), np.arange(1, len(q) + 1) / len(q)
+        if not meets:
+            return slid_back(robot, q, by, weights, np.zeros((n, 3)))
+        places = self.left - np.append(np.cumsum(q[:0:-1, 2])[::-1], 0.0)
+        weights[places < self._beside - BEFORE * robot.mean_length / n] = 0.0
+        weights[-1] = 1.0
+        left = self.left - self._beside
+        share = min(1.0, by / left) if left > 0.0 else 0.0
+        return slid_back(robot, q, by, weights, share * (self._other - q))
 
     def _target(self, along: float, kind: Kind) -> Target:
         place = points_at(self._points, self._along, np.array([along]))[0]
@@ -116,21 +148,22 @@ class Retreat:
         return Target(place, direction=self._points[i] - self._points[i - 1])
 
 
-def slid_back(robot: Robot, q: Floats, by: float) -> Floats:
+def slid_back(robot: Robot, q: Floats, by: float, weights: Floats, pull: Floats) -> Floats:
     """Return the configuration (n, 3) whose ends of segments have gone back along their tangents, as far as they can.
 
-    To first order, within the limits of segments, by damped least squares; an end weighs the more the nearer it is to
-    the tip.
+    To first order, within the limits of segments, by damped least squares; each end counts by its weight (n,). What
+    that leaves free changes by `pull` (n, 3).
     """
     n, unit = len(robot), robot.mean_length
     scale = np.tile([1.0, 1.0, unit / n], n) * movable(robot.segments)
     ends = robot.forward(q)[-n:]
-    weights = np.arange(1, n + 1) / n
     seen = (weights[:, None, None] * _moved_ends(robot, q, ends[:, :3, 3])).reshape(3 * n, 3 * n) * (scale / unit)
     asked = (-by / unit * weights[:, None] * ends[:, :3, 2]).ravel()
     normal = seen.T @ seen
-    normal[np.diag_indices_from(normal)] += DAMPING * np.trace(normal) / len(normal)
-    change = scale * np.linalg.solve(normal, seen.T @ asked)
+    damping = DAMPING * np.trace(normal) / len(normal)
+    normal[np.diag_indices_from(normal)] += damping
+    free = np.divide(pull.ravel(), scale, out=np.zeros(3 * n), where=scale > 0.0)
+    change = scale * np.linalg.solve(normal, seen.T @ asked + damping * free)
     result: Floats = within_limits(robot, (q + change.reshape(n, 3))[None])[0]
     return result
 

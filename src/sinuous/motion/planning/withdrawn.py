@@ -9,6 +9,7 @@ from sinuous.checks import Floats
 from sinuous.motion.planning.ends import Chain, Ends, roots_of
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.retreat import KINDS, Retreat
+from sinuous.motion.times import lever_metric
 from sinuous.solving.planning.trees import Trees, Way
 
 DRAWS, MOST_DRAWS = 256, 2**20
@@ -53,15 +54,16 @@ class _Join:
     def draw_back(self, turn: int) -> Iterator[None]:
         """Draw back a goal, or the start; `None` where a turn ends before that does."""
         if turn in OF_START:
-            yield from self._retreat(self._ends.start, len(self._outs), self._outs)
+            other = self._ends.goals(self._question.start[None])[0][-1]
+            yield from self._retreat(self._ends.start, other, len(self._outs), self._outs)
             return
         number, kinds = turn - len(self._outs), len(KINDS)
         goals = self._ends.goals(self._question.start[None])
         if number < kinds * len(goals):
-            yield from self._retreat(goals[number // kinds], number % kinds, self._ins)
+            yield from self._retreat(goals[number // kinds], self._ends.start[-1], number % kinds, self._ins)
 
-    def _retreat(self, eased: Chain, kind: int, retreats: list[Chain]) -> Iterator[None]:
-        retreat = Retreat(self._ends.means, eased[-1], kind)
+    def _retreat(self, eased: Chain, other: Floats, kind: int, retreats: list[Chain]) -> Iterator[None]:
+        retreat = Retreat(self._ends.means, eased[-1], kind, other)
         if not self._ins and not retreat.run(STEPS):
             yield None
             yield None
@@ -74,17 +76,18 @@ class _Join:
         if question.watch.seconds_left() <= 0.0:
             return None
         out = self._outs[turn // 2 % len(self._outs)] if self._outs and turn % 2 == 0 else self._ends.start
-        roots = roots_of(out, [[q] for knots in self._ins for q in _some(knots)])
+        roots = roots_of(out, [[q] for knots in self._ins for q in self._some(knots, out[-1])])
         draws, seed = min(DRAWS << turn, MOST_DRAWS), (question.seed + turn) % 2**31
         way = self._trees.grow(roots, seed, (0, draws), question.watch.seconds_left())
         if way is None:
             return None
         return self._ends.whole(self._trees, [*out, *way.q[1:-1], *_into(self._ins, way.q[-1])])
 
-
-def _some(knots: Chain) -> Chain:
-    """Some of the knots, the last one first."""
-    return [knots[i] for i in np.unique(np.linspace(len(knots) - 1, 0, ROOTS).round().astype(int))[::-1]]
+    def _some(self, knots: Chain, out: Floats) -> Chain:
+        """Some of the knots, the last one first, and the one that is nearest to a configuration (n, 3)."""
+        some = np.linspace(len(knots) - 1, 0, ROOTS).round().astype(int)
+        squares = np.square((np.stack(knots) - out) * lever_metric(self._question.robot)).sum(axis=(1, 2))
+        return [knots[i] for i in np.unique(np.append(some, squares.argmin()))[::-1]]
 
 
 def _into(retreats: list[Chain], end: Floats) -> Chain:

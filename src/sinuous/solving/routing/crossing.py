@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import GOAL, MERIT, OUT_OF_REACH, SOLVED, TARGET_POSITION, TARGET_SEGMENT
@@ -70,11 +71,21 @@ class Part:
         first, self._first = self._first, self._first + STARTS[beam]
         nothing = np.empty((0, int(self._groups[0][0]), 3))
         yield nothing, (first, self._first)
+        if left() > 0.0 and self._possible and beam == GLANCE and len(self._legs) == 1:
+            yield self._laid(left), (0, 0)
         if left() > 0.0 and self._possible:
             chains = grown(self._groups, self._legs, beam, left())
             if len(chains):
                 yield chains, (0, 0)
                 yield np.concatenate([nothing, *(q[None] for q in settled(self._groups, chains, left))]), (0, 0)
+
+    def _laid(self, left: Left) -> Floats:
+        """One chain (1, m, 3), laid along the route."""
+        robot, scene, _, targets = self._groups
+        sizes = int(robot[0]), int(robot[1]), int(scene[0]), len(targets), len(self._legs[0])
+        workspace, q = np.empty(fit_workspace_size(*sizes)), np.empty((1, int(robot[0]), 3))
+        fit_route(*self._groups, self._legs[0].copy(), max(0.0, left()), workspace, q[0])
+        return q
 
     def _follow(self, chains: Floats, own: tuple[int, int], left: Left) -> Floats | None:
         """Follow starts to the first that is solved and proved."""

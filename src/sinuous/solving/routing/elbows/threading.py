@@ -1,14 +1,16 @@
 """Starts for elbows in tubes: chains through the tube, part after part, between the other starts of routes."""
 
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import QUERY_GOAL, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.kernels.chain.batch import frames_of, points_of
+from sinuous.kernels.tables import POSE_WIDTH, QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
 from sinuous.solving.routing.crossing import Parts
-from sinuous.solving.routing.elbows.inside import tube_of
-from sinuous.solving.routing.elbows.ways import Ways
+from sinuous.solving.routing.elbows.inside import Inside, tube_of
+from sinuous.solving.routing.elbows.ways import Route, Ways
 from sinuous.solving.routing.gates import Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, leg_queries
 from sinuous.solving.routing.searches import Searches
@@ -23,9 +25,15 @@ A_START = 4
 CLEAR = 0.9
 """Room, in radii of the body, that a route over coarse cells has to keep: else the finest ones are asked."""
 
+SAMPLES = 8
+"""Points of a route for each segment, where it is the backbone of a chain."""
+
 
 class Threading:
     """Chains through the tube that an elbow lies in, for one question.
+
+    Before and behind the tube no more is made of a route at first than edges give, or a straight line: mostly there is
+    room, and the parts are solved from scattered starts.
 
     Parameters
     ----------
@@ -38,7 +46,8 @@ class Threading:
         self._problem, self._left = question.problem, question.seconds_left
         self._groups = searches.groups(question.problem)
         self._parts: list[tuple[Way, Parts]] = []
-        self._ways = self._begun()
+        self._guessed = False
+        self._ways = self._begun(self._guess)
         self._tried: set[bytes] = set()
 
     def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
@@ -54,12 +63,14 @@ class Threading:
 
     def _chains(self, beam: Beam) -> Iterator[Batch]:
         """Yield chains whose parts took no more effort than this, each once."""
+        if beam != GLANCE and self._guessed:
+            self._parts, self._ways, self._guessed = [], self._begun(self._route), False
         for way, parts in self._all():
             chain, _ = parts.solved(beam, self._left)
             if chain is None or chain.tobytes() in self._tried:
                 continue
             self._tried.add(chain.tobytes())
-            route = np.concatenate([leg[0] for leg in way.legs])
+            route = self._backbone(chain) if self._guessed else np.concatenate([leg[0] for leg in way.legs])
             route.setflags(write=False)
             yield Batch(SOURCES[ROUTE], chain[None], routes=(route,))
 
@@ -73,15 +84,29 @@ class Threading:
             self._parts.append((way, Parts(self._groups, way)))
             yield self._parts[-1]
 
-    def _begun(self) -> Iterator[Way]:
-        """Yield all ways; none where no elbow lies in a tube."""
+    def _begun(self, route: Route) -> Iterator[Way]:
+        """Yield all ways, by routes of one kind; none where no elbow lies in a tube."""
+        queries, tube = self._place
+        if tube is not None:
+            yield from Ways(self._groups, queries, tube, route)
+
+    @cached_property
+    def _place(self) -> tuple[list[Floats], Inside | None]:
+        """What routes have to keep to the elbow and from there, and the tube that it lies in."""
         queries = [] if self._question.several else leg_queries(self._groups)
         if len(queries) != 2:  # one elbow
-            return
+            return queries, None
         elbow = queries[0][QUERY_GOAL : QUERY_GOAL + 3]
-        tube = tube_of(self._groups[1], queries[0], elbow, self._problem.scene.distance, self._left())
-        if tube is not None:
-            yield from Ways(self._groups, queries, tube, self._route)
+        distance = self._problem.scene.distance
+        return queries, tube_of(self._groups[1], queries[0], elbow, distance, self._left())
+
+    def _guess(self, query: Floats) -> Floats:
+        """Return a route (K, 3) around edges, or else the straight line, which may lead through walls."""
+        route = self._searches.by_edges(self._problem, query, max(0.0, self._left()))
+        if route is None:
+            self._guessed = True
+            route = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
+        return route
 
     def _route(self, query: Floats) -> Floats | None:
         """Return a route (K, 3), around edges or over cells, as coarse as suffice; `None` where none is found."""
@@ -92,3 +117,12 @@ class Threading:
             if found.routes and self._problem.scene.distance(found.routes[0]).min() >= CLEAR * query[QUERY_RADIUS]:
                 return found.routes[0]
         return route
+
+    def _backbone(self, chain: Floats) -> Floats:
+        """Points (K, 3) along the backbone of a chain (n, 3)."""
+        n, base = len(chain), self._groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
+        frames, points = np.empty((1, n + 1, POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
+        frames_of(chain[None].copy(), base[None].copy(), frames)
+        points_of(chain[None].copy(), frames, SAMPLES, points)
+        line: Floats = points[0]
+        return line

@@ -9,7 +9,18 @@ from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import GOAL, MERIT, OUT_OF_REACH, SOLVED, TARGET_POSITION, TARGET_SEGMENT
+from sinuous.kernels.tables import (
+    GOAL,
+    MERIT,
+    MIN_LENGTH,
+    OUT_OF_REACH,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
+    SOLVED,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+)
+from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.gates import Passage, Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, grown, settled
 from sinuous.solving.routing.parts import before, begin, beyond
@@ -20,6 +31,9 @@ STARTS = {GLANCE: 3, ONE: 6, SOME: 20, FEW: 50, MANY: 150}
 
 AGAIN = 1
 """Numbers of segments before a gate that are tried again with more effort, though those beyond did not get there."""
+
+TAUT = 1.2
+"""Least length of a chain, of the leg of a route, up to which it is laid along that."""
 
 SEED = 0
 """Of the scattered starts of parts."""
@@ -73,13 +87,19 @@ class Part:
         first, self._first = self._first, self._first + STARTS[beam]
         nothing = np.empty((0, int(self._groups[0][0]), 3))
         yield nothing, (first, self._first)
-        if left() > 0.0 and self.possible and beam == GLANCE and len(self._legs) == 1:
+        if beam == GLANCE and self.possible and self._fits() and left() > 0.0:
             yield self._laid(left), (0, 0)
         if left() > 0.0 and self.possible:
             chains = grown(self._groups, self._legs, beam, left())
             if len(chains):
                 yield chains, (0, 0)
                 yield np.concatenate([nothing, *(q[None] for q in settled(self._groups, chains, left))]), (0, 0)
+
+    def _fits(self) -> bool:
+        """Whether the chain is about as long as its leg: what is longer, and laid along it, is in a heap."""
+        n = int(self._groups[0][0])
+        segments = self._groups[0][ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+        return len(self._legs) == 1 and segments[:, MIN_LENGTH].sum() <= TAUT * lengths_along(self._legs[0])[-1]
 
     def _laid(self, left: Left) -> Floats:
         """One chain (1, m, 3), laid along the route."""

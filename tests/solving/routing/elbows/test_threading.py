@@ -15,7 +15,14 @@ from sinuous.solving.routing.routes import Router
 from sinuous.solving.starts.sources import Batch, Question
 from tests.helpers import Floats
 
-HARD = [("pipe between", 4), ("pipe between", 17), ("pipe between", 33), ("pipe between", 79), ("cells", 113)]
+HARD = [
+    ("pipe between", 4),
+    ("pipe between", 17),
+    ("pipe between", 33),
+    ("pipe between", 79),
+    ("cells", 113),
+    ("pipe between", 141),
+]
 """Places whose elbow lies in a pipe, that the body enters by the mouth that is farther from the base."""
 
 

@@ -51,7 +51,7 @@ CUT = 0.8
 """Of a route, the least length of a body that goes the same way: it cuts corners, where the route keeps to cells."""
 
 TOO_FEW = 3
-"""Segments that are too few to come to an elbow in a mouth in just one direction."""
+"""Segments that may be too few to come to an elbow in just one direction."""
 
 Route = Callable[[Floats], Floats | None]
 """From what a route has to keep (28,) to a route (K, 3), where one is found."""
@@ -108,7 +108,8 @@ class Ways:
                 way = None if key in tried else self._way(before, behind, inside.along)
                 tried.add(key)
                 if way is not None:
-                    yield way
+                    few = before.segments == 0 and self._elbow <= TOO_FEW
+                    yield from (way, _undirected(way)) if few else (way,)
 
     def _way(self, before: Held, behind: Held, along: Floats) -> Way | None:
         """The way through what a tube holds; `None` where no route leads there, or no chain is that long."""
@@ -123,8 +124,6 @@ class Ways:
                 return None
         elbow = _row(self._elbow, before.line[0], along)
         elbow[HAS_POSITION] = 0.0  # its own target says where it is
-        if first <= TOO_FEW and before.segments == 0:
-            elbow[ORIENTATION] = FREE
         rows, legs = [elbow], [to, off]
         if before.segments > 0:
             rows.insert(0, _row(first, before.line[-1], -before.ahead))
@@ -162,6 +161,13 @@ def _held(axis: Floats, ahead: Floats, own: Floats, fewer: int) -> Held:
     line = lengthened(axis, ends[count - 1])
     tangent = line[-1] - line[-2]
     return Held(count, line, tangent / np.linalg.norm(tangent))
+
+
+def _undirected(way: Way) -> Way:
+    """The same way, but from any direction to its first row, which is the elbow."""
+    rows = [row.copy() for row in way.rows]
+    rows[0][ORIENTATION] = FREE
+    return Way(rows, way.legs)
 
 
 def _row(count: int, place: Floats, along: Floats) -> Floats:

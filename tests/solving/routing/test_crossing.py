@@ -7,6 +7,7 @@ import pytest
 
 from sinuous import Box, Robot, Scene, Segment, Target, Tolerance, packing
 from sinuous.checks import Floats
+from sinuous.kernels.tables import BOUND, CODE, FAILED, MERIT, RECORD_WIDTH
 from sinuous.problem.problem import Problem
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.crossing import STARTS, Crossing, Part
@@ -91,9 +92,47 @@ def test_what_is_impossible_is_given_up() -> None:
     packed[3][0, 2:5] = 0.0, 0.0, 100.0
     part = Part(packed, legs)
     assert part.solved(ONE, lambda: 60.0) is None
-    assert not part._possible
+    assert not part.possible
 
 
 def test_no_time_nothing_is_done() -> None:
     crossing, _ = crossing_of(1.7)
     assert not list(crossing.chains(0, FEW, lambda: 0.0))
+
+
+def test_where_segments_before_a_gate_are_too_few_more_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    crossing, _ = crossing_of(1.7)
+    spot = crossing._passage.places[0]
+    enough = max(spot.counts)
+    tried: list[int] = []
+
+    class Few:
+        def __init__(self, count: int) -> None:
+            self.count, self.too_short = count, count < enough
+
+        def solved(self, _most: object, _left: object) -> tuple[None, bool]:
+            tried.append(self.count)
+            return None, False
+
+    monkeypatch.setattr(crossing, "_at", lambda _place, count: Few(count))
+    assert not list(crossing.chains(0, ONE, lambda: 60.0))
+    assert tried[-1] == enough
+
+
+def test_a_part_keeps_what_came_nearest(monkeypatch: pytest.MonkeyPatch) -> None:
+    packed, legs, _ = asked(0.1)
+    part = Part(packed, legs)
+    merits = iter([0.5, 0.2, 0.4])
+
+    def search(*given: Any) -> tuple[Any, ...]:
+        merit = next(merits)
+        given[-1][:] = merit
+        record = [0.0] * RECORD_WIDTH
+        record[CODE], record[MERIT], record[BOUND] = FAILED, merit, merit > 0.3
+        return tuple(record)
+
+    monkeypatch.setattr("sinuous.solving.routing.crossing.search", search)
+    for expected in (0.5, 0.2, 0.2):
+        assert part._follow(np.empty((0, len(ROBOT), 3)), (0, 3), lambda: 60.0) is None
+        assert part.nearest is not None
+        assert (part.nearest == expected).all()

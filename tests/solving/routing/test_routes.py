@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.places import make
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
@@ -232,6 +233,19 @@ def test_the_route_around_the_edges_of_a_door_comes_first() -> None:
     assert finder.by_edges(asked, query, -1.0) is None
     closed = box_room(center, 0.6, 0.1)
     assert finder.by_edges(problem(ROBOT, Target(center), closed), query, 60.0) is None
+
+
+def test_around_the_edges_of_a_cell_of_one_mesh_it_is_looked_long_enough() -> None:
+    """The door is behind the base, and the way there and through takes some thousand looks."""
+    place = make("door in mesh", 54)
+    router = Router(place.robot, place.scene, place.tolerance)
+    asked = Problem.prepared(place.robot, place.targets, place.scene.snapshot(), place.tolerance)
+    query = router.query(asked)
+    assert query is not None
+    route = router.by_edges(asked, query, 60.0)
+    assert route is not None
+    assert place.scene.distance(route).min() > 0.95 * min(place.robot.radii)
+    assert np.linalg.norm(np.diff(route, axis=0), axis=1).sum() < sum(s.length[1] for s in place.robot.segments)
 
 
 def test_what_sits_in_the_mount_may_pass_the_wall() -> None:

@@ -37,7 +37,7 @@ FINE, COARSE = 0.5, 1.0
 POINTS = 256
 """Points of a band that is neither."""
 
-CUTS, LOOKS = 1 << 22, 1 << 17
+CUTS, LOOKS = 1 << 22, 1 << 18
 """How many boxes and triangles are asked whether they cut a line, at most; and looks at distances, see `kernels.clock`.
 """
 

@@ -6,9 +6,21 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import GOAL, MERIT, OUT_OF_REACH, SOLVED, TARGET_POSITION, TARGET_SEGMENT
+from sinuous.kernels.tables import (
+    GOAL,
+    MERIT,
+    MIN_LENGTH,
+    OUT_OF_REACH,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
+    SOLVED,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+)
+from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.gates import Passage, Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, grown, settled
 from sinuous.solving.routing.parts import before, begin, beyond
@@ -19,6 +31,9 @@ STARTS = {GLANCE: 3, ONE: 6, SOME: 20, FEW: 50, MANY: 150}
 
 AGAIN = 1
 """Numbers of segments before a gate that are tried again with more effort, though those beyond did not get there."""
+
+TAUT = 1.2
+"""Least length of a chain, of the leg of a route, up to which it is laid along that."""
 
 SEED = 0
 """Of the scattered starts of parts."""
@@ -44,6 +59,8 @@ class Part:
     ----------
     nearest : ndarray (m, 3) or None
         What came nearest to a solution.
+    possible : bool
+        Whether it is not proved that there is none.
     """
 
     def __init__(self, groups: Groups, legs: Floats) -> None:
@@ -51,14 +68,14 @@ class Part:
         robot, scene, _, targets = groups
         self._workspace = np.empty(workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))
         self._first = self._effort = 0
-        self._possible, self._least = True, math.inf
+        self.possible, self._least = True, math.inf
         self._q: Floats | None = None
         self.nearest: Floats | None = None
 
     def solved(self, most: Beam, left: Left) -> Floats | None:
         """Return a configuration (m, 3) that is proved, with no more effort than this; `None` where none is found."""
         efforts = list(STARTS)
-        while self._q is None and self._possible and self._effort <= efforts.index(most) and left() > 0.0:
+        while self._q is None and self.possible and self._effort <= efforts.index(most) and left() > 0.0:
             beam = efforts[self._effort]
             self._effort += 1
             found = (self._follow(chains, own, left) for chains, own in self._tries(beam, left))
@@ -70,18 +87,34 @@ class Part:
         first, self._first = self._first, self._first + STARTS[beam]
         nothing = np.empty((0, int(self._groups[0][0]), 3))
         yield nothing, (first, self._first)
-        if left() > 0.0 and self._possible:
+        if beam == GLANCE and self.possible and self._fits() and left() > 0.0:
+            yield self._laid(left), (0, 0)
+        if left() > 0.0 and self.possible:
             chains = grown(self._groups, self._legs, beam, left())
             if len(chains):
                 yield chains, (0, 0)
                 yield np.concatenate([nothing, *(q[None] for q in settled(self._groups, chains, left))]), (0, 0)
 
+    def _fits(self) -> bool:
+        """Whether the chain is about as long as its leg: what is longer, and laid along it, is in a heap."""
+        n = int(self._groups[0][0])
+        segments = self._groups[0][ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+        return len(self._legs) == 1 and segments[:, MIN_LENGTH].sum() <= TAUT * lengths_along(self._legs[0])[-1]
+
+    def _laid(self, left: Left) -> Floats:
+        """One chain (1, m, 3), laid along the route."""
+        robot, scene, _, targets = self._groups
+        sizes = int(robot[0]), int(robot[1]), int(scene[0]), len(targets), len(self._legs[0])
+        workspace, q = np.empty(fit_workspace_size(*sizes)), np.empty((1, int(robot[0]), 3))
+        fit_route(*self._groups, self._legs[0].copy(), max(0.0, left()), workspace, q[0])
+        return q
+
     def _follow(self, chains: Floats, own: tuple[int, int], left: Left) -> Floats | None:
         """Follow starts to the first that is solved and proved."""
         best = np.empty((int(self._groups[0][0]), 3))
         record = search(*self._groups, chains, (*own, SEED, max(0.0, left())), self._workspace, best)
-        code, merit = record[0], record[MERIT - 1]
-        self._possible = self._possible and code < OUT_OF_REACH
+        code, merit = record[0], record[MERIT]
+        self.possible = self.possible and code < OUT_OF_REACH
         if merit < self._least:
             self._least, self.nearest = merit, best
         return best if code == SOLVED else None
@@ -119,6 +152,11 @@ class Parts:
             chains.append(chain)
         return np.concatenate(chains), True
 
+    @property
+    def too_short(self) -> bool:
+        """Whether it is proved that the first part cannot get to its gate: it takes more segments."""
+        return bool(self._parts) and not self._parts[0].possible
+
     def _next(self, chains: list[Floats]) -> Part:
         """The part that follows those of these configurations."""
         rows, done = self._way.rows, len(chains)
@@ -136,8 +174,9 @@ class Parts:
 class Crossing:
     """Chains through the gates of a passage.
 
-    The more segments are before a gate, the harder the part before it is, and the easier that beyond: their number is
-    found by halving, with little effort; with more, it goes on from where that has ended.
+    The more segments are before a gate, the harder the part before it is, and the easier that beyond, unless there are
+    too few to get to the gate: their number is found by halving, with little effort; with more, it goes on from where
+    that has ended.
 
     Parameters
     ----------
@@ -163,18 +202,19 @@ class Crossing:
         if before is not None:
             low = i = min(max(0, before - AGAIN), high)
         while low <= high and left() > 0.0:
-            chain, through = self._whole(place, spot.counts[i], most, left)
+            parts = self._at(place, spot.counts[i])
+            chain, through = parts.solved(most, left)
             if chain is not None:
                 yield chain
             if most == GLANCE:
                 return
-            low, high = (i + 1, high) if through else (low, i - 1)
+            low, high = (i + 1, high) if through or parts.too_short else (low, i - 1)
             self._reached[place] = low
             i = low if before is not None else (low + high) // 2
 
-    def _whole(self, place: int, count: int, most: Beam, left: Left) -> tuple[Floats | None, bool]:
-        """Return a configuration with so many segments before the gate, if one is found, and whether they got there."""
+    def _at(self, place: int, count: int) -> Parts:
+        """The parts with so many segments before the gate at a place."""
         key = place, count
         if key not in self._parts:
             self._parts[key] = Parts(self._groups, self._passage.way(place, count))
-        return self._parts[key].solved(most, left)
+        return self._parts[key]

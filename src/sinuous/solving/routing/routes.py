@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from sinuous.checks import Floats
 from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.solving.routing.course import Course
+from sinuous.solving.routing.elbows.threading import Threading
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts.sources import Batch, Question
 
@@ -18,7 +19,7 @@ class Router(Searches):
         """Yield configurations along routes to the most distal target, and what is grown along them."""
         query = self.query(question.problem)
         if query is not None:
-            yield from Course(self, question, query).batches()
+            yield from Threading(self, question).among(Course(self, question, query).batches())
 
     def along(self, question: Question, query: Floats, route: Floats) -> Iterator[Batch]:
         """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to most sides."""

@@ -134,7 +134,7 @@ def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Ite
         tried.add((count, ends[count - 1]))
         if seconds_left() <= 0.0:
             return
-        yield _joined(groups, _lengthened(tube.axis, ends[count - 1]), count, seconds_left)
+        yield _joined(groups, lengthened(tube.axis, ends[count - 1]), count, seconds_left)
 
 
 def _joined(groups: Groups, line: Floats, count: int, seconds_left: Callable[[], float]) -> tuple[Floats, Floats]:
@@ -154,7 +154,7 @@ def _joined(groups: Groups, line: Floats, count: int, seconds_left: Callable[[],
     return np.concatenate([head, q]), np.concatenate([line[:-1], points[0]])
 
 
-def _lengthened(axis: Floats, length: float) -> Floats:
+def lengthened(axis: Floats, length: float) -> Floats:
     """The axis (K, 3) made so long: cut, or gone on straight."""
     along = lengths_along(axis)
     inside = axis[along < length]

@@ -1,0 +1,81 @@
+"""The tube that an elbow lies in, followed from there to both of its mouths."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.tables import QUERY_AXIS, QUERY_FREE_LENGTH, QUERY_ORIGIN, QUERY_RADIUS
+from sinuous.kernels.tubes.axis import END
+from sinuous.solving.routing.tubes import tube_around
+
+SIDES = 40
+"""Directions about an elbow that are looked along, to find that of the tube: a half of all."""
+
+LOOKS, FAR = 8, 6.0
+"""Looks along each of them, and how far they lead at most, in radii of the body."""
+
+WIDE = 3.5
+"""Distance of an elbow from the obstacles, in radii of the body, from which on it lies in no tube."""
+
+Distance = Callable[[Floats], Floats]
+"""Distance of points (m, 3) from the obstacles."""
+
+
+class Inside(NamedTuple):
+    """A tube that an elbow lies in.
+
+    Attributes
+    ----------
+    one, other : ndarray (K, 3)
+        Axis from the elbow to each of both mouths; two points alike, where the elbow is in a mouth.
+    along : ndarray (3,)
+        Unit tangent at the elbow, from the first mouth to the other.
+    """
+
+    one: Floats
+    other: Floats
+    along: Floats
+
+    def turned(self) -> "Inside":
+        """The same tube the other way."""
+        return Inside(self.other, self.one, -self.along)
+
+
+def tube_of(scene: Floats, query: Floats, elbow: Floats, distance: Distance, seconds: float) -> Inside | None:
+    """Return the tube, open at both ends, that an elbow (3,) lies in, for what a route has to keep (28,)."""
+    radius = float(query[QUERY_RADIUS])
+    if radius <= 0.0 or float(distance(elbow[None])[0]) > WIDE * radius:
+        return None
+    along = _longest(elbow, radius, distance)
+    ways, opens = [], 0
+    for ahead in (-along, along):
+        asked = query.copy()
+        asked[QUERY_ORIGIN : QUERY_ORIGIN + 3], asked[QUERY_AXIS : QUERY_AXIS + 3] = elbow, ahead
+        asked[QUERY_FREE_LENGTH] = 0.0
+        tube = tube_around(scene, asked, seconds)
+        if tube is not None and tube.ended == END:
+            return None
+        opens += tube is not None
+        ways.append(np.stack([elbow, elbow]) if tube is None else tube.axis)
+    if opens == 0:
+        return None
+    one, other = ways
+    tangent = other[min(2, len(other) - 1)] - one[min(2, len(one) - 1)]
+    return Inside(one, other, tangent / np.linalg.norm(tangent))
+
+
+def _longest(elbow: Floats, radius: float, distance: Distance) -> Floats:
+    """The direction (3,) in which one sees farthest from a place, to both sides together."""
+    number = np.arange(SIDES) + 0.5
+    height, turn = number / SIDES, math.pi * (1.0 + math.sqrt(5.0)) * number
+    level = np.sqrt(1.0 - height * height)
+    half = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=-1)
+    rays, seen = np.concatenate([half, -half]), np.zeros(2 * SIDES)
+    for _ in range(LOOKS):
+        gap = distance(elbow + seen[:, None] * rays)
+        seen = np.minimum(seen + np.maximum(gap, 0.0), FAR * radius)
+    best: Floats = half[int((seen[:SIDES] + seen[SIDES:]).argmax())]
+    return best

@@ -1,0 +1,128 @@
+"""Starts for elbows in tubes: chains through the tube, part after part, between the other starts of routes."""
+
+from collections.abc import Iterable, Iterator
+from functools import cached_property
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.chain.batch import frames_of, points_of
+from sinuous.kernels.tables import POSE_WIDTH, QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.solving.routing.crossing import Parts
+from sinuous.solving.routing.elbows.inside import Inside, tube_of
+from sinuous.solving.routing.elbows.ways import Route, Ways
+from sinuous.solving.routing.gates import Way
+from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, leg_queries
+from sinuous.solving.routing.searches import Searches
+from sinuous.solving.starts.sources import Batch, Question
+
+COSTS = {GLANCE: 0, ONE: 10, SOME: 50, FEW: 200, MANY: 600}
+"""How much effort is made, and what routes have cost before, in scattered starts."""
+
+A_START = 4
+"""What a start from a route costs, in scattered starts."""
+
+CLEAR = 0.9
+"""Room, in radii of the body, that a route over coarse cells has to keep: else the finest ones are asked."""
+
+SAMPLES = 8
+"""Points of a route for each segment, where it is the backbone of a chain."""
+
+
+class Threading:
+    """Chains through the tube that an elbow lies in, for one question.
+
+    Before and behind the tube no more is made of a route at first than edges give, or a straight line: mostly there is
+    room, and the parts are solved from scattered starts.
+
+    Parameters
+    ----------
+    searches : Searches
+    question : Question
+    """
+
+    def __init__(self, searches: Searches, question: Question) -> None:
+        self._searches, self._question = searches, question
+        self._problem, self._left = question.problem, question.seconds_left
+        self._groups = searches.groups(question.problem)
+        self._parts: list[tuple[Way, Parts]] = []
+        self._guessed = False
+        self._ways = self._begun(self._guess)
+        self._tried: set[bytes] = set()
+
+    def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
+        """Yield batches, and chains with more and more effort between them."""
+        due, cost = list(COSTS), 0
+        for batch in batches:
+            while due and cost >= COSTS[due[0]]:
+                yield from self._chains(due.pop(0))
+            yield batch
+            cost += batch.then + A_START * len(batch.initial)
+        for beam in due:
+            yield from self._chains(beam)
+
+    def _chains(self, beam: Beam) -> Iterator[Batch]:
+        """Yield chains whose parts took no more effort than this, each once."""
+        if beam != GLANCE and self._guessed:
+            self._parts, self._ways, self._guessed = [], self._begun(self._route), False
+        for way, parts in self._all():
+            chain, _ = parts.solved(beam, self._left)
+            if chain is None or chain.tobytes() in self._tried:
+                continue
+            self._tried.add(chain.tobytes())
+            route = self._backbone(chain) if self._guessed else np.concatenate([leg[0] for leg in way.legs])
+            route.setflags(write=False)
+            yield Batch(SOURCES[ROUTE], chain[None], routes=(route,))
+
+    def _all(self) -> Iterator[tuple[Way, Parts]]:
+        """Yield the ways that are known, then the others, while there is time."""
+        yield from list(self._parts)
+        while self._left() > 0.0:
+            way = next(self._ways, None)
+            if way is None:
+                return
+            self._parts.append((way, Parts(self._groups, way)))
+            yield self._parts[-1]
+
+    def _begun(self, route: Route) -> Iterator[Way]:
+        """Yield all ways, by routes of one kind; none where no elbow lies in a tube."""
+        queries, tube = self._place
+        if tube is not None:
+            yield from Ways(self._groups, queries, tube, route)
+
+    @cached_property
+    def _place(self) -> tuple[list[Floats], Inside | None]:
+        """What routes have to keep to the elbow and from there, and the tube that it lies in."""
+        queries = [] if self._question.several else leg_queries(self._groups)
+        if len(queries) != 2:  # one elbow
+            return queries, None
+        elbow = queries[0][QUERY_GOAL : QUERY_GOAL + 3]
+        distance = self._problem.scene.distance
+        return queries, tube_of(self._groups[1], queries[0], elbow, distance, self._left())
+
+    def _guess(self, query: Floats) -> Floats:
+        """Return a route (K, 3) around edges, or else the straight line, which may lead through walls."""
+        route = self._searches.by_edges(self._problem, query, max(0.0, self._left()))
+        if route is None:
+            self._guessed = True
+            route = np.stack([query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_GOAL : QUERY_GOAL + 3]])
+        return route
+
+    def _route(self, query: Floats) -> Floats | None:
+        """Return a route (K, 3), around edges or over cells, as coarse as suffice; `None` where none is found."""
+        searches = self._searches
+        route = searches.by_edges(self._problem, query, max(0.0, self._left()))
+        for plan in searches.leg_plans(finest=False) if route is None else ():
+            found = searches.find(self._problem, query, plan, max(0.0, self._left()))
+            if found.routes and self._problem.scene.distance(found.routes[0]).min() >= CLEAR * query[QUERY_RADIUS]:
+                return found.routes[0]
+        return route
+
+    def _backbone(self, chain: Floats) -> Floats:
+        """Points (K, 3) along the backbone of a chain (n, 3)."""
+        n, base = len(chain), self._groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
+        frames, points = np.empty((1, n + 1, POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
+        frames_of(chain[None].copy(), base[None].copy(), frames)
+        points_of(chain[None].copy(), frames, SAMPLES, points)
+        line: Floats = points[0]
+        return line

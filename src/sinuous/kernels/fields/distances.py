@@ -33,7 +33,7 @@ from sinuous.kernels.tables import (
 )
 
 Scene = namedtuple("Scene", ["table", "store"])
-"""Rows (m, 31), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
+"""Rows (m, 32), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
 
 Where there is nothing, `None` may stand for it: that is another type, for which nothing is compiled that looks at
 obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""

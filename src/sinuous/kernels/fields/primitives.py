@@ -60,7 +60,7 @@ def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
 
 @kernel
 def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 31), and its gradient."""
+    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 32), and its gradient."""
     local = sub(p, get_vec(table, i, CENTER))
     if table[i, KIND] == SPHERE:
         d, g = sphere(local)

@@ -1,15 +1,20 @@
 """Lists of triangles that may be the closest: distances by them are those of the tree, in every cell and out of all."""
 
+import math
+
 import numpy as np
 import pytest
 
 from sinuous.checks import Floats
 from sinuous.kernels.fields.candidates import LISTED
+from sinuous.kernels.fields.distances import beside_chord
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.prepared import parts, trees
 from sinuous.scene.prepared.candidates import CELLS
+from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
+from tests.helpers import kernel_scene, random_pose, vec
 from tests.scene import shapes
 
 RNG = np.random.default_rng(0)
@@ -76,3 +81,28 @@ def test_lists_keep_within_the_memory_that_samples_have() -> None:
     ball = parts.prepare(MESHES["ball"], "ball")
     assert ball.store.nbytes < 16e6
     assert 0.5 * CELLS < ball.row[SHAPE : SHAPE + 3].prod() <= CELLS
+
+
+@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize("moved", [False, True])
+def test_what_is_beside_a_free_chord_is_no_nearer_than_its_bound(name: str, moved: bool) -> None:
+    """And across the surface, where a body is proved to be clear, the bound of a short chord is nearly the truth."""
+    mesh = MESHES[name]
+    pose = random_pose(RNG) if moved else np.eye(4)
+    own = Scene([mesh.placed(pose) if moved else mesh])
+    scene, snapshot = kernel_scene(own), own.snapshot()
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    centers = (low + (high - low) * RNG.random((1500, 3))) @ pose[:3, :3].T + pose[:3, 3]
+    away, bounds, short = snapshot.distance(centers), [], []
+    for center, d, g in zip(centers, away, snapshot.gradient(centers), strict=True):
+        chord = RNG.normal(size=3) * RNG.choice([0.01, 0.1, 1.0]) * max(d, 0.01)
+        aside = RNG.choice([0.0, 0.05]) * abs(d)
+        found = beside_chord(scene, 0, vec(center), vec(chord), aside)
+        line = center + np.linspace(-0.5, 0.5, 101)[:, None] * chord
+        if d > 0.0 and found > -math.inf:
+            assert found <= snapshot.distance(line).min() - aside + 1e-12
+            bounds.append(found)
+        across = 0.02 * d * np.cross(g, chord) / np.linalg.norm(np.cross(g, chord))
+        short.append(d <= 1e-3 or beside_chord(scene, 0, vec(center), vec(across), 0.0) > 0.998 * d)
+    assert len(bounds) > 100
+    assert np.mean(short) > 0.9  # not where something else is as near, or a list is full

@@ -11,8 +11,9 @@ import math
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import trees, triangles
 from sinuous.kernels.fields.grids import Grid, grid_of
+from sinuous.kernels.fields.primitives import FLAT
 from sinuous.kernels.fields.trees import Tree, tree_of, unlift
-from sinuous.kernels.maths.vectors import Array, Vec, norm, sub
+from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, sub
 from sinuous.kernels.tables import FIRST_CELL, NORMALS, TRIANGLE_SIZE
 
 CELL_SIZE, FIRST, NUMBER, DISTANCE = 3, 0, 1, 2
@@ -81,6 +82,30 @@ def closest(store: Array, tree: Tree, first: int, cell: tuple[int, float], p: Ve
         return found, best
     other, d = trees.closest(store, tree, p, best)
     return (found, best) if other < 0 else (other, d)
+
+
+@kernel
+def to_chord(store: Array, tree: Tree, grid: Grid, center: Vec, chord: Vec) -> float:
+    """Lower bound of the distance of a straight chord about `center` from the surface; -inf: none known.
+
+    The distance to one triangle is a convex function: on the chord no less than its tangent says at the worse end.
+    """
+    cell, far = cell_of(grid, center)
+    if cell < 0:
+        return -math.inf
+    at, number = grid.at + int(store[cell + FIRST]), int(store[cell + NUMBER])
+    half, least = 0.5 * norm(chord), math.inf
+    unlisted = store[at + 1] + math.sqrt(3.0) * grid.spacing
+    if number == LISTED:
+        unlisted = min(unlisted, store[at + ENTRY_SIZE * (number - 1) + 1])
+    for _ in range(number):
+        if store[at + 1] - far - half >= least:
+            return least
+        away, _ = triangles.offset(store, tree.items + TRIANGLE_SIZE * int(store[at]), center)
+        d = norm(away)
+        least = min(least, d - (0.5 * abs(dot(away, chord)) / d if half < FLAT * d else half))
+        at += ENTRY_SIZE
+    return min(least, unlisted - far - half)
 
 
 @kernel

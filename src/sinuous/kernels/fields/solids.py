@@ -202,6 +202,19 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -
     return d, g
 
 
+@kernel
+def beside_chord(table: Array, store: Array, i: int, center: Vec, chord: Vec, aside: float) -> float:
+    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a chord; -inf where none is known.
+
+    Of a mesh with lists, if one point of it is free: then all of it is, because the surface is farther away.
+    """
+    if table[i, FIRST_CELL] < 0.0:
+        return -math.inf
+    away = candidates.to_chord(store, tree_of(table, i), grid_of(table, i, FIRST_CELL), center, chord)
+    low = away - table[i, ROUNDING] - aside
+    return low if low > 0.0 else -math.inf
+
+
 @entry
 def enclose(table: Array, store: Array, own: Array) -> None:
     """Fill the discs `own` (2 << levels, 8) of the one obstacle, a mesh, see `discs`."""

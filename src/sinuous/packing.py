@@ -87,7 +87,7 @@ def robot_group(robot: "Robot") -> Floats:
 def primitive_row(
     kind: int, inside: bool, center: Floats, axes: Floats, half_extents: Any, rounding: float = 0.0
 ) -> Floats:
-    """Return the row (31,) of a sphere, box, cylinder or half-space."""
+    """Return the row (32,) of a sphere, box, cylinder or half-space."""
     row = np.zeros(t.OBSTACLE_WIDTH)
     row[t.KIND], row[t.SIGN], row[t.ROUNDING] = kind, -1.0 if inside else 1.0, rounding
     row[t.CENTER : t.CENTER + 3] = center
@@ -102,7 +102,7 @@ def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
     at = 0
     for row, store in zip(table, stores, strict=True):
         if row[t.KIND] >= t.TREE:
-            for column in (t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE):
+            for column in (t.NODES, t.ITEMS, t.NORMALS, t.FIRST_SAMPLE, t.FIRST_CELL):
                 if row[column] >= 0.0:
                     row[column] += at
         at += len(store)
@@ -111,7 +111,7 @@ def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
 
 
 def scene_parts(group: Floats) -> tuple[Floats, Floats]:
-    """Return the rows (m, 31) and the store (s,) of the group of a scene, as views."""
+    """Return the rows (m, 32) and the store (s,) of the group of a scene, as views."""
     end = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(group[0])
     return group[t.SCENE_HEADER : end].reshape(-1, t.OBSTACLE_WIDTH), group[end:]
 

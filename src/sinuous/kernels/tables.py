@@ -76,7 +76,11 @@ PLACED, PLACE = 18, 19
 """Columns of whatever is in the store: 1 where it lies there as it is described, in a frame of its own, and has been
 moved; and the pose of that frame in the world, as `POSE_ROTATION` and `POSE_POSITION` lay it out (12)."""
 
-OBSTACLE_WIDTH = 31
+FIRST_CELL = 31
+"""Column of a TREE of triangles: where the cells begin in the store that list which may be the closest (-1: there are
+none). SHAPE, ORIGIN and SPACING are then of their middles: who has cells has no samples."""
+
+OBSTACLE_WIDTH = 32
 
 TRIANGLES, BALLS, CUBES = range(3)
 """Kinds of items."""

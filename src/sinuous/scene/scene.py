@@ -106,12 +106,12 @@ class Scene(Shown):
 
     @property
     def table(self) -> Floats:
-        """Rows (m, 31) for the kernels, read-only."""
+        """Rows (m, 32) for the kernels, read-only."""
         return self._snapshot.table
 
     @property
     def memory(self) -> int:
-        """Bytes that the kernels read: at most 16 MB of samples an obstacle, and some 350 bytes a triangle."""
+        """Bytes that the kernels read: at most 16 MB of samples or lists an obstacle, and some 350 bytes a triangle."""
         return self._snapshot.memory
 
     def __len__(self) -> int:

@@ -183,13 +183,13 @@ class Snapshot(Frozen):
 
     @property
     def table(self) -> Floats:
-        """Rows (m, 31) for the kernels, read-only."""
+        """Rows (m, 32) for the kernels, read-only."""
         rows: Floats = packing.scene_parts(self.group)[0]
         return rows
 
     @property
     def memory(self) -> int:
-        """Bytes that the kernels read: at most 16 MB of samples an obstacle, and some 350 bytes a triangle."""
+        """Bytes that the kernels read: at most 16 MB of samples or lists an obstacle, and some 350 bytes a triangle."""
         return self._kernel_group.nbytes
 
     def name(self, index: int) -> str:

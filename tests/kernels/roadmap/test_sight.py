@@ -11,7 +11,7 @@ from sinuous.solving.routing.edges import walls_of
 from tests.helpers import Floats, kernel_scene, vec
 from tests.kernels.freespace.places import RADIUS, grid
 
-NO_TRIANGLES = np.empty((0, 9))
+NO_TRIANGLES = np.empty((0, 12))
 
 
 def boxes(seed: int) -> list[Box]:

@@ -26,7 +26,7 @@ def prism(outline: Floats) -> Mesh:
 def test_a_cube_has_twelve_edges_and_ways_off_both_faces() -> None:
     walls = walls_of(Scene([Mesh(CORNERS, FACES)]).snapshot())
     assert walls.edges.shape == (12, 10)
-    assert walls.triangles.shape == (12, 9)
+    assert walls.triangles.shape == (12, 12)
     middles, ways = walls.edges[:, :3], walls.edges[:, 3:6]
     assert np.allclose(np.sort(np.abs(ways), axis=1), (0, 1, 1))
     assert np.allclose((ways * (middles - 0.5)).sum(axis=1), 1.0)

@@ -8,7 +8,8 @@ where that bound is what keeps a piece from being decided.
 
 Close to a convex primitive that would take pieces as short as the clearance. Its distance is a convex function: on a
 chord it is no less than its tangent at the middle says at the worse end, and the piece is no farther from its chord
-than it sags. Both are of second order in h where the tangent is across the gradient, as it is at the closest place.
+than it sags. Both are of second order in h where the tangent is across the gradient, as it is at the closest place. The
+same is true of each triangle of a mesh.
 """
 
 import math
@@ -18,19 +19,16 @@ from sinuous.kernels.body.pieces import Scratch, closest, following, free_part, 
 from sinuous.kernels.chain.kinematics import body_point, frame
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, slope
+from sinuous.kernels.fields.distances import Scene, beside_chord
 from sinuous.kernels.fields.solids import BOUND, EXACT
-from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
-from sinuous.kernels.tables import KIND, RADIUS, SIGN, TREE
+from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
+from sinuous.kernels.tables import RADIUS
 
 ROUNDING = 1e-13
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
 
 LOOSENESS = 2.0
 """How much of half a piece the samples may leave open before the exact distance is asked for, not a shorter piece."""
-
-FLAT = 100.0
-"""Longest half of a chord, in distances, for which a tangent is used: a gradient is as exact as a distance is large."""
 
 CLEAR, TOUCHING, UNDECIDED = 0, 1, 2
 """Verdicts."""
@@ -56,10 +54,8 @@ def _by_tangents(
         i = among[j]
         d, _ = look_here(scene, i, middle, least + half, BOUND)
         low = d - half
-        if low < least and scene.table[i, KIND] < TREE and scene.table[i, SIGN] > 0.0:
-            d, g = slope(scene, i, center, math.inf, EXACT)
-            if half < FLAT * d:
-                low = max(low, d - 0.5 * abs(dot(g, chord)) - sagging)
+        if low < least and d > 0.0:
+            low = max(low, beside_chord(scene, i, center, chord, sagging))
         least = min(least, low)
     return least
 

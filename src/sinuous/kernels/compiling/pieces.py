@@ -82,6 +82,7 @@ PIECES = (
             "kernels.fields.trees.enclose",
             "kernels.fields.solids.enclose",
             "kernels.fields.solids.sample",
+            "kernels.fields.candidates.list_candidates",
         ),
     ),
     Piece(

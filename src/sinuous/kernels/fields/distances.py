@@ -9,7 +9,7 @@ from typing import Any
 
 from sinuous.kernels.clock import TREE_LOOKS
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields import solids
+from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.shapes import shaped
@@ -33,7 +33,7 @@ from sinuous.kernels.tables import (
 )
 
 Scene = namedtuple("Scene", ["table", "store"])
-"""Rows (m, 31), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
+"""Rows (m, 32), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
 
 Where there is nothing, `None` may stand for it: that is another type, for which nothing is compiled that looks at
 obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""
@@ -87,6 +87,19 @@ def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float,
             g = mat_vec(get_mat(scene.table, i, PLACE + POSE_ROTATION), g)
         return d, g
     return primitive(scene.table, i, p)
+
+
+@kernel
+def beside_chord(scene: Scene, i: int, center: Vec, chord: Vec, aside: float) -> float:
+    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a straight chord; -inf: none known.
+
+    `center` is the middle of the chord, which leads from end to end. One point of all that has to be known to be free.
+    """
+    if scene.table[i, KIND] < TREE:
+        return primitives.beside_chord(scene.table, i, center, chord, aside)
+    if scene.table[i, PLACED] != 0.0:
+        chord = vec_mat(chord, get_mat(scene.table, i, PLACE + POSE_ROTATION))
+    return solids.beside_chord(scene.table, scene.store, i, _own(scene, i, center), chord, aside)
 
 
 @kernel

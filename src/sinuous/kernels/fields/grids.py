@@ -15,12 +15,24 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec
+from sinuous.kernels.tables import ORIGIN, SHAPE, SPACING
 
 Grid = namedtuple("Grid", ["at", "shape", "low", "spacing"])
 """Where the samples begin in the store (last axis fastest), points along every axis, the first point, spacing."""
 
 Corners = tuple[float, float, float, float, float, float, float, float]
 """Samples at the corners of a cell, last axis fastest."""
+
+
+@kernel
+def grid_of(table: Array, i: int, first: int) -> Grid:
+    """Grid of obstacle `i`, whose first place in the store column `first` says."""
+    return Grid(
+        int(table[i, first]),
+        (int(table[i, SHAPE]), int(table[i, SHAPE + 1]), int(table[i, SHAPE + 2])),
+        (table[i, ORIGIN], table[i, ORIGIN + 1], table[i, ORIGIN + 2]),
+        table[i, SPACING],
+    )
 
 
 @kernel

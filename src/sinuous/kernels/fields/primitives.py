@@ -7,8 +7,11 @@ a kind of its own because it is so common.
 import math
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array, Mat, Vec, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
+from sinuous.kernels.maths.vectors import Array, Mat, Vec, dot, get_mat, get_vec, mat_vec, norm, scale, sub, vec_mat
 from sinuous.kernels.tables import AXES, BOX, CENTER, CYLINDER, HALF_EXTENTS, KIND, ROUNDING, SIGN, SPHERE
+
+FLAT = 100.0
+"""Longest half of a chord, in distances, for which a tangent is used: a gradient is as exact as a distance is large."""
 
 
 @kernel
@@ -60,7 +63,7 @@ def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
 
 @kernel
 def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 31), and its gradient."""
+    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 32), and its gradient."""
     local = sub(p, get_vec(table, i, CENTER))
     if table[i, KIND] == SPHERE:
         d, g = sphere(local)
@@ -68,3 +71,16 @@ def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
         d, g = _shape(int(table[i, KIND]), get_mat(table, i, AXES), get_vec(table, i, HALF_EXTENTS), local)
     sign = table[i, SIGN]
     return sign * (d - table[i, ROUNDING]), scale(sign, g)
+
+
+@kernel
+def beside_chord(table: Array, i: int, center: Vec, chord: Vec, aside: float) -> float:
+    """Lower bound of the distance to primitive `i` of all that is within `aside` of a chord; -inf: none known.
+
+    `center` is the middle of the chord, which leads from end to end. The distance to a convex primitive is a convex
+    function: on the chord it is no less than its tangent says at the worse end.
+    """
+    if table[i, SIGN] < 0.0:
+        return -math.inf
+    d, g = primitive(table, i, center)
+    return d - 0.5 * abs(dot(g, chord)) - aside if 0.5 * norm(chord) < FLAT * d else -math.inf

@@ -11,33 +11,23 @@ from typing import Any
 import numpy as np
 
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields import blocks, discs, grids, triangles
-from sinuous.kernels.fields.grids import Grid
+from sinuous.kernels.fields import blocks, candidates, discs, grids, triangles
+from sinuous.kernels.fields.grids import Grid, grid_of
 from sinuous.kernels.fields.primitives import box
-from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, lift, unlift
-from sinuous.kernels.maths.vectors import Array, Vec, add, dot, norm, scale, sub
+from sinuous.kernels.fields.trees import Tree, box_distance, closest, item_distance, lift, tree_of, unlift
+from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import (
     BALLS,
-    COUNT,
-    CUBE_HALF,
     CUBES,
+    FIRST_CELL,
     FIRST_SAMPLE,
-    ITEM_KIND,
-    ITEMS,
     KIND,
-    LEVELS,
     NODE_SIZE,
-    NODES,
     NORMALS,
-    NORMALS_SIZE,
-    ORIGIN,
     ROUNDING,
     SAMPLES,
-    SHAPE,
     SIGN,
-    SPACING,
     TREE,
-    TRIANGLE_NORMAL,
     TRIANGLE_SIZE,
     TRIANGLES,
 )
@@ -49,33 +39,11 @@ int, because Numba would compile once more for each value."""
 
 
 @kernel
-def tree_of(table: Array, i: int) -> Tree:
-    return Tree(
-        int(table[i, NODES]),
-        int(table[i, LEVELS]),
-        int(table[i, ITEMS]),
-        int(table[i, COUNT]),
-        int(table[i, ITEM_KIND]),
-        table[i, CUBE_HALF],
-    )
-
-
-@kernel
-def grid_of(table: Array, i: int) -> Grid:
-    return Grid(
-        int(table[i, FIRST_SAMPLE]),
-        (int(table[i, SHAPE]), int(table[i, SHAPE + 1]), int(table[i, SHAPE + 2])),
-        (table[i, ORIGIN], table[i, ORIGIN + 1], table[i, ORIGIN + 2]),
-        table[i, SPACING],
-    )
-
-
-@kernel
 def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[float, Vec]:
     """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
     tree = tree_of(table, i)
     if tree.kind == TRIANGLES:
-        d, g = _at_triangle(store, tree.items + TRIANGLE_SIZE * item, int(table[i, NORMALS]), item, p)
+        d, g = triangles.signed(store, tree.items + TRIANGLE_SIZE * item, int(table[i, NORMALS]), item, p)
     elif tree.kind == BALLS:
         at = tree.items + 4 * item
         away = sub(p, triangles.read(store, at))
@@ -88,22 +56,6 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
 
 
 @kernel
-def _at_triangle(store: Array, at: int, normals: int, item: int, p: Vec) -> tuple[float, Vec]:
-    """Signed by the angle-weighted normal of the part that is closest (Baerentzen & Aanaes 2005)."""
-    away, part = triangles.offset(store, at, p)
-    d = norm(away)
-    if normals >= 0:
-        normal = triangles.read(store, normals + NORMALS_SIZE * item + 3 * part)
-    else:
-        normal = triangles.read(store, at + TRIANGLE_NORMAL)
-    inside = normals >= 0 and dot(away, normal) < 0.0
-    # So close to the surface the direction of `away` is made of rounding errors.
-    if d <= 1e-12 * (norm(p) + norm(triangles.read(store, at))):
-        return -d if inside else d, normal
-    return (-d, scale(-1.0 / d, away)) if inside else (d, scale(1.0 / d, away))
-
-
-@kernel
 def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int, float, bool]:
     """Find the primitive closest to `p`, if it is closer than `reach`.
 
@@ -113,6 +65,11 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
     """
     tree = tree_of(table, i)
     away = reach + table[i, ROUNDING]
+    if table[i, FIRST_CELL] >= 0.0:
+        cells = grid_of(table, i, FIRST_CELL)
+        cell, far = candidates.cell_of(cells, p)
+        if cell >= 0:
+            return _find_in_cell(table, store, i, p, reach, (cells.at, cell, far))
     if table[i, FIRST_SAMPLE] < 0.0:
         # Out of the box of everything a point is free, whatever it is to.
         free = table[i, NORMALS] < 0.0 or (
@@ -120,7 +77,7 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
         )
         item, d = closest(store, tree, p, lift(away) if free else math.inf)
         return item, d, free
-    grid = grid_of(table, i)
+    grid = grid_of(table, i, FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
     gap = norm(beyond)
     low = _lowest(table[i, SIGN], corners, t, beyond, grid.spacing)
@@ -133,6 +90,26 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
     most += 1e-9 * abs(most)
     free = low > 0.0
     item, d = closest(store, tree, p, lift(min(most, away) if free else most))
+    if item < 0 and not (free and away <= most):
+        item, d = closest(store, tree, p, math.inf)
+    return item, d, free
+
+
+@kernel
+def _find_in_cell(
+    table: Array, store: Array, i: int, p: Vec, reach: float, where: tuple[int, int, float]
+) -> tuple[int, float, bool]:
+    """The same by a list; `where`: the first cell in the store, that of `p`, and how far `p` is from its middle."""
+    first, cell, far = where
+    tree = tree_of(table, i)
+    away, middle = reach + table[i, ROUNDING], store[cell + candidates.DISTANCE]
+    slack = candidates.SLACK * (abs(middle) + far)
+    low = table[i, SIGN] * (middle - table[i, ROUNDING]) - far - slack
+    if low >= reach:
+        return -1, lift(away), True
+    most = abs(middle) + far + slack
+    free = table[i, NORMALS] < 0.0 or low > 0.0
+    item, d = candidates.closest(store, tree, first, (cell, far), p, lift(min(most, away) if free else most))
     if item < 0 and not (free and away <= most):
         item, d = closest(store, tree, p, math.inf)
     return item, d, free
@@ -189,7 +166,7 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) ->
             return reach, math.inf
         exact_one = unlift(d) - table[i, ROUNDING] if free else at_item(table, store, i, item, p)[0]
         return exact_one, exact_one
-    grid = grid_of(table, i)
+    grid = grid_of(table, i, FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
     if table[i, KIND] == SAMPLES:
         d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode)
@@ -217,12 +194,25 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -
     if table[i, FIRST_SAMPLE] < 0.0 or (mode == EXACT and kind == TREE):
         item, _, _ = _find(table, store, i, p, reach)
         return at_item(table, store, i, item, p) if item >= 0 else (reach, (0.0, 0.0, 1.0))
-    grid = grid_of(table, i)
+    grid = grid_of(table, i, FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
     d, g = _interpolate(table[i, SIGN] if kind == TREE else -1.0, corners, t, beyond, grid.spacing)
     if mode == EXACT:
         d = _look_at_samples(corners, t, norm(beyond), grid.spacing, EXACT)
     return d, g
+
+
+@kernel
+def beside_chord(table: Array, store: Array, i: int, center: Vec, chord: Vec, aside: float) -> float:
+    """Lower bound of the distance to obstacle `i` of all that is within `aside` of a chord; -inf where none is known.
+
+    Of a mesh with lists, if one point of it is free: then all of it is, because the surface is farther away.
+    """
+    if table[i, FIRST_CELL] < 0.0:
+        return -math.inf
+    away = candidates.to_chord(store, tree_of(table, i), grid_of(table, i, FIRST_CELL), center, chord)
+    low = away - table[i, ROUNDING] - aside
+    return low if low > 0.0 else -math.inf
 
 
 @entry
@@ -237,7 +227,7 @@ def sample(table: Array, store: Array, own: Array, work: Array, first: int, last
 
     Of a mesh `own` (2 << levels, 8) are the discs, else (0, 8). `work` (blocks.WORKSPACE,) is overwritten.
     """
-    tree, grid = tree_of(table, 0), grid_of(table, 0)
+    tree, grid = tree_of(table, 0), grid_of(table, 0, FIRST_SAMPLE)
     if tree.kind == CUBES:
         _sample_by_point(table, store, tree, grid, first, last, out)
         return

@@ -15,10 +15,34 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import triangles
 from sinuous.kernels.fields.triangles import read
 from sinuous.kernels.maths.vectors import Array, Vec, dot, sub
-from sinuous.kernels.tables import CUBES, NODE_SIZE, TRIANGLE_SIZE, TRIANGLES
+from sinuous.kernels.tables import (
+    COUNT,
+    CUBE_HALF,
+    CUBES,
+    ITEM_KIND,
+    ITEMS,
+    LEVELS,
+    NODE_SIZE,
+    NODES,
+    TRIANGLE_SIZE,
+    TRIANGLES,
+)
 
 Tree = namedtuple("Tree", ["nodes", "levels", "items", "count", "kind", "half"])
 """Where nodes and primitives begin in the store; number of levels and primitives; kind of these; half side of cubes."""
+
+
+@kernel
+def tree_of(table: Array, i: int) -> Tree:
+    """Tree of obstacle `i`."""
+    return Tree(
+        int(table[i, NODES]),
+        int(table[i, LEVELS]),
+        int(table[i, ITEMS]),
+        int(table[i, COUNT]),
+        int(table[i, ITEM_KIND]),
+        table[i, CUBE_HALF],
+    )
 
 
 @kernel

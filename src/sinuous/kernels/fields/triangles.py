@@ -1,8 +1,8 @@
-"""The point of a triangle that is closest to another point, and which part of the triangle it lies on."""
+"""The point of a triangle that is closest to another one, the part that it lies on, and on which side the other is."""
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, scale, sub
-from sinuous.kernels.tables import TRIANGLE_NORMAL, TRIANGLE_OFFSET
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, dot, norm, scale, sub
+from sinuous.kernels.tables import NORMALS_SIZE, TRIANGLE_NORMAL, TRIANGLE_OFFSET
 
 INSIDE, AB, BC, CA, A, B, C = range(7)
 
@@ -54,3 +54,22 @@ def square_distance(store: Array, at: int, p: Vec, best: float) -> float:
         return best
     away, _ = offset(store, at, p)
     return dot(away, away)
+
+
+@kernel
+def signed(store: Array, at: int, normals: int, item: int, p: Vec) -> tuple[float, Vec]:
+    """Distance of `p` to triangle `item` at `at`, and its gradient: signed where `normals` begin in the store, else -1.
+
+    By the angle-weighted normal of the part that is closest (Baerentzen & Aanaes 2005).
+    """
+    away, part = offset(store, at, p)
+    d = norm(away)
+    if normals >= 0:
+        normal = read(store, normals + NORMALS_SIZE * item + 3 * part)
+    else:
+        normal = read(store, at + TRIANGLE_NORMAL)
+    inside = normals >= 0 and dot(away, normal) < 0.0
+    # So close to the surface the direction of `away` is made of rounding errors.
+    if d <= 1e-12 * (norm(p) + norm(read(store, at))):
+        return -d if inside else d, normal
+    return (-d, scale(-1.0 / d, away)) if inside else (d, scale(1.0 / d, away))

@@ -168,7 +168,7 @@ def find_by_edges(
         Groups, laid out as `sinuous.kernels.tables` says.
     edges : ndarray (e, 10)
         Those of meshes, see `places.put_places`.
-    triangles : ndarray (t, 9)
+    triangles : ndarray (t, 12)
         Some of which a line may cross, see `sight.cutting`: asked before distances, which are dearer.
     seconds : float
         Budget.

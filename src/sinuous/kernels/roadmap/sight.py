@@ -43,24 +43,26 @@ def _cut_by(scene: Scene, i: int, a: Vec, line: Vec) -> bool:
 
 @kernel
 def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
-    """Whether the straight line from `a` on crosses triangle `i` (Moeller & Trumbore 1997)."""
-    u, v = get_vec(triangles, i, 3), get_vec(triangles, i, 6)
-    across = cross(line, v)
-    size = dot(u, across)
-    if size == 0.0:
+    """Whether the straight line from `a` on crosses triangle `i` (Moeller & Trumbore 1997).
+
+    Most triangles have both ends of it on one side.
+    """
+    off, normal = sub(a, get_vec(triangles, i, 0)), get_vec(triangles, i, 9)
+    above, rise = dot(normal, off), dot(normal, line)
+    if above * (above + rise) > 0.0 or rise == 0.0:
         return False
-    off = sub(a, get_vec(triangles, i, 0))
-    s, along = dot(off, across) / size, cross(off, u)
-    t = dot(line, along) / size
-    return s >= 0.0 and t >= 0.0 and s + t <= 1.0 and 0.0 <= dot(v, along) / size <= 1.0
+    u, v = get_vec(triangles, i, 3), get_vec(triangles, i, 6)
+    across, along = cross(line, v), cross(off, u)
+    s, t = -dot(off, across) / rise, -dot(line, along) / rise
+    return s >= 0.0 and t >= 0.0 and s + t <= 1.0
 
 
 @kernel
 def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, guess: int) -> int:
     """Say what cuts the straight line from `a` to `b`: a box, or one of `triangles`; -1: nothing. `guess` comes first.
 
-    Boxes have their numbers among the obstacles, triangles (t, 9) the numbers after those of all obstacles; each is a
-    corner, and the ways from there to both others.
+    Boxes have their numbers among the obstacles, triangles (t, 12) the numbers after those of all obstacles; each is a
+    corner, the ways from there to both others, and the cross product of these.
     """
     line, obstacles = sub(b, a), scene.table.shape[0]
     if guess >= obstacles and _crossed(triangles, guess - obstacles, a, line):

@@ -14,6 +14,7 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import (
     COUNT,
     CUBE_HALF,
+    FIRST_CELL,
     FIRST_SAMPLE,
     ITEM_KIND,
     ITEMS,
@@ -39,6 +40,7 @@ from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.prepared import sampling, trees
+from sinuous.scene.prepared.candidates import CELLS, candidates
 from sinuous.scene.prepared.sampling import Progress
 from sinuous.scene.prepared.trees import Order, Pieces
 
@@ -51,7 +53,7 @@ class Part:
 
     Attributes
     ----------
-    row : ndarray (31,)
+    row : ndarray (32,)
         Its places in the store are counted from the beginning of its own.
     store : ndarray (s,)
     """
@@ -149,7 +151,7 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
         part = _sampled(pieces, progress)
         if obstacle.watertight:
             _check_sides(part, name)
-        return part if len(pieces.items) >= sampling.FEWEST_PIECES else _of_pieces(pieces)
+        return part if len(pieces.items) >= sampling.FEWEST_PIECES else _with_candidates(pieces)
     raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
 
 
@@ -162,7 +164,7 @@ def _of_pieces(pieces: Pieces) -> Part:
     items = pieces.nodes.size
     normals = items + pieces.items.size
     row[[NODES, ITEMS]] = 0.0, items
-    row[[NORMALS, FIRST_SAMPLE]] = normals if len(pieces.normals) else -1.0, -1.0
+    row[[NORMALS, FIRST_SAMPLE, FIRST_CELL]] = normals if len(pieces.normals) else -1.0, -1.0, -1.0
     return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
 
 
@@ -173,24 +175,33 @@ def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
         return part
     wanted = min(max(sampling.PER_PIECE * len(pieces.items), sampling.LEAST), sampling.MOST)
     low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, wanted)
-    row = _with_grid(part.row, -1, shape, low, spacing)
+    row = _with_grid(part.row, FIRST_SAMPLE, -1, shape, low, spacing)
     values = sampling.sample(row, part.store, low, spacing, shape, progress)
     return Part(
-        _with_grid(part.row, part.store.size, shape, low, spacing), np.concatenate([part.store, values.ravel()])
+        _with_grid(part.row, FIRST_SAMPLE, part.store.size, shape, low, spacing),
+        np.concatenate([part.store, values.ravel()]),
     )
 
 
 def _of_samples(values: Floats, low: Floats, spacing: float) -> Part:
     """Row and store of samples alone."""
     row = np.zeros(OBSTACLE_WIDTH)
-    row[[KIND, SIGN, NODES, ITEMS, NORMALS]] = SAMPLES, 1.0, -1.0, -1.0, -1.0
-    return Part(_with_grid(row, 0, values.shape, low, spacing), values.ravel().copy())
+    row[[KIND, SIGN, NODES, ITEMS, NORMALS, FIRST_CELL]] = SAMPLES, 1.0, -1.0, -1.0, -1.0, -1.0
+    return Part(_with_grid(row, FIRST_SAMPLE, 0, values.shape, low, spacing), values.ravel().copy())
 
 
-def _with_grid(row: Floats, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
-    """Return a row that says where its samples are."""
+def _with_candidates(pieces: Pieces) -> Part:
+    """Row and store of a tree of triangles, and lists of those that may be the closest."""
+    part = _of_pieces(pieces)
+    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, CELLS)
+    row = _with_grid(part.row, FIRST_CELL, part.store.size, shape, low, spacing)
+    return Part(row, np.concatenate([part.store, candidates(row, part.store, shape)]))
+
+
+def _with_grid(row: Floats, first: int, at: int, shape: Any, low: Floats, spacing: float) -> Floats:
+    """Return a row that says where its grid is: `first` is the column of the place in the store."""
     result = row.copy()
-    result[FIRST_SAMPLE], result[SPACING] = at, spacing
+    result[first], result[SPACING] = at, spacing
     result[SHAPE : SHAPE + 3] = shape
     result[ORIGIN : ORIGIN + 3] = low
     return result

@@ -22,7 +22,7 @@ LEAST, MOST = 2**18, 2_000_000
 """Samples of an obstacle: at least about so many, and at most (16 MB)."""
 
 FEWEST_PIECES = 500
-"""Triangles from which on a mesh is sampled: the exact distance to fewer is nearly as quick."""
+"""Triangles from which on a mesh is sampled: the exact distance to fewer is nearly as quick, see `candidates`."""
 
 PER_PIECE = 128
 """Samples for every primitive, between these."""

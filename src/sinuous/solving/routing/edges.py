@@ -22,13 +22,13 @@ WIDTH = 10
 
 
 class Walls(NamedTuple):
-    """What is sharp-edged: edges (e, 10) that stick out, and triangles (t, 9), as `find_by_edges` takes them."""
+    """What is sharp-edged: edges (e, 10) that stick out, and triangles (t, 12), as `find_by_edges` takes them."""
 
     edges: Floats
     triangles: Floats
 
 
-_NONE = Walls(np.empty((0, WIDTH)), np.empty((0, 9)))
+_NONE = Walls(np.empty((0, WIDTH)), np.empty((0, 12)))
 _KNOWN: "WeakKeyDictionary[Mesh, Walls]" = WeakKeyDictionary()
 
 
@@ -41,10 +41,16 @@ def walls_of(scene: Snapshot) -> Walls:
 def _of(mesh: Mesh) -> Walls:
     walls = _KNOWN.get(mesh)
     if walls is None:
-        edges, corners = _sticking_out(mesh.vertices, mesh.faces), mesh.vertices[mesh.faces]
-        corners[:, 1:] -= corners[:, :1]
-        walls = _KNOWN[mesh] = Walls(edges, corners.reshape(-1, 9)) if 0 < len(edges) <= MOST else _NONE
+        edges = _sticking_out(mesh.vertices, mesh.faces)
+        walls = _KNOWN[mesh] = Walls(edges, _faces(mesh)) if 0 < len(edges) <= MOST else _NONE
     return walls
+
+
+def _faces(mesh: Mesh) -> Floats:
+    """Triangles (t, 12), as `kernels.roadmap.sight` reads them."""
+    corners = mesh.vertices[mesh.faces]
+    corners[:, 1:] -= corners[:, :1]
+    return np.hstack([corners.reshape(-1, 9), np.cross(corners[:, 1], corners[:, 2])])
 
 
 def _sticking_out(vertices: Floats, faces: Integers) -> Floats:

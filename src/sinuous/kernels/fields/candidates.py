@@ -1,0 +1,176 @@
+"""Which triangles of a mesh may be the closest to a point: listed for every cell of a grid.
+
+A large triangle that lies oblique to the axes has a box as large as the mesh, and a tree of such boxes leaves out next
+to nothing. Of a cell with the radius r about its middle, only triangles that are no more than 2 r farther from the
+middle than the closest one can be the closest to a point in it. They are in the order of that distance, so that a query
+ends as soon as all that follow are too far.
+"""
+
+import math
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields import trees, triangles
+from sinuous.kernels.fields.grids import Grid, grid_of
+from sinuous.kernels.fields.primitives import FLAT
+from sinuous.kernels.fields.trees import Tree, tree_of, unlift
+from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, sub
+from sinuous.kernels.tables import FIRST_CELL, NORMALS, TRIANGLE_SIZE
+
+CELL_SIZE, FIRST, NUMBER, DISTANCE = 3, 0, 1, 2
+"""Numbers of a cell: where its list begins, counted from the first cell; how many are in it; and the signed distance of
+its middle from the mesh."""
+
+ENTRY_SIZE = 2
+"""Numbers of an entry of a list: a triangle, and how far it is from the middle of the cell."""
+
+LISTED = 32
+"""Most triangles of a list. One that is full may lack some: where all in it are too near to the middle to tell, the
+tree is asked."""
+
+BLOCK = 4
+"""Cells of a block along each axis: what cannot be the closest in any of them is left out once for all."""
+
+SLACK = 1e-9
+"""What distances from middles may be wrong by, as a share of them."""
+
+WORK = 4
+"""Rows that a list is made in: numbers and distances of triangles, those of a block, then those of a cell."""
+
+
+@kernel
+def middle(grid: Grid, i: float, j: float, k: float) -> Vec:
+    """Middle of a cell."""
+    return grid.low[0] + i * grid.spacing, grid.low[1] + j * grid.spacing, grid.low[2] + k * grid.spacing
+
+
+@kernel
+def _index(x: float, count: int) -> int:
+    """Cell of a coordinate, in cells from the middle of the first one; -1: none."""
+    return min(int(x + 0.5), count - 1) if -0.5 < x < count - 0.5 else -1  # also where it is NaN
+
+
+@kernel
+def cell_of(grid: Grid, p: Vec) -> tuple[int, float]:
+    """Where the cell of `p` is in the store (-1: `p` is in none), and how far `p` is from its middle."""
+    per = 1.0 / grid.spacing
+    i = _index((p[0] - grid.low[0]) * per, grid.shape[0])
+    j = _index((p[1] - grid.low[1]) * per, grid.shape[1])
+    k = _index((p[2] - grid.low[2]) * per, grid.shape[2])
+    if i < 0 or j < 0 or k < 0:
+        return -1, math.inf
+    number = (i * grid.shape[1] + j) * grid.shape[2] + k
+    return grid.at + CELL_SIZE * number, norm(sub(p, middle(grid, i, j, k)))
+
+
+@kernel
+def closest(store: Array, tree: Tree, first: int, cell: tuple[int, float], p: Vec, best: float) -> tuple[int, float]:
+    """Find the triangle closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is.
+
+    `first` is where the first cell is in the store; `cell` is that of `p`, see `cell_of`.
+    """
+    found, reach = -1, unlift(best) + cell[1]
+    at, number = first + int(store[cell[0] + FIRST]), int(store[cell[0] + NUMBER])
+    for _ in range(number):
+        if store[at + 1] >= reach:
+            return found, best
+        item = int(store[at])
+        d = triangles.square_distance(store, tree.items + TRIANGLE_SIZE * item, p, best)
+        if d < best:
+            found, best, reach = item, d, math.sqrt(d) + cell[1]
+        at += ENTRY_SIZE
+    if number < LISTED:
+        return found, best
+    other, d = trees.closest(store, tree, p, best)
+    return (found, best) if other < 0 else (other, d)
+
+
+@kernel
+def to_chord(store: Array, tree: Tree, grid: Grid, center: Vec, chord: Vec) -> float:
+    """Lower bound of the distance of a straight chord about `center` from the surface; -inf: none known.
+
+    The distance to one triangle is a convex function: on the chord no less than its tangent says at the worse end.
+    """
+    cell, far = cell_of(grid, center)
+    if cell < 0:
+        return -math.inf
+    at, number = grid.at + int(store[cell + FIRST]), int(store[cell + NUMBER])
+    half, least = 0.5 * norm(chord), math.inf
+    unlisted = store[at + 1] + math.sqrt(3.0) * grid.spacing
+    if number == LISTED:
+        unlisted = min(unlisted, store[at + ENTRY_SIZE * (number - 1) + 1])
+    for _ in range(number):
+        if store[at + 1] - far - half >= least:
+            return least
+        away, _ = triangles.offset(store, tree.items + TRIANGLE_SIZE * int(store[at]), center)
+        d = norm(away)
+        least = min(least, d - (0.5 * abs(dot(away, chord)) / d if half < FLAT * d else half))
+        at += ENTRY_SIZE
+    return min(least, unlisted - far - half)
+
+
+@kernel
+def _near(store: Array, tree: Tree, p: Vec, radius: float, count: int, work: Array, row: int) -> int:
+    """Put those of `count` triangles into two rows of `work` that may be the closest within `radius` of `p`.
+
+    Those to choose from are in the two rows before; from row 0 on, they are all. Returns how many they are.
+    """
+    least, number = math.inf, 0
+    for a in range(count):
+        item = a if row == 0 else int(work[row - 2, a])
+        d = math.sqrt(triangles.square_distance(store, tree.items + TRIANGLE_SIZE * item, p, math.inf))
+        work[row, a], work[row + 1, a] = item, d
+        least = min(least, d)
+    for a in range(count):
+        if work[row + 1, a] <= (1.0 + SLACK) * (least + 2.0 * radius):
+            work[row, number], work[row + 1, number] = work[row, a], work[row + 1, a]
+            number += 1
+    return number
+
+
+@kernel
+def _sort(work: Array, row: int, count: int) -> None:
+    """Put the first `count` triangles of two rows in the order of their distances."""
+    for a in range(1, count):
+        item, d, b = work[row, a], work[row + 1, a], a
+        while b > 0 and work[row + 1, b - 1] > d:
+            work[row, b], work[row + 1, b] = work[row, b - 1], work[row + 1, b - 1]
+            b -= 1
+        work[row, b], work[row + 1, b] = item, d
+
+
+@kernel
+def _fill(store: Array, tree: Tree, normals: int, p: Vec, count: int, work: Array, cell: Array, lists: Array) -> int:
+    """Fill the cell (3,) about `p` but for where its list is, and the list, of `count` triangles; say how many fit."""
+    number = min(count, LISTED)
+    for e in range(number):
+        lists[e, 0], lists[e, 1] = work[2, e], work[3, e]
+    nearest = int(work[2, 0])
+    cell[NUMBER] = number
+    cell[DISTANCE], _ = triangles.signed(store, tree.items + TRIANGLE_SIZE * nearest, normals, nearest, p)
+    return number
+
+
+@entry
+def list_candidates(table: Array, store: Array, work: Array, cells: Array, lists: Array) -> int:
+    """Fill `cells` (nx, ny, nz, 3) and `lists` (32 nx ny nz, 2) of the one obstacle, a mesh.
+
+    `work` (4, m) is scratch, for m triangles. Returns how many entries all lists have.
+    """
+    tree, grid, normals = tree_of(table, 0), grid_of(table, 0, FIRST_CELL), int(table[0, NORMALS])
+    nx, ny, nz = grid.shape
+    radius, off = 0.5 * math.sqrt(3.0) * grid.spacing, 0.5 * (BLOCK - 1)
+    used = 0
+    for a in range(0, nx, BLOCK):
+        for b in range(0, ny, BLOCK):
+            for c in range(0, nz, BLOCK):
+                about = middle(grid, a + off, b + off, c + off)
+                count = _near(store, tree, about, BLOCK * radius, tree.count, work, 0)
+                for i in range(a, min(a + BLOCK, nx)):
+                    for j in range(b, min(b + BLOCK, ny)):
+                        for k in range(c, min(c + BLOCK, nz)):
+                            p = middle(grid, i, j, k)
+                            number = _near(store, tree, p, radius, count, work, 2)
+                            _sort(work, 2, number)
+                            cells[i, j, k, FIRST] = cells.size + ENTRY_SIZE * used
+                            used += _fill(store, tree, normals, p, number, work, cells[i, j, k], lists[used:])
+    return used

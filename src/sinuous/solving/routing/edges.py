@@ -17,6 +17,9 @@ SHARP = math.cos(math.radians(30.0))
 MOST = 400
 """Sharp edges of a mesh from which on it is none of walls: a route around them is not looked for."""
 
+SMOOTH = 8
+"""Triangles of a mesh for each sharp edge from which on it is smooth: what leads around it turns elsewhere, too."""
+
 WIDTH = 10
 """Numbers of an edge, see `kernels.roadmap.places`."""
 
@@ -43,7 +46,8 @@ def _of(mesh: Mesh) -> Walls:
     if walls is None:
         edges, corners = _sticking_out(mesh.vertices, mesh.faces), mesh.vertices[mesh.faces]
         corners[:, 1:] -= corners[:, :1]
-        walls = _KNOWN[mesh] = Walls(edges, corners.reshape(-1, 9)) if 0 < len(edges) <= MOST else _NONE
+        sharp = len(corners) < SMOOTH * len(edges) <= SMOOTH * MOST
+        walls = _KNOWN[mesh] = Walls(edges, corners.reshape(-1, 9)) if sharp else _NONE
     return walls
 
 

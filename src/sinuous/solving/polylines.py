@@ -3,6 +3,7 @@
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels.fitting.lines import respace_line
 
 
 def lengths_along(line: Floats) -> Floats:
@@ -16,6 +17,7 @@ def points_at(line: Floats, along: Floats, wanted: Floats) -> Floats:
 
 
 def respaced(line: Floats, count: int) -> Floats:
-    """Return so many points that are evenly spaced along a line (K, 3)."""
-    along = lengths_along(line)
-    return points_at(line, along, np.linspace(0.0, along[-1], count))
+    """Return so many points, two at least, that are evenly spaced along a line (K, 3)."""
+    points = np.empty((count, 3))
+    respace_line(np.array(line), points)  # a copy, because kernels are compiled for what can be written
+    return points

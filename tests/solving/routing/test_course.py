@@ -1,5 +1,6 @@
 """The order of what is tried along routes: cheap before dear, and nothing twice."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -7,24 +8,24 @@ import pytest
 
 from sinuous import Robot, Scene, Sphere, Target, Tolerance
 from sinuous.checks import Floats
-from sinuous.kernels.tables import FULL
+from sinuous.kernels.tables import FOUND, FULL
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.course import ALIKE, GATES, GROWN, Course
+from sinuous.solving.routing.course import ALIKE, STOWED, Course
 from sinuous.solving.routing.crossing import STARTS
-from sinuous.solving.routing.growth import FEW, MANY, ONE, Beam, grown
-from sinuous.solving.routing.plans import CELLS, Plan
+from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, Beam, grown
+from sinuous.solving.routing.plans import CELLS, GATES, GROWN, Plan, chores_of
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.searches import Found
-from sinuous.solving.starts.sources import Question
+from sinuous.solving.starts.sources import Batch, Question
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 SCENE = Scene([Sphere((0, 0, 2.2), 0.7), Sphere((0.9, 0.2, 3.1), 0.4)])
 TARGET = Target((0, 0, 4.4))
 
 
-def asked(several: bool = False) -> tuple[Router, Question, Floats]:
-    router = Router(ROBOT, SCENE, Tolerance().for_robot(ROBOT))
-    question = Question(Problem(ROBOT, TARGET, SCENE), np.empty((0, len(ROBOT), 3)), lambda: 60.0, several)
+def asked(several: bool = False, robot: Robot = ROBOT) -> tuple[Router, Question, Floats]:
+    router = Router(robot, SCENE, Tolerance().for_robot(robot))
+    question = Question(Problem(robot, TARGET, SCENE), np.empty((0, len(robot), 3)), lambda: 60.0, several)
     query = router.query(question.problem)
     assert query is not None
     return router, question, query
@@ -85,9 +86,60 @@ def test_a_table_that_is_too_small_is_made_larger_before_anything_else(monkeypat
 
     monkeypatch.setattr(Router, "find", full)
     monkeypatch.setattr(Router, "by_edges", lambda *_: None)
-    next(iter(Course(router, question, query).batches()))
+    assert any(plans for _ in Course(router, question, query).batches())
     assert [plan.cells for plan in plans] == list(CELLS[:-1])
     assert len({plan.cell for plan in plans}) == 1
+
+
+def test_a_full_table_of_fine_cells_is_followed_by_cells_between(monkeypatch: pytest.MonkeyPatch) -> None:
+    router, question, query = asked(robot=Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.05))
+    plans: list[Plan] = []
+    through = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 40)
+
+    def found(self: Router, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+        plans.append(plan)
+        return Found([through.copy()], FOUND, 10) if len(plans) == 1 else Found([], FULL, 10)
+
+    monkeypatch.setattr(Router, "find", found)
+    monkeypatch.setattr(Router, "by_edges", lambda *_: None)
+    monkeypatch.setattr(Course, "_try", lambda *_: iter(()))
+    assert any(len(plans) > 3 for _ in Course(router, question, query).batches())
+    coarse, fine = router.plans[0].cell, router.plans[-1].cell
+    assert [plan.cell for plan in plans[:4]] == [coarse, fine, 2.0 * fine, fine]
+    assert [plan.cells for plan in plans[:4]] == [*3 * [CELLS[0]], CELLS[1]]
+
+
+@pytest.mark.parametrize(("share", "first"), [(0.95, "laid"), (1.05, "glance")])
+def test_a_chain_that_has_to_be_stowed_is_led_through_gates_first(
+    share: float, first: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    router, question, query = asked()
+    calls: list[str] = []
+    shortest = sum(segment.length[0] for segment in ROBOT.segments)
+    route = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, shortest / (share * STOWED)), 40)
+
+    def glanced(*_: object) -> Iterator[Batch]:
+        calls.append("glance")
+        return iter(())
+
+    def laid(*_: object) -> Floats:
+        calls.append("laid")
+        return np.zeros((1, len(ROBOT), 3))
+
+    monkeypatch.setattr(Course, "_try", glanced)
+    monkeypatch.setattr(Router, "fit", laid)
+    list(Course(router, question, query)._laid([route], finest=True))
+    assert calls[0] == first
+
+
+def test_what_is_cheap_is_tried_first() -> None:
+    for grows, gates, finest in [(True, True, True), (True, True, False), (True, False, True), (False, False, True)]:
+        chores = chores_of(grows, gates, finest, 8)
+        costs = [chore.cost for chore in chores]
+        assert costs == sorted(costs)
+        assert len(chores) == len({(chore.beam, chore.which) for chore in chores})
+        assert any(chore.beam is not None for chore in chores) == grows
+        assert any(chore.which == 0 and chore.beam == GLANCE for chore in chores) == gates
 
 
 def test_costs_grow_with_what_is_tried() -> None:

@@ -6,7 +6,7 @@ import pytest
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solving.routing.edges import MOST, walls_of
+from sinuous.solving.routing.edges import MOST, SMOOTH, walls_of
 from tests.helpers import Floats
 
 CORNERS = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
@@ -46,6 +46,19 @@ def test_what_has_very_many_edges_is_no_wall(sides: int, found: bool) -> None:
     angles = 2.0 * np.pi * np.arange(sides) / sides
     post = prism(np.column_stack([np.cos(angles), np.sin(angles)]))
     assert (len(walls_of(Scene([post]).snapshot()).edges) > 0) == found
+
+
+@pytest.mark.parametrize(("rings", "found"), [(2, True), (2 * SMOOTH, False)])
+def test_what_is_mostly_smooth_is_no_wall(rings: int, found: bool) -> None:
+    angles = 2.0 * np.pi * np.arange(40) / 40
+    outline = np.column_stack([np.cos(angles), np.sin(angles)])
+    vertices = np.concatenate([np.column_stack([outline, np.full(40, z)]) for z in range(rings)])
+    top = 40 * (rings - 1)
+    faces = [(0, i + 1, i) for i in range(1, 39)] + [(top, top + i, top + i + 1) for i in range(1, 39)]
+    for ring in range(0, top, 40):
+        for i, j in zip(range(40), [*range(1, 40), 0], strict=True):
+            faces += [(ring + i, ring + j, ring + 40 + j), (ring + i, ring + 40 + j, ring + 40 + i)]
+    assert (len(walls_of(Scene([Mesh(vertices, faces)]).snapshot()).edges) == 80) == found
 
 
 def test_shells_and_other_obstacles_have_none() -> None:

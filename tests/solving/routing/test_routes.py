@@ -12,7 +12,7 @@ from benchmarks.places import make
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.course import CELLS_A_START, Course
+from sinuous.solving.routing.course import CELLS_A_START, FIRST, Course
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.searches import MEMORY, Found
@@ -129,9 +129,10 @@ def test_no_route_of_one_grid_is_handed_over_twice(monkeypatch: pytest.MonkeyPat
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
     asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
     given: dict[tuple[float, bool], list[bytes]] = {}
-    plans = iter(finder.plans)
-    plan = next(plans)
-    for batch in finder.batches(question(asked)):
+    plans = (plan for plan in finder.plans if not plan.between)
+    plan, batches = next(plans), finder.batches(question(asked))
+    assert next(batches).then == FIRST
+    for batch in batches:
         given.setdefault((plan.cell, plan.exact), []).extend(q.tobytes() for q in batch.initial)
         if batch.then > 0:
             plan = next(plans, plan)

@@ -3,30 +3,16 @@
 import heapq
 from collections.abc import Iterator
 from itertools import compress
-from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_RADIUS, ROUTE, SOURCES
-from sinuous.solving.polylines import respaced
+from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.crossing import Crossing
 from sinuous.solving.routing.gates import Passage
-from sinuous.solving.routing.growth import (
-    FEW,
-    GLANCE,
-    LEG_POINTS,
-    MANY,
-    ONE,
-    SOME,
-    Beam,
-    divided,
-    gone_on,
-    grown,
-    leg_queries,
-    settled,
-)
-from sinuous.solving.routing.plans import CELLS, Plan
+from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, Beam, divided, gone_on, grown, leg_queries, settled
+from sinuous.solving.routing.plans import BENT, CELLS, GATES, GROWN, Chore, Line, Plan, Task, chores_of
 from sinuous.solving.routing.searches import SIDES, Found, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups, turned, turned_back
@@ -35,35 +21,26 @@ from sinuous.solving.starts.sources import Batch, Question
 CELLS_A_START = 400
 """Cells that a search looks at in the time of a scattered start, about."""
 
+FIRST = 3
+"""Scattered starts before any search, where that takes longer: beside meshes, and where nothing has edges."""
+
 AFTER_EDGES = (5, 10)
 """Scattered starts that follow a route around edges: after what is tried `AT_ONCE`, and after `SOON`."""
 
 AT_ONCE, SOON = 6, 14
 """What may be tried along such a route before the next scattered starts, in starts."""
 
-GROWN = {ONE: 4, SOME: 10, FEW: 25, MANY: 100}
-"""What it costs to grow chains along a route, from either end, in scattered starts, about."""
+SHARE = 0.6
+"""Scattered starts for each one that the work along routes costs."""
 
-GATES = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
-"""The same for chains through the gates at the first place of a passage, part after part; the next cost one more."""
-
-PLACES = 3
-"""Places of gates in one passage."""
+CUT = 0.9
+"""Room, in radii of the body, up to which a route over coarse cells may lead through a wall."""
 
 ALONG = 2
 """Routes of one search along which chains are grown; through gates of the first one alone."""
 
-BENT = (15, 15, 25, 25, 50, 50, 50, 50)
-"""The same, to make a route longer, side by side."""
-
-SHARE = 0.6
-"""Scattered starts for each one that the work along routes costs."""
-
-BLIND = 3
-"""How much later chains are grown through gates of routes over coarse cells, many of which cut through walls."""
-
-CUT = 0.9
-"""Room, in radii of the body, up to which a route over coarse cells may lead through a wall."""
+STOWED = 1.1
+"""Least length of a chain, in lengths of its route, from which on some of it has to be stowed beside the route."""
 
 MISSES = 2
 """Sides for which nothing comes of it, before others are no longer tried."""
@@ -73,49 +50,6 @@ NEAR = 2.5
 
 ALIKE, COMPARED = 0.1, 60
 """Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
-
-
-class Line(NamedTuple):
-    """A route, along which chains are grown.
-
-    Attributes
-    ----------
-    route : ndarray (K, 3)
-    finest : bool
-        Whether it leads around edges, or over the finest cells: others may cut through walls.
-    exact : bool
-        Whether it comes from exact distances, not from samples.
-    rank : int
-        How many were known before it, and one.
-    """
-
-    route: Floats
-    finest: bool
-    exact: bool
-    rank: int
-
-
-class Task(NamedTuple):
-    """Something to try along a line: smaller comes first.
-
-    Attributes
-    ----------
-    cost : int
-        What it costs, in scattered starts, times the rank of its line.
-    number : int
-        How many tasks were known before it.
-    line : Line
-    beam : Beam or None
-        How chains are grown; `None`: the line is made longer.
-    which : int
-        To which side, then; or through which gate, -1: through none.
-    """
-
-    cost: int
-    number: int
-    line: Line
-    beam: Beam | None
-    which: int
 
 
 class Course:
@@ -135,7 +69,8 @@ class Course:
         self._groups = searches.groups(question.problem)
         self._lines: list[Line] = []
         self._tasks: list[Task] = []
-        self._count = self._spent = 0
+        self._spent, self._enclosed = 0, False
+        self._between = next((plan for plan in searches.plans if plan.between), None)
         self._misses: dict[int, int] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
@@ -147,6 +82,8 @@ class Course:
         """Yield what comes of the tube that the base lies in, of a route around edges, then of those over cells."""
         if not self._question.several:
             yield from self._tube()
+        if self._question.seconds_left() > 0.0 and not (self._enclosed or self._searches.only_boxes(self._problem)):
+            yield self._scattered(FIRST)
         seconds, plans = self._question.seconds_left(), self._searches.plans
         route = self._searches.by_edges(self._problem, self._query, seconds) if seconds > 0.0 else None
         if route is not None:
@@ -161,17 +98,18 @@ class Course:
         for plan in plans:
             if self._question.seconds_left() <= 0.0:
                 return
-            if plan.cells <= too_few.get(plan.cell, 0):
+            if plan.cells <= too_few.get(plan.cell, 0) or (plan.between and self._lines):
                 continue
-            found = self._find(plan, too_few)
-            known = told.get((plan.cell, plan.exact), 0)
-            told[plan.cell, plan.exact] = max(known, len(found.routes))
-            closed = plan.cell if found.ended == PROVED_CLOSED else None
-            yield from self._laid(found.routes[known:], plan.cell == self._searches.plans[-1].cell, plan.exact, closed)
+            self._between = None if plan.between else self._between
+            last, found = self._find(plan, too_few)
+            known = told.get((last.cell, last.exact), 0)
+            told[last.cell, last.exact] = max(known, len(found.routes))
+            closed = last.cell if found.ended == PROVED_CLOSED else None
+            yield from self._laid(found.routes[known:], last.cell == self._searches.plans[-1].cell, last.exact, closed)
             if closed is not None:
                 return
-            yield from self._try(plan.effort)
-            yield self._scattered(max(plan.then, found.cells // CELLS_A_START))
+            yield from self._try(last.effort)
+            yield self._scattered(max(last.then, found.cells // CELLS_A_START))
         yield from self._try(None)
 
     def _tube(self) -> Iterator[Batch]:
@@ -179,6 +117,7 @@ class Course:
         if self._groups[0][1] > 0.0 or self._question.seconds_left() <= 0.0:
             return  # limits of actuators join what is in the tube and what is not
         tube = tube_around(self._groups[1], self._query, self._question.seconds_left())
+        self._enclosed = tube is not None and not tube.open
         line = None if tube is None else within(tube, self._query)
         if line is not None:
             laid = self._searches.fit(self._problem, [line], self._question.seconds_left)
@@ -194,35 +133,57 @@ class Course:
             for side in range(len(SIDES)):
                 yield from self._longer(line, side)
 
-    def _find(self, plan: Plan, too_few: dict[float, int]) -> Found:
-        """Search as a plan says; where its table is too small for a first route, with the next ones at once."""
+    def _find(self, plan: Plan, too_few: dict[float, int]) -> tuple[Plan, Found]:
+        """Search as a plan says; where its table is too small for a first route, with others at once.
+
+        These are the plan between coarse and fine cells, if it was left out, and then the next larger tables. Returns
+        the last plan, too.
+        """
         cells = 0
         while True:
             found = self._searches.find(self._problem, self._query, plan, max(0.0, self._question.seconds_left()))
             cells += found.cells
             if found.ended != FULL or found.routes:
-                return found._replace(cells=cells)
+                return plan, found._replace(cells=cells)
             too_few[plan.cell] = plan.cells
+            if self._through_free():
+                return plan, found._replace(cells=cells)
+            between, self._between = self._between, None
+            if between is not None and between.cell > plan.cell:
+                other = self._searches.find(
+                    self._problem, self._query, between, max(0.0, self._question.seconds_left())
+                )
+                cells += other.cells
+                if other.routes:
+                    return between, other._replace(cells=cells)
             larger = [size for size in CELLS[:-1] if size > plan.cells]
-            if not larger or any(line.finest or self._room(line) > CUT for line in self._lines):
-                return found._replace(cells=cells)
+            if not larger:
+                return plan, found._replace(cells=cells)
             plan = plan._replace(cells=larger[0])
+
+    def _through_free(self) -> bool:
+        """Whether a line is known that does not cut through walls."""
+        return any(line.finest or self._room(line) > CUT for line in self._lines)
 
     def _laid(
         self, routes: list[Floats], finest: bool, exact: bool = False, closed: float | None = None
     ) -> Iterator[Batch]:
-        """Yield configurations along routes (K, 3), and note what else is to be tried along them."""
-        laid = self._searches.fit(self._problem, routes, self._question.seconds_left)
-        new = np.array([self._is_new(q) for q in laid], bool)
-        routes = routes[: len(laid)]
-        yield along(laid[new], tuple(compress(routes, new)), closed=closed)
+        """Note what is to be tried along routes (K, 3), and yield configurations along them.
+
+        A chain that is longer than the route is seldom clear where it is laid: what leads through gates comes before.
+        """
         for place, route in enumerate(routes):
             self._note(route, finest, exact, place)
+        if routes and self._query[QUERY_SHORTEST] > STOWED * lengths_along(routes[0])[-1]:
+            yield from self._try(GATES[GLANCE])
+        laid = self._searches.fit(self._problem, routes, self._question.seconds_left)
+        new = np.array([self._is_new(q) for q in laid], bool)
+        yield along(laid[new], tuple(compress(routes, new)), closed=closed)
 
     def _note(self, route: Floats, finest: bool, exact: bool = False, place: int = 0) -> None:
         """Note what is to be tried along a route, unless one of its kind is known: it is number `place` of a search."""
-        points = respaced(route, COMPARED)
         near = ALIKE * self._query[QUERY_RADIUS]
+        points = respaced(route, COMPARED) if self._lines else route
         alike = [
             line
             for line in self._lines
@@ -230,21 +191,17 @@ class Course:
         ]
         if any(line.finest >= finest for line in alike):
             return
-        line = Line(route, finest, exact, 1 + len(self._lines))
+        first = not any(line.finest for line in self._lines)
+        weight = 1 + sum(line.finest >= finest for line in self._lines)
+        line = Line(route, finest, exact, 1 + len(self._lines), weight)
         self._lines.append(line)
-        if not alike and place < ALONG:
-            for beam, cost in GROWN.items():
-                self._add(cost, line, beam, -1)
-            for beam, cost in GATES.items() if place == 0 else ():
-                for gate in range(1 if beam == GLANCE else PLACES):
-                    self._add((cost + gate) * (1 if finest else BLIND), line, beam, gate)
-        if finest:
-            for side in range(len(SIDES) if line.rank == 1 or not any(one.finest for one in self._lines[:-1]) else 1):
-                self._add(BENT[side], line, None, side)
+        sides = (len(SIDES) if line.rank == 1 or first else 1) if finest else 0
+        self._add(line, chores_of(not alike and place < ALONG, place == 0, finest, sides), 0)
 
-    def _add(self, cost: int, line: Line, beam: Beam | None, which: int) -> None:
-        heapq.heappush(self._tasks, Task(cost * line.rank, self._count, line, beam, which))
-        self._count += 1
+    def _add(self, line: Line, chores: tuple[Chore, ...], number: int) -> None:
+        """Note that of these chores along a line this one is the next, if there is one."""
+        if number < len(chores):
+            heapq.heappush(self._tasks, Task(chores[number].cost * line.weight, line.rank, number, line, chores))
 
     def _try(self, effort: int | None) -> Iterator[Batch]:
         """Yield what comes of all tasks that cost no more than an effort (`None`: any), the cheapest first.
@@ -256,12 +213,14 @@ class Course:
             if self._question.seconds_left() <= 0.0:
                 return
             task = heapq.heappop(self._tasks)
-            if task.beam is None:
-                yield from self._longer(task.line, task.which)
+            _, beam, which = task.chores[task.number]
+            self._add(task.line, task.chores, task.number + 1)
+            if beam is None:
+                yield from self._longer(task.line, which)
             elif self._question.several and effort is not None:
-                put_off.append(task)
-            elif not self._question.several or task.beam == FEW:
-                yield from self._grown(task.line, task.beam, task.which)
+                put_off.append(task._replace(chores=task.chores[: task.number + 1]))
+            elif not self._question.several or beam == FEW:
+                yield from self._grown(task.line, beam, which)
         for task in put_off:
             heapq.heappush(self._tasks, task)
 
@@ -325,8 +284,7 @@ class Course:
             if legs is None:
                 self._passages[line.rank] = None
             else:
-                distances = self._problem.scene.distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
-                self._passages[line.rank] = Passage(self._groups, legs, distances)
+                self._passages[line.rank] = Passage(self._groups, legs, self._searches.room(self._problem, legs))
         return self._passages[line.rank]
 
     def _chains(self, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:

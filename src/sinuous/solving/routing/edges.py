@@ -17,6 +17,9 @@ SHARP = math.cos(math.radians(30.0))
 MOST = 400
 """Sharp edges of a mesh from which on it is none of walls: a route around them is not looked for."""
 
+SMOOTH = 8
+"""Triangles of a mesh for each sharp edge from which on it is smooth: what leads around it turns elsewhere, too."""
+
 WIDTH = 10
 """Numbers of an edge, see `kernels.roadmap.places`."""
 
@@ -42,7 +45,8 @@ def _of(mesh: Mesh) -> Walls:
     walls = _KNOWN.get(mesh)
     if walls is None:
         edges = _sticking_out(mesh.vertices, mesh.faces)
-        walls = _KNOWN[mesh] = Walls(edges, _faces(mesh)) if 0 < len(edges) <= MOST else _NONE
+        sharp = len(mesh.faces) < SMOOTH * len(edges) <= SMOOTH * MOST
+        walls = _KNOWN[mesh] = Walls(edges, _faces(mesh)) if sharp else _NONE
     return walls
 
 

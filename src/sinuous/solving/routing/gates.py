@@ -34,6 +34,9 @@ NARROW, WIDE = 1.35, 2.5
 """Up to so many times the least distance a place is as narrow as the narrowest one; and distance, in radii of the body,
 from which on no place is narrow."""
 
+FAR = NARROW * WIDE
+"""Distance from the obstacles, in radii of the body, beyond which nothing matters here."""
+
 ALIKE = 0.06
 """How much distances of a channel from its walls differ, of their median."""
 
@@ -107,7 +110,7 @@ class Passage:
     legs : ndarray (l, K, 3)
         The legs of a route, evenly spaced, in the length unit.
     distances : ndarray (l, K)
-        Of these points from the obstacles, in the length unit.
+        Of these points from the obstacles, in the length unit: beyond `FAR` radii anything that is not less.
     """
 
     def __init__(self, groups: Groups, legs: Floats, distances: Floats) -> None:
@@ -190,9 +193,9 @@ def _stretch(distances: Floats, skipped: int) -> tuple[int, int]:
     middle = np.sort(distances[first : last + 1])[(last - first) // 2]
     alike = np.abs(distances - middle) <= ALIKE * abs(middle)
     alike[:first] = alike[last + 1 :] = False
-    runs = [_run(alike, int(at)) for at in np.flatnonzero(alike)]
-    first, last = max(runs, key=lambda run: run[1] - run[0])
-    return first + skipped, last + skipped
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], alike, [False]])))
+    first, last = max(zip(ends[::2], ends[1::2] - 1, strict=True), key=lambda run: run[1] - run[0])
+    return int(first) + skipped, int(last) + skipped
 
 
 def _run(which: NDArray[np.bool_], at: int) -> tuple[int, int]:

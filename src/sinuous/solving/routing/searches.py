@@ -10,6 +10,7 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.kernels.fitting.lines import room_along
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
@@ -21,9 +22,11 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
+from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import walls_of
+from sinuous.solving.routing.gates import FAR
 from sinuous.solving.routing.growth import FEW, grown, settled
 from sinuous.solving.routing.parts import beyond
 from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
@@ -146,6 +149,11 @@ class Searches:
             )
         return route[:count] if count > 0 else None
 
+    def only_boxes(self, problem: Problem) -> bool:
+        """Whether all edges that a route may lead around are those of boxes."""
+        scene = problem.scene
+        return not len(walls_of(scene).edges) and any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+
     def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
         robot = self._robot
@@ -172,7 +180,7 @@ class Searches:
                 self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
-            problem.scene.distance(line)
+            self.room(problem, line[None])
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
             grown(groups, line[None], FEW, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
@@ -188,6 +196,13 @@ class Searches:
         rod, workspace = np.empty((ROD_POINTS, 3)), np.empty(lengthen_workspace_size(ROD_POINTS))
         group = problem.scene._kernel_group
         return rod if lengthen_route(group, query, np.array(route), side, seconds, workspace, rod) else None
+
+    def room(self, problem: Problem, legs: Floats) -> Floats:
+        """Return distances (l, K) of points (l, K, 3) from the obstacles; far ones may be any beyond `FAR` radii."""
+        distances = np.empty(legs.shape[:2])
+        reach = FAR * max(self._robot.radii)
+        room_along(problem.scene._kernel_group, legs.reshape(-1, 3), reach, distances.reshape(-1))
+        return distances
 
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""

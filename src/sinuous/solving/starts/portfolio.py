@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from sinuous.solving.starts.sources import Batch, Opening, Question, Scattered, Source
 
-LOCAL = 6
-"""Starts before routes through free space are searched for: they cost little, and mostly suffice."""
+LOCAL = 3
+"""Starts before routes are asked for: most that suffice are among the first, and many routes are known as quickly."""
 
 ALONE = 16
 """Starts in the first compiled call where there is no other source."""

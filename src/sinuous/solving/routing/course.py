@@ -10,8 +10,6 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_RADIUS, ROUTE, SOURCES
 from sinuous.solving.polylines import respaced
-from sinuous.solving.routing.crossing import Crossing
-from sinuous.solving.routing.gates import Passage
 from sinuous.solving.routing.growth import (
     FEW,
     GLANCE,
@@ -26,6 +24,7 @@ from sinuous.solving.routing.growth import (
     leg_queries,
     settled,
 )
+from sinuous.solving.routing.narrow.narrows import Narrows
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.searches import SIDES, Found, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
@@ -139,16 +138,14 @@ class Course:
         self._misses: dict[int, int] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
-        self._passages: dict[int, Passage | None] = {}
-        self._crossings: dict[int, Crossing] = {}
+        self._narrows = Narrows(self._groups, self._problem.scene.distance, question.seconds_left)
         self._tried: set[bytes] = set()
 
     def batches(self) -> Iterator[Batch]:
         """Yield what comes of the tube that the base lies in, of a route around edges, then of those over cells."""
         if not self._question.several:
             yield from self._tube()
-        seconds, plans = self._question.seconds_left(), self._searches.plans
-        route = self._searches.by_edges(self._problem, self._query, seconds) if seconds > 0.0 else None
+        plans, route = self._searches.plans, self._around(self._query)
         if route is not None:
             plans = tuple(plan for plan in plans if plan.routes > 1)  # the others look for one route too
             yield from self._laid([route], finest=True)
@@ -193,6 +190,12 @@ class Course:
         for line in self._lines:
             for side in range(len(SIDES)):
                 yield from self._longer(line, side)
+
+    def _around(self, query: Floats) -> Floats | None:
+        """Return a route (K, 3) around edges, else one through tubes beside them; `None` where neither is found."""
+        left, searches = self._question.seconds_left, self._searches
+        route = searches.by_edges(self._problem, query, left()) if left() > 0.0 else None
+        return searches.by_tubes(self._problem, query, left) if route is None and left() > 0.0 else route
 
     def _find(self, plan: Plan, too_few: dict[float, int]) -> Found:
         """Search as a plan says; where its table is too small for a first route, with the next ones at once."""
@@ -289,7 +292,7 @@ class Course:
         if legs is None:
             return
         if gate >= 0:
-            yield from self._through(line, beam, gate)
+            yield from self._through(line, legs, beam, gate)
             return
         self._spent += GROWN[beam]
         for chain in self._chains(self._groups, legs, beam):
@@ -300,12 +303,11 @@ class Course:
         for chain in self._chains(other, legs[:, ::-1].copy(), beam):
             yield along(turned_back(self._groups, other, chain)[None], (line.route,))
 
-    def _through(self, line: Line, beam: Beam, number: int) -> Iterator[Batch]:
-        """Yield chains through the gates at one place of a line, of which each part is solved by itself."""
-        passage = self._passage(line)
-        if passage is None or not (line.finest or passage.room > CUT):
+    def _through(self, line: Line, legs: Floats, beam: Beam, number: int) -> Iterator[Batch]:
+        """Yield chains through the narrowest place of a line, of which each part is solved by itself."""
+        if not (line.finest or self._room(line) > CUT):
             return
-        crossing = self._crossings.setdefault(line.rank, Crossing(self._groups, passage))
+        crossing = self._narrows.crossing(line.rank, legs)
         if number >= len(crossing):
             return
         self._spent += GATES[beam]
@@ -315,19 +317,8 @@ class Course:
 
     def _room(self, line: Line) -> float:
         """Distance from the obstacles that a line keeps, in radii of the body."""
-        passage = self._passage(line)
-        return 0.0 if passage is None else passage.room
-
-    def _passage(self, line: Line) -> Passage | None:
-        """Return the narrowest place of a line, and its gates; `None` where there are no legs along it."""
-        if line.rank not in self._passages:
-            legs = self._legs_of(line)
-            if legs is None:
-                self._passages[line.rank] = None
-            else:
-                distances = self._problem.scene.distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
-                self._passages[line.rank] = Passage(self._groups, legs, distances)
-        return self._passages[line.rank]
+        legs = self._legs_of(line)
+        return 0.0 if legs is None else self._narrows.room(line.rank, legs)
 
     def _chains(self, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:
         """Yield chains (n, 3) that grown along legs (l, K, 3), as they are, then drawn to the targets; none twice."""
@@ -376,11 +367,9 @@ class Course:
 
     def _leg(self, query: Floats, finest: bool) -> Floats | None:
         """Return the route (K, 3) of one leg, around edges or over cells; `None` where none is found."""
-        left, searches = self._question.seconds_left, self._searches
-        leg = searches.by_edges(self._problem, query, max(0.0, left()))
-        plans = searches.leg_plans(finest)
-        for plan in plans if leg is None else ():
-            found = searches.find(self._problem, query, plan, max(0.0, left()))
+        leg, searches = self._around(query), self._searches
+        for plan in searches.leg_plans(finest) if leg is None else ():
+            found = searches.find(self._problem, query, plan, max(0.0, self._question.seconds_left()))
             if found.routes:
                 return found.routes[0]
         return leg

@@ -15,7 +15,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.kernels.tables import QUERY_RADIUS, QUERY_WIDTH
 from sinuous.kernels.tubes.axis import MOUTH
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -25,6 +25,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import walls_of
 from sinuous.solving.routing.growth import FEW, grown, settled
+from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond
 from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
@@ -146,6 +147,25 @@ class Searches:
             )
         return route[:count] if count > 0 else None
 
+    def by_tubes(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
+        """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
+        group, edges = problem.scene._kernel_group, walls_of(problem.scene).edges
+        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, seconds_left()))
+        if not axes:
+            return None
+
+        def leg(asked: Floats) -> Floats | None:
+            return self.by_edges(problem, asked, max(0.0, seconds_left()))
+
+        def last(asked: Floats) -> Floats | None:
+            route = leg(asked)
+            for plan in self.leg_plans(finest=True)[:1] if route is None else ():
+                found = self.find(problem, asked, plan, max(0.0, seconds_left()))
+                route = found.routes[0] if found.routes else None
+            return route
+
+        return route_through(axes, query, leg, last, POINTS)
+
     def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
         robot = self._robot
@@ -181,6 +201,7 @@ class Searches:
                 tube_around(problem.scene._kernel_group, query, 0.0)
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
             beyond(groups, still[:1])
+            tubes_beside(groups[1], walls_of(problem.scene).edges, 1.0, 0.0)
         return monotonic() - began
 
     def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:

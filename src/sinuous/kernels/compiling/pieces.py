@@ -58,6 +58,7 @@ PIECES = (
             "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.axis.follow_tube",
+            "kernels.tubes.mouths.find_tubes",
             "kernels.growing.grow.grow_chains",
             "kernels.growing.turning.turn_round",
             "kernels.fitting.settle.settle_chain",

@@ -57,7 +57,7 @@ NO_TUBE, MOUTH, END, BRANCH, UNENDED = range(5)
 
 
 @kernel
-def _reach(scene: Scene, p: Vec, direction: Vec, radius: float, mode: int) -> float:
+def reach(scene: Scene, p: Vec, direction: Vec, radius: float, mode: int) -> float:
     """How far a ball comes from `p` along a unit vector; inf: farther than a ray leads."""
     gone = FIRST * radius
     for _ in range(LOOKS):
@@ -78,8 +78,8 @@ def _look_around(scene: Scene, p: Vec, ahead: Vec, radius: float, mode: int) -> 
     for i in range(RAYS // 2):
         angle = 2.0 * math.pi * i / RAYS
         direction = add(scale(math.cos(angle), a), scale(math.sin(angle), b))
-        there = _reach(scene, p, direction, radius, mode)
-        back = _reach(scene, p, scale(-1.0, direction), radius, mode)
+        there = reach(scene, p, direction, radius, mode)
+        back = reach(scene, p, scale(-1.0, direction), radius, mode)
         count += int(there < math.inf) + int(back < math.inf)
         if there < math.inf and back < math.inf:
             middle = add_scaled(middle, 2.0 / RAYS * (there - back), direction)
@@ -94,7 +94,7 @@ def _limited(a: Vec, most: float) -> Vec:
 
 
 @kernel
-def _next(scene: Scene, p: Vec, ahead: Vec, sizes: tuple[float, float], mode: int) -> tuple[int, Vec]:
+def next_beside(scene: Scene, p: Vec, ahead: Vec, sizes: tuple[float, float], mode: int) -> tuple[int, Vec]:
     """Point of the axis beside `p`; and MOUTH or END where the tube does not go on there, else UNENDED.
 
     `sizes` are the radius, and how far the axis may be from `p`.
@@ -118,7 +118,7 @@ def _ahead(points: Array, count: int, ahead: Vec) -> Vec:
 
 
 @kernel
-def _follow(
+def follow_from(
     scene: Scene, ahead: Vec, sizes: tuple[float, float, float], clock: Array, points: Array
 ) -> tuple[int, int]:
     """Fill `points` from the second on; see `follow_tube`.
@@ -135,7 +135,7 @@ def _follow(
         last = get_vec(points, count - 1, 0)
         beside = add_scaled(last, max(spacing, free) if count == 1 else spacing, ahead)
         own = (radius, ASIDE * spacing)
-        ended, p = _next(scene, beside, ahead, own, STEP if sampled else EXACT)
+        ended, p = next_beside(scene, beside, ahead, own, STEP if sampled else EXACT)
         if ended != UNENDED and sampled:
             sampled, count = False, max(1, count - BACK)
             ahead = _ahead(points, count, ahead)
@@ -149,6 +149,15 @@ def _follow(
         count += 1
         ahead = _ahead(points, count, ahead)
     return count, UNENDED
+
+
+@kernel
+def reversed_from(points: Array, count: int) -> None:
+    """Turn the order of the first `count` points."""
+    for i in range(count // 2):
+        p = get_vec(points, i, 0)
+        put_vec(points, i, 0, get_vec(points, count - 1 - i, 0))
+        put_vec(points, count - 1 - i, 0, p)
 
 
 @entry
@@ -187,4 +196,4 @@ def follow_tube(
     begin(clock)
     allow(clock, seconds)
     put_vec(points, 0, 0, get_vec(start, 0, 0))
-    return _follow(obstacles, get_vec(start, 1, 0), sizes, clock, points)
+    return follow_from(obstacles, get_vec(start, 1, 0), sizes, clock, points)

@@ -2,6 +2,7 @@
 
 import heapq
 from collections.abc import Iterator
+from functools import partial
 from itertools import compress
 
 import numpy as np
@@ -9,9 +10,8 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, PROVED_CLOSED, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
 from sinuous.solving.polylines import lengths_along, respaced
-from sinuous.solving.routing.crossing import Crossing
-from sinuous.solving.routing.gates import Passage
 from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, Beam, divided, gone_on, grown, leg_queries, settled
+from sinuous.solving.routing.narrow.narrows import Narrows
 from sinuous.solving.routing.plans import BENT, CELLS, GATES, GROWN, Chore, Line, Plan, Task, chores_of
 from sinuous.solving.routing.searches import SIDES, Found, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
@@ -74,8 +74,7 @@ class Course:
         self._misses: dict[int, int] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
-        self._passages: dict[int, Passage | None] = {}
-        self._crossings: dict[int, Crossing] = {}
+        self._narrows = Narrows(self._groups, partial(searches.room, question.problem), question.seconds_left)
         self._tried: set[bytes] = set()
 
     def batches(self) -> Iterator[Batch]:
@@ -84,8 +83,7 @@ class Course:
             yield from self._tube()
         if self._question.seconds_left() > 0.0 and not (self._enclosed or self._searches.only_boxes(self._problem)):
             yield self._scattered(FIRST)
-        seconds, plans = self._question.seconds_left(), self._searches.plans
-        route = self._searches.by_edges(self._problem, self._query, seconds) if seconds > 0.0 else None
+        plans, route = self._searches.plans, self._around(self._query)
         if route is not None:
             plans = tuple(plan for plan in plans if plan.routes > 1)  # the others look for one route too
             yield from self._laid([route], finest=True)
@@ -132,6 +130,12 @@ class Course:
         for line in self._lines:
             for side in range(len(SIDES)):
                 yield from self._longer(line, side)
+
+    def _around(self, query: Floats) -> Floats | None:
+        """Return a route (K, 3) around edges, else one through tubes beside them; `None` where neither is found."""
+        left, searches = self._question.seconds_left, self._searches
+        route = searches.by_edges(self._problem, query, left()) if left() > 0.0 else None
+        return searches.by_tubes(self._problem, query, left) if route is None and left() > 0.0 else route
 
     def _find(self, plan: Plan, too_few: dict[float, int]) -> tuple[Plan, Found]:
         """Search as a plan says; where its table is too small for a first route, with others at once.
@@ -248,7 +252,7 @@ class Course:
         if legs is None:
             return
         if gate >= 0:
-            yield from self._through(line, beam, gate)
+            yield from self._through(line, legs, beam, gate)
             return
         self._spent += GROWN[beam]
         for chain in self._chains(self._groups, legs, beam):
@@ -259,12 +263,11 @@ class Course:
         for chain in self._chains(other, legs[:, ::-1].copy(), beam):
             yield along(turned_back(self._groups, other, chain)[None], (line.route,))
 
-    def _through(self, line: Line, beam: Beam, number: int) -> Iterator[Batch]:
-        """Yield chains through the gates at one place of a line, of which each part is solved by itself."""
-        passage = self._passage(line)
-        if passage is None or not (line.finest or passage.room > CUT):
+    def _through(self, line: Line, legs: Floats, beam: Beam, number: int) -> Iterator[Batch]:
+        """Yield chains through the narrowest place of a line, of which each part is solved by itself."""
+        if not (line.finest or self._room(line) > CUT):
             return
-        crossing = self._crossings.setdefault(line.rank, Crossing(self._groups, passage))
+        crossing = self._narrows.crossing(line.rank, legs)
         if number >= len(crossing):
             return
         self._spent += GATES[beam]
@@ -274,18 +277,8 @@ class Course:
 
     def _room(self, line: Line) -> float:
         """Distance from the obstacles that a line keeps, in radii of the body."""
-        passage = self._passage(line)
-        return 0.0 if passage is None else passage.room
-
-    def _passage(self, line: Line) -> Passage | None:
-        """Return the narrowest place of a line, and its gates; `None` where there are no legs along it."""
-        if line.rank not in self._passages:
-            legs = self._legs_of(line)
-            if legs is None:
-                self._passages[line.rank] = None
-            else:
-                self._passages[line.rank] = Passage(self._groups, legs, self._searches.room(self._problem, legs))
-        return self._passages[line.rank]
+        legs = self._legs_of(line)
+        return 0.0 if legs is None else self._narrows.room(line.rank, legs)
 
     def _chains(self, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:
         """Yield chains (n, 3) that grown along legs (l, K, 3), as they are, then drawn to the targets; none twice."""
@@ -334,11 +327,9 @@ class Course:
 
     def _leg(self, query: Floats, finest: bool) -> Floats | None:
         """Return the route (K, 3) of one leg, around edges or over cells; `None` where none is found."""
-        left, searches = self._question.seconds_left, self._searches
-        leg = searches.by_edges(self._problem, query, max(0.0, left()))
-        plans = searches.leg_plans(finest)
-        for plan in plans if leg is None else ():
-            found = searches.find(self._problem, query, plan, max(0.0, left()))
+        leg, searches = self._around(query), self._searches
+        for plan in searches.leg_plans(finest) if leg is None else ():
+            found = searches.find(self._problem, query, plan, max(0.0, self._question.seconds_left()))
             if found.routes:
                 return found.routes[0]
         return leg

@@ -21,9 +21,10 @@ from sinuous.kernels.tables import (
     TARGET_SEGMENT,
 )
 from sinuous.solving.polylines import lengths_along
-from sinuous.solving.routing.gates import Passage, Way
+from sinuous.solving.routing.gates import Laid, Passage, Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, grown, settled
-from sinuous.solving.routing.parts import before, begin, beyond
+from sinuous.solving.routing.narrow.tunnels import Tunnel
+from sinuous.solving.routing.parts import before, begin, beyond, laid
 from sinuous.solving.routing.turned import Groups
 
 STARTS = {GLANCE: 3, ONE: 6, SOME: 20, FEW: 50, MANY: 150}
@@ -34,6 +35,9 @@ AGAIN = 1
 
 TAUT = 1.2
 """Least length of a chain, of the leg of a route, up to which it is laid along that."""
+
+STIFF = 3
+"""Segments up to which what came nearest to the mouth of a tube is taken: they have too little freedom for a pose."""
 
 SEED = 0
 """Of the scattered starts of parts."""
@@ -57,6 +61,7 @@ class Part:
 
     Attributes
     ----------
+    segments : int
     nearest : ndarray (m, 3) or None
         What came nearest to a solution.
     possible : bool
@@ -64,7 +69,7 @@ class Part:
     """
 
     def __init__(self, groups: Groups, legs: Floats) -> None:
-        self._groups, self._legs = groups, legs
+        self._groups, self._legs, self.segments = groups, legs, int(groups[0][0])
         robot, scene, _, targets = groups
         self._workspace = np.empty(workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets)))
         self._first = self._effort = 0
@@ -131,25 +136,27 @@ class Parts:
     """
 
     def __init__(self, groups: Groups, way: Way) -> None:
-        self._rest, self._way = groups, way
+        self._groups, self._rest, self._way = groups, groups, way
         self._parts: list[Part] = []
+        self._begun: tuple[Floats, Floats] | None = None
 
     def solved(self, most: Beam, left: Left) -> tuple[Floats | None, bool]:
         """Return a configuration (n, 3) whose parts are solved, each with no more effort than this; and how far it got.
 
         That is whether the first part is solved. Where only the last part is not, what came nearest is taken: the whole
-        chain has more freedom than its last part.
+        chain has more freedom than its last part. So it is of few segments before a tube: they cannot have any pose.
         """
         chains: list[Floats] = []
         for i in range(len(self._way.legs)):
             if i == len(self._parts):
                 self._parts.append(self._next(chains))
-            chain = self._parts[i].solved(most, left)
-            if chain is None and i == len(self._way.rows):
-                chain = self._parts[i].nearest
+            part = self._parts[i]
+            chain = part.solved(most, left)
+            if chain is None and (i == len(self._way.rows) or (self._way.laid and part.segments <= STIFF)):
+                chain = part.nearest
             if chain is None:
                 return None, i > 0
-            chains.append(chain)
+            chains.append(self._with_inside(chain, self._way.laid, left) if i == 0 and self._way.laid else chain)
         return np.concatenate(chains), True
 
     @property
@@ -157,12 +164,21 @@ class Parts:
         """Whether it is proved that the first part cannot get to its gate: it takes more segments."""
         return bool(self._parts) and not self._parts[0].possible
 
+    def _with_inside(self, chain: Floats, inside: Laid, left: Left) -> Floats:
+        """The chain of the first part, and what lies in the tube beyond it. What follows another one is forgotten."""
+        if self._begun is None or self._begun[0] is not chain:
+            self._parts, self._rest = self._parts[:1], self._groups
+            held = laid(beyond(self._groups, chain), inside.segments, inside.line, max(0.0, left()))
+            self._begun = chain, np.concatenate([chain, held])
+        return self._begun[1]
+
     def _next(self, chains: list[Floats]) -> Part:
         """The part that follows those of these configurations."""
         rows, done = self._way.rows, len(chains)
         if done > 0:
-            gate = rows[done - 1]
             self._rest = beyond(self._rest, chains[-1])
+        if 0 < done < len(rows):
+            gate = rows[done - 1]
             farther = (begin(self._rest) - gate[PLACE]) @ gate[ALONG]
             for row in rows[done:]:
                 row[TARGET_SEGMENT] -= len(chains[-1])
@@ -182,10 +198,10 @@ class Crossing:
     ----------
     groups : tuple of ndarray
         The problem, see `Groups`.
-    passage : Passage
+    passage : Passage or Tunnel
     """
 
-    def __init__(self, groups: Groups, passage: Passage) -> None:
+    def __init__(self, groups: Groups, passage: Passage | Tunnel) -> None:
         self._groups, self._passage = groups, passage
         self._parts: dict[tuple[int, int], Parts] = {}
         self._reached: dict[int, int] = {}

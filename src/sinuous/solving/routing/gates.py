@@ -67,6 +67,21 @@ ENDS = 0.04
 """Of a leg, what is not looked at, at its ends."""
 
 
+class Laid(NamedTuple):
+    """Segments that are laid along a line.
+
+    Attributes
+    ----------
+    segments : int
+        How many.
+    line : ndarray (K, 3)
+        From where they begin.
+    """
+
+    segments: int
+    line: Floats
+
+
 class Way(NamedTuple):
     """A way through a passage: poses that the ends of segments are to have, and the route between them.
 
@@ -76,10 +91,13 @@ class Way(NamedTuple):
         The poses as targets: one; or two, where a long narrow place begins and where it ends.
     legs : list of ndarray (l, K, 3)
         The legs of the route up to the first pose, from there to the next one, and from the last to its end.
+    laid : Laid or None
+        What lies along a line from the only pose on; the last legs lead on from where that ends.
     """
 
     rows: list[Floats]
     legs: list[Floats]
+    laid: Laid | None = None
 
 
 class Spot(NamedTuple):

@@ -8,6 +8,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.chain.batch import frames_of
+from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.tables import (
     ACTUATOR_WIDTH,
     ANGLE_TOLERANCE,
@@ -25,10 +26,14 @@ from sinuous.kernels.tables import (
     TARGET_SEGMENT,
     UNIT,
 )
+from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.turned import Groups
 
 NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
 """Pose (12,) of the tip without a tool."""
+
+FEWEST = 8
+"""Points of a line that segments are laid along, at least."""
 
 LOOSE, SLANT = 0.25, 0.08
 """How far from a gate the part before it may end: in radii of the body, and in rad."""
@@ -66,6 +71,23 @@ def first(robot: Floats, count: int) -> Floats:
     """Return the group of a robot of the first `count` segments, without a tool."""
     _, base, _ = _split(robot)
     return _robot(robot, 0, count, base, NO_TOOL)
+
+
+def laid(groups: Groups, count: int, line: Floats, seconds: float) -> Floats:
+    """Return the chain (m, 3) of the first `count` segments along a line (K, 3), that begins where the robot does."""
+    robot, scene, settings, targets = groups
+    if count == 0:
+        return np.empty((0, 3))
+    held, q, own = first(robot, count), np.empty((count, 3)), targets[_segments(groups) < count]
+    route = respaced(np.vstack([begin(groups), line[1:]]), max(FEWEST, len(line)))
+    workspace = np.empty(fit_workspace_size(count, int(held[1]), int(scene[0]), len(own), len(route)))
+    fit_route(held, scene, settings, own, route, seconds, workspace, q)
+    return q
+
+
+def segments_in(groups: Groups) -> Floats:
+    """Return the rows (n, 7) of the segments of a robot, see `sinuous.kernels.tables`."""
+    return _split(groups[0])[0]
 
 
 def begin(groups: Groups) -> Floats:

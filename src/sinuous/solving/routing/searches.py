@@ -16,7 +16,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import QUERY_WIDTH
+from sinuous.kernels.tables import QUERY_RADIUS, QUERY_WIDTH
 from sinuous.kernels.tubes.axis import MOUTH
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -28,6 +28,7 @@ from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import walls_of
 from sinuous.solving.routing.gates import FAR
 from sinuous.solving.routing.growth import FEW, grown, settled
+from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond
 from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
@@ -154,6 +155,25 @@ class Searches:
         scene = problem.scene
         return not len(walls_of(scene).edges) and any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
 
+    def by_tubes(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
+        """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
+        group, edges = problem.scene._kernel_group, walls_of(problem.scene).edges
+        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, seconds_left()))
+        if not axes:
+            return None
+
+        def leg(asked: Floats) -> Floats | None:
+            return self.by_edges(problem, asked, max(0.0, seconds_left()))
+
+        def last(asked: Floats) -> Floats | None:
+            route = leg(asked)
+            for plan in self.leg_plans(finest=True)[:1] if route is None else ():
+                found = self.find(problem, asked, plan, max(0.0, seconds_left()))
+                route = found.routes[0] if found.routes else None
+            return route
+
+        return route_through(axes, query, leg, last, POINTS)
+
     def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
         robot = self._robot
@@ -180,7 +200,7 @@ class Searches:
                 self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
-            self.room(problem, line[None])
+            self.room(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
             grown(groups, line[None], FEW, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
@@ -189,6 +209,7 @@ class Searches:
                 tube_around(problem.scene._kernel_group, query, 0.0)
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
             beyond(groups, still[:1])
+            tubes_beside(groups[1], walls_of(problem.scene).edges, 1.0, 0.0)
         return monotonic() - began
 
     def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:
@@ -197,11 +218,10 @@ class Searches:
         group = problem.scene._kernel_group
         return rod if lengthen_route(group, query, np.array(route), side, seconds, workspace, rod) else None
 
-    def room(self, problem: Problem, legs: Floats) -> Floats:
-        """Return distances (l, K) of points (l, K, 3) from the obstacles; far ones may be any beyond `FAR` radii."""
-        distances = np.empty(legs.shape[:2])
-        reach = FAR * max(self._robot.radii)
-        room_along(problem.scene._kernel_group, legs.reshape(-1, 3), reach, distances.reshape(-1))
+    def room(self, problem: Problem, points: Floats) -> Floats:
+        """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `FAR` radii."""
+        distances = np.empty(len(points))
+        room_along(problem.scene._kernel_group, points, FAR * max(self._robot.radii), distances)
         return distances
 
     def groups(self, problem: Problem) -> Groups:

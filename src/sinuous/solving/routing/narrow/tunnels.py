@@ -1,0 +1,219 @@
+"""Tunnels: tubes in the middle of a route, which a chain is led through along their axes.
+
+What is bent and narrow has no place where ends of segments must lie, but it says how they lie. So from a place of the
+route within it the tube is followed both ways to its mouths. The part of the robot before it ends just beyond its
+first mouth, what is in it is laid along its axis, and the rest goes on from where that ends.
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
+from sinuous.kernels.clock import CLOCK_SIZE
+from sinuous.kernels.tables import (
+    DIRECTION,
+    GOAL,
+    HAS_POSITION,
+    MAX_LENGTH,
+    MIN_LENGTH,
+    ORIENTATION,
+    RADIUS,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+    TARGET_WIDTH,
+)
+from sinuous.kernels.tubes.axis import BRANCH, MOUTH, follow_tube
+from sinuous.solving.polylines import lengths_along, points_at, respaced
+from sinuous.solving.routing.gates import Laid, Spot, Way
+from sinuous.solving.routing.growth import LEG_POINTS, segments_of
+from sinuous.solving.routing.parts import segments_in
+from sinuous.solving.routing.turned import Groups
+
+POINTS = 1000
+"""Most points of an axis, on either side."""
+
+WIDE = 2.5
+"""Distance of a route from the obstacles, in radii of the body, from which on it is not looked for a tube."""
+
+NARROW, QUANTILE = 1.35, 0.3
+"""Distance from the walls of a tunnel at most, and of which of its points it is that times the distance."""
+
+SHORTEST = 4.0
+"""Length that a tunnel has at least, in radii of the body."""
+
+INTO = 0.7
+"""How far within a tunnel the part before it ends at least, in radii of the body."""
+
+PLACES = ((0, 1.0, 0.0), (0, 0.0, 1.0), (1, 0.0, 0.5))
+"""What is tried in turn: how many segments fewer are in a tunnel than it holds at their mean length; how far they are
+stretched from there to fill it; and of what they leave of it, how much is before them."""
+
+BARELY = 0.15
+"""Of a segment, what may stick out of a tunnel and still count as in it."""
+
+STRETCHED = 0.85
+"""Of the length of a route, the least that a chain along it can have."""
+
+TANGENT = 2
+"""Points that directions of routes and axes are taken over."""
+
+
+Distance = Callable[[Floats], Floats]
+"""How far points (K, 3) are from the obstacles (K,), in the length unit."""
+
+
+def tunnel_on(groups: Groups, legs: Floats, distance: Distance, seconds: float) -> "Tunnel | None":
+    """Return the tunnel about the narrowest point of the legs (l, K, 3) of a route; `None` where there is none."""
+    radius = float(segments_in(groups)[:, RADIUS].min())
+    distances = distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
+    which = int(distances.min(axis=1).argmin())
+    if radius <= 0.0 or distances[which].min() > WIDE * radius:
+        return None
+    at = min(max(_middle(distances[which]), TANGENT), legs.shape[1] - 1 - TANGENT)
+    ahead = legs[which, at + TANGENT] - legs[which, at - TANGENT]
+    if not ahead.any():
+        return None
+    axis = _axis_at(groups[1], legs[which, at], ahead / np.linalg.norm(ahead), radius, seconds, distance)
+    if len(axis) < 2 or lengths_along(axis)[-1] < SHORTEST * radius:
+        return None
+    tunnel = Tunnel(groups, legs, respaced(axis, max(8, len(axis))), radius)
+    return tunnel if tunnel.places else None
+
+
+def _middle(distances: Floats) -> int:
+    """The middle of the places (K,) about the narrowest one that are as narrow: it may be at the rim of a mouth."""
+    at = int(distances.argmin())
+    first, last = _run_about(distances > NARROW * distances[at], at)
+    return (first + last - 1) // 2
+
+
+def _run_about(wide: NDArray[np.bool_], at: int) -> tuple[int, int]:
+    """First of the places about `at` that are not wide, and the one after the last."""
+    others = np.flatnonzero(wide)
+    return int(others[others < at].max(initial=-1)) + 1, int(others[others > at].min(initial=len(wide)))
+
+
+def _axis_at(scene: Floats, place: Floats, ahead: Floats, radius: float, seconds: float, distance: Distance) -> Floats:
+    """The axis (K, 3) of the tube about a place, from the mouth behind it on; none (0, 3) where there is no tube.
+
+    Only so far as it is narrow: rays may meet the walls of a room beyond a mouth, too.
+    """
+    halves = []
+    for way in (-ahead, ahead):
+        points, clock = np.empty((POINTS, 3)), np.zeros(CLOCK_SIZE, np.int64)
+        count, ended = follow_tube(scene, np.stack([place, way]), (radius, radius, 0.0), seconds, clock, points)
+        if ended not in (MOUTH, BRANCH):
+            return np.empty((0, 3))
+        halves.append(points[:count])
+    axis = np.vstack([halves[0][:0:-1], halves[1]])
+    distances = distance(axis)
+    first, last = _run_about(distances > NARROW * np.quantile(distances, QUANTILE), len(halves[0]) - 1)
+    return axis[first:last]
+
+
+class Tunnel:
+    """A tube in the middle of a route.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        The problem, see `Groups`.
+    legs : ndarray (l, K, 3)
+        The legs of a route, evenly spaced, in the length unit.
+    axis : ndarray (k, 3)
+        From the first mouth to the other, evenly spaced.
+    radius : float
+        Of the body.
+    """
+
+    def __init__(self, groups: Groups, legs: Floats, axis: Floats, radius: float) -> None:
+        self._legs, self._axis, self._radius = legs, axis, radius
+        self._segments, self._elbows = segments_in(groups), segments_of(groups)[-len(legs) : -1]
+        self._along = lengths_along(axis)
+        self._length = float(self._along[-1])
+        points = legs.reshape(-1, 3)
+        first, last = (int(np.linalg.norm(points - end, axis=1).argmin()) for end in (axis[0], axis[-1]))
+        self._entry, self._exit = (divmod(at, legs.shape[1]) for at in (first, last))
+        self.places = list(self._all(points, first, last)) if first < last else []
+
+    def _all(self, points: Floats, first: int, last: int) -> Iterator[Spot]:
+        """Yield a spot for each way of laying segments in it, with the numbers of segments that may be before it."""
+        if not 0 < first < last < len(points) - 1:
+            return
+        gone = lengths_along(points)
+        before, after = gone[first], gone[-1] - gone[last]
+        low, high = (np.concatenate([[0.0], np.cumsum(self._segments[:, at])]) for at in (MIN_LENGTH, MAX_LENGTH))
+        mean, n = 0.5 * (low + high), len(self._segments)
+        for place in range(len(PLACES)):
+            counts, gaps = [], []
+            for m in range(1, n):
+                inside, depth, length = self._inside(place, m)
+                end, more = m + inside, max(0.0, self._length - depth - length)
+                if high[m] < STRETCHED * (before + depth) or high[-1] - high[end] < STRETCHED * (after + more):
+                    continue
+                if not self._fits(m, end):
+                    continue
+                counts.append(m)
+                stowed = (mean[m] - before - depth) / m, (mean[-1] - mean[end] - after - more) / max(1, n - end)
+                gaps.append(abs(stowed[0] - stowed[1]))
+            if counts:
+                yield Spot(place, counts, int(np.argmin(gaps)))
+
+    def _fits(self, begin: int, end: int) -> bool:
+        """Whether elbows before it, in it and beyond it are of segments that are."""
+        for leg, segment in enumerate(self._elbows):
+            if leg < self._entry[0]:
+                least, most = 0, begin - 1  # the end of the last one before it is asked to be at its mouth
+            elif leg < self._exit[0]:
+                least, most = begin, end
+            else:
+                least, most = end, len(self._segments)
+            if not least <= segment < most:
+                return False
+        return True
+
+    def way(self, place: int, count: int) -> Way:
+        """Return the way through the tunnel with so many segments before it."""
+        inside, depth, length = self._inside(self.places[place].at, count)
+        end = depth + length
+        line = self._between(depth, end)
+        legs, (leg, at) = self._legs, self._entry
+        begun = np.vstack([legs[leg][: at + 1], self._axis[self._along < depth], line[0]])
+        before = np.concatenate([legs[:leg], respaced(begun, LEG_POINTS)[None]])
+        leg, at = self._exit
+        ended = np.vstack([line[-1], self._axis[self._along > end], legs[leg][at:]])
+        after = np.concatenate([respaced(ended, LEG_POINTS)[None], legs[leg + 1 :]])
+        return Way([self._row(depth, count)], [before, after], Laid(inside, line))
+
+    def _between(self, depth: float, end: float) -> Floats:
+        """The axis (K, 3) between two depths; beyond its end it goes on straight."""
+        first, last = points_at(self._axis, self._along, np.array([depth, min(end, self._length)]))
+        inner = (self._along > depth) & (self._along < end)
+        line = np.vstack([first, self._axis[inner], last])
+        if end > self._length:
+            ahead = self._axis[-1] - self._axis[-1 - TANGENT]
+            line = np.vstack([line, last + (end - self._length) / np.linalg.norm(ahead) * ahead])
+        return line
+
+    def _row(self, depth: float, count: int) -> Floats:
+        """The pose on the axis at a depth, as a target of the end of the first `count` segments."""
+        place, ahead = points_at(self._axis, self._along, np.array([depth, depth + INTO * self._radius]))
+        row = np.zeros(TARGET_WIDTH)
+        row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = count - 1.0, 1.0, DIRECTION
+        row[TARGET_POSITION : TARGET_POSITION + 3] = place
+        row[GOAL : GOAL + 3] = (ahead - place) / np.linalg.norm(ahead - place)
+        return row
+
+    def _inside(self, place: int, count: int) -> tuple[int, float, float]:
+        """How many segments lie in it after so many, how deep they begin, and their length."""
+        own, (fewer, filled, slack) = self._segments[count:], PLACES[place]
+        low, high = (np.concatenate([[0.0], np.cumsum(own[:, which])]) for which in (MIN_LENGTH, MAX_LENGTH))
+        room = self._length - INTO * self._radius
+        mean = 0.5 * (low + high)
+        held = int(np.searchsorted(mean, room + BARELY * own[0, MAX_LENGTH], side="right")) - 1
+        inside = max(0, min(held, len(own) - 1) - fewer)
+        length = float(mean[inside] + filled * (min(max(room, low[inside]), high[inside]) - mean[inside]))
+        depth = INTO * self._radius + slack * max(0.0, room - length)
+        return inside, min(depth, self._length - INTO * self._radius), length

@@ -56,3 +56,11 @@ def test_what_is_not_turned_is_left() -> None:
     assert turned(groups(Robot(segments), [Target((0.0, 0.0, 1.0), segment=2)]), line) is None
     driven = [Segment(1.0, 2.0, tendons=Tendons(3, 0.05, displacement=(-0.05, 0.05)))] * 3
     assert turned(groups(Robot(driven), [tip]), line) is None
+
+
+def test_no_chains_are_grown_along_more_legs_than_there_are_ends_of_segments_for() -> None:
+    both = [Target((0.5, 0.0, 2.5)), Target((0.0, 0.0, 1.0), segment=3)]
+    legs = np.stack([respaced(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.5], [0.5, 0.0, 2.5]]), 100)] * 2)
+    here = groups(Robot([Segment(1.0, 2.0)] * 3), both)
+    assert len(grown(here, legs, Beam(4, 32), 60.0)) == 0
+    assert len(grown(here, legs[:1], Beam(4, 32), 60.0)) > 0

@@ -106,8 +106,13 @@ def gone_on(query: Floats, leg: Floats) -> None:
 
 
 def grown(groups: Groups, legs: Floats, beam: Beam, seconds: float) -> Floats:
-    """Return chains (m, n, 3) that are grown along the legs of a route (l, K, 3), the best first."""
+    """Return chains (m, n, 3) that are grown along the legs of a route (l, K, 3), the best first.
+
+    None where two targets are of one segment, so that there are more legs than ends of segments for them.
+    """
     n, obstacles = int(groups[0][0]), int(groups[1][0])
+    if len(legs) > len(_in_order(groups)):
+        return np.empty((0, n, 3))
     chains, workspace = np.empty((beam.chains, n, 3)), np.empty(growing_size(n, obstacles, beam.width))
     return chains[: grow_chains(*groups, legs, (seconds, beam.width), workspace, chains)]
 

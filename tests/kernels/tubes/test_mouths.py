@@ -9,7 +9,7 @@ from sinuous import Box, Scene, Sphere
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tubes.mouths import find_tubes
 from sinuous.scene.obstacles import Obstacle
-from sinuous.solving.routing.edges import walls_of
+from sinuous.solving.routing.edges import rims_of
 from tests.helpers import Floats
 from tests.kernels.tubes.test_axis import RADIUS, curve, walls
 
@@ -18,7 +18,7 @@ def found(obstacles: list[Obstacle], most: int = 8, points: int = 1000) -> list[
     """The axes of all tubes, and whether they are open at both ends."""
     scene = Scene(obstacles).snapshot()
     axes, ends, clock = np.empty((points, 3)), np.zeros((most, 3), np.int64), np.zeros(CLOCK_SIZE, np.int64)
-    count = find_tubes(scene.group.copy(), walls_of(scene).edges, RADIUS, 60.0, clock, axes, ends)
+    count = find_tubes(scene.group.copy(), rims_of(scene), RADIUS, 60.0, clock, axes, ends)
     return [(axes[first:last], bool(through)) for first, last, through in ends[:count]]
 
 

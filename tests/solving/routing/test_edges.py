@@ -6,7 +6,7 @@ import pytest
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solving.routing.edges import MOST, SMOOTH, walls_of
+from sinuous.solving.routing.edges import MOST, SMOOTH, rims_of, walls_of
 from tests.helpers import Floats
 
 CORNERS = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
@@ -58,14 +58,17 @@ def test_what_is_mostly_smooth_is_no_wall(rings: int, found: bool) -> None:
     for ring in range(0, top, 40):
         for i, j in zip(range(40), [*range(1, 40), 0], strict=True):
             faces += [(ring + i, ring + j, ring + 40 + j), (ring + i, ring + 40 + j, ring + 40 + i)]
-    assert (len(walls_of(Scene([Mesh(vertices, faces)]).snapshot()).edges) == 80) == found
+    scene = Scene([Mesh(vertices, faces)]).snapshot()
+    assert (len(walls_of(scene).edges) == 80) == found
+    assert len(rims_of(scene)) == 80
 
 
 def test_shells_and_other_obstacles_have_none() -> None:
     shell = Mesh(CORNERS, FACES[:-1])
     within = Mesh(5.0 * CORNERS, FACES, inside=True)
-    walls = walls_of(Scene([shell, within, Sphere((3, 0, 0), 1.0)]).snapshot())
-    assert (len(walls.edges), len(walls.triangles)) == (0, 0)
+    scene = Scene([shell, within, Sphere((3, 0, 0), 1.0)]).snapshot()
+    walls = walls_of(scene)
+    assert (len(walls.edges), len(walls.triangles), len(rims_of(scene))) == (0, 0, 0)
 
 
 def test_edges_are_looked_for_once() -> None:

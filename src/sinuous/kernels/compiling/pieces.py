@@ -52,6 +52,8 @@ PIECES = (
         "routes among obstacles",
         40,
         (
+            "kernels.fitting.lines.respace_line",
+            "kernels.fitting.lines.room_along",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.freespace.lengthen.lengthen_route",

@@ -135,7 +135,9 @@ class Course:
         """Return a route (K, 3) around edges, else one through tubes beside them; `None` where neither is found."""
         left, searches = self._question.seconds_left, self._searches
         route = searches.by_edges(self._problem, query, left()) if left() > 0.0 else None
-        return searches.by_tubes(self._problem, query, left) if route is None and left() > 0.0 else route
+        if route is None and left() > 0.0 and not self._enclosed:  # where the base lies in a tube, that one leads on
+            route = searches.by_tubes(self._problem, query, left)
+        return route
 
     def _find(self, plan: Plan, too_few: dict[float, int]) -> tuple[Plan, Found]:
         """Search as a plan says; where its table is too small for a first route, with others at once.

@@ -36,17 +36,25 @@ _KNOWN: "WeakKeyDictionary[Mesh, Walls]" = WeakKeyDictionary()
 
 
 def walls_of(scene: Snapshot) -> Walls:
-    """Return the walls of all solid meshes."""
-    found = [_of(mesh) for mesh in scene.obstacles if isinstance(mesh, Mesh) and mesh.watertight and not mesh.inside]
+    """Return the walls of all solid meshes that are not smooth."""
+    found = [walls for walls in _all(scene) if len(walls.triangles) < SMOOTH * len(walls.edges)]
     return Walls(*map(np.concatenate, zip(*found, strict=True))) if found else _NONE
+
+
+def rims_of(scene: Snapshot) -> Floats:
+    """Return the sharp edges (e, 10) of all solid meshes, also of smooth ones: mouths of tubes may lie beside them."""
+    return np.concatenate([_NONE.edges, *(walls.edges for walls in _all(scene))])
+
+
+def _all(scene: Snapshot) -> list[Walls]:
+    return [_of(mesh) for mesh in scene.obstacles if isinstance(mesh, Mesh) and mesh.watertight and not mesh.inside]
 
 
 def _of(mesh: Mesh) -> Walls:
     walls = _KNOWN.get(mesh)
     if walls is None:
         edges = _sticking_out(mesh.vertices, mesh.faces)
-        sharp = len(mesh.faces) < SMOOTH * len(edges) <= SMOOTH * MOST
-        walls = _KNOWN[mesh] = Walls(edges, _faces(mesh)) if sharp else _NONE
+        walls = _KNOWN[mesh] = Walls(edges, _faces(mesh)) if 0 < len(edges) <= MOST else _NONE
     return walls
 
 

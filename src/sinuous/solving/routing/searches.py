@@ -25,7 +25,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
-from sinuous.solving.routing.edges import walls_of
+from sinuous.solving.routing.edges import rims_of, walls_of
 from sinuous.solving.routing.gates import FAR
 from sinuous.solving.routing.growth import FEW, grown, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
@@ -157,7 +157,7 @@ class Searches:
 
     def by_tubes(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
         """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
-        group, edges = problem.scene._kernel_group, walls_of(problem.scene).edges
+        group, edges = problem.scene._kernel_group, rims_of(problem.scene)
         axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, seconds_left()))
         if not axes:
             return None
@@ -209,7 +209,7 @@ class Searches:
                 tube_around(problem.scene._kernel_group, query, 0.0)
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
             beyond(groups, still[:1])
-            tubes_beside(groups[1], walls_of(problem.scene).edges, 1.0, 0.0)
+            tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
         return monotonic() - began
 
     def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:

@@ -12,10 +12,12 @@ from sinuous.solving.warm import steps
 from tests.kernels.test_compile import decorated
 
 PACKAGE = Path(sinuous.__file__).parent
+ROOT = PACKAGE.parents[1]
 
 USE = """
 import numpy as np, pickle, sys
 import sinuous as sn
+from benchmarks.places import make
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling.pieces import name_of
 
@@ -55,6 +57,9 @@ for q in (solution.q, solution.q.tolist(), np.array([solution.q, solution.q]), n
 solution.verify(), solution.worst, solution.binding, solution.explain(0.2)
 sn.solve(robot, sn.Target((9, 0, 0)), scene, time=0.1).explain(0.2)
 scene.distance([[0, 0, 0]]), scene.gradient(np.zeros(3))
+for family, number in (("cells pipe", 49), ("pipe between", 4), ("door in mesh", 0), ("open pipe 1.3", 1)):
+    place = make(family, number)
+    assert sn.solve(place.robot, place.targets, place.scene, tolerance=place.tolerance, time=60).solved
 late = {name_of(one, ()): one.signatures for one in made if len(one.signatures) > forms[one]}
 print(late)
 """
@@ -62,7 +67,7 @@ print(late)
 
 def test_everything_is_compiled_ahead_and_in_one_form() -> None:
     """In a process of its own: other tests call entries with whatever they like."""
-    done = subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", USE], capture_output=True, text=True, check=False, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     warm, late = map(ast.literal_eval, done.stdout.splitlines()[-2:])
     assert sorted(warm) == sorted(entry for piece in PIECES for entry in piece.entries)

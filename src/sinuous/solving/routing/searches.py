@@ -185,7 +185,8 @@ class Searches:
             left = seconds_left()
             if left <= 0.0:
                 return fits[:i]
-            fit_route(*groups, route, left, workspace, q)
+            line = np.array(route)  # what is told is frozen, and kernels are compiled for what can be written
+            fit_route(*groups, line, left, workspace, q)
         return fits
 
     def load(self) -> float:

@@ -89,7 +89,7 @@ def pull(page: Page, tab: Any, gizmo: Any, place: Callable[[], Floats]) -> None:
     """Drag a gizmo by its arrows until what it holds is elsewhere: a slow browser may not have drawn it yet."""
     begin = place()
     time.sleep(1.5)
-    for attempt in range(9):
+    for attempt in range(18):
         camera, turn = camera_of(page), rotation_of(np.array(gizmo.wxyz))
         axis = turn[:, attempt % 3]
         ends = [np.array(projected(camera, begin + part * gizmo.scale * axis)) for part in (0.8, 1.5)]

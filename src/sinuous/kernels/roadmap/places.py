@@ -9,10 +9,11 @@ import math
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, price
+from sinuous.kernels.fields.primitives import axis_of
 from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.grid import Grid
 from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING, SIGN
+from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING, SIGN
 
 OFF = 1.15
 """Distance of a place from both faces of its edge."""
@@ -103,26 +104,19 @@ def _add_edge(scene: Scene, grid: Grid, places: Array, count: int, edge: tuple[V
 
 
 @kernel
-def _column(scene: Scene, i: int, axis: int) -> Vec:
-    """Unit vector along an axis of obstacle `i`."""
-    at = AXES + axis
-    return scene.table[i, at], scene.table[i, at + 3], scene.table[i, at + 6]
-
-
-@kernel
 def _add_box(scene: Scene, grid: Grid, places: Array, count: int, i: int, clock: Array) -> int:
     """Note places beside the twelve edges of a box."""
     middle, off = get_vec(scene.table, i, CENTER), OFF * grid.radius + scene.table[i, ROUNDING]
     half = get_vec(scene.table, i, HALF_EXTENTS)
     for along in range(3):
         u, v = (along + 1) % 3, (along + 2) % 3
-        to_u = scale(scene.table[i, HALF_EXTENTS + u] + off, _column(scene, i, u))
-        to_v = scale(scene.table[i, HALF_EXTENTS + v] + off, _column(scene, i, v))
+        to_u = scale(scene.table[i, HALF_EXTENTS + u] + off, axis_of(scene.table, i, u))
+        to_v = scale(scene.table[i, HALF_EXTENTS + v] + off, axis_of(scene.table, i, v))
         length = half[0] if along == 0 else half[1] if along == 1 else half[2]
         for corner in range(4):
             p = add_scaled(middle, -1.0 if corner & 1 else 1.0, to_u)
             p = add_scaled(p, -1.0 if corner & 2 else 1.0, to_v)
-            count = _add_edge(scene, grid, places, count, (p, _column(scene, i, along), length), clock)
+            count = _add_edge(scene, grid, places, count, (p, axis_of(scene.table, i, along), length), clock)
     return count
 
 

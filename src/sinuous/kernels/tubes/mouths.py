@@ -9,9 +9,10 @@ import math
 from sinuous.kernels.clock import allow, begin, spend
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, closest, coarseness, price, read_scene
+from sinuous.kernels.fields.primitives import axis_of
 from sinuous.kernels.fields.solids import EXACT, STEP
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, cross, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import AXES, BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING, SIGN
+from sinuous.kernels.tables import BOX, CENTER, HALF_EXTENTS, KIND, ROUNDING, SIGN
 from sinuous.kernels.tubes.axis import (
     BRANCH,
     COARSE,
@@ -137,20 +138,14 @@ def _look_both(scene: Scene, edge: Edge, radius: float, room: Room, found: Found
 
 
 @kernel
-def _column(scene: Scene, i: int, axis: int) -> Vec:
-    at = AXES + axis
-    return scene.table[i, at], scene.table[i, at + 3], scene.table[i, at + 6]
-
-
-@kernel
 def _of_box(scene: Scene, i: int, radius: float, room: Room, found: Found) -> Found:
     """Look beside the twelve edges of a box, in their middles."""
     middle = get_vec(scene.table, i, CENTER)
     for along in range(3):
         u, v = (along + 1) % 3, (along + 2) % 3
         for corner in range(4):
-            a = scale(-1.0 if corner & 1 else 1.0, _column(scene, i, u))
-            b = scale(-1.0 if corner & 2 else 1.0, _column(scene, i, v))
+            a = scale(-1.0 if corner & 1 else 1.0, axis_of(scene.table, i, u))
+            b = scale(-1.0 if corner & 2 else 1.0, axis_of(scene.table, i, v))
             p = add_scaled(middle, scene.table[i, HALF_EXTENTS + u] + scene.table[i, ROUNDING], a)
             p = add_scaled(p, scene.table[i, HALF_EXTENTS + v] + scene.table[i, ROUNDING], b)
             found = _look_both(scene, (p, a, b), radius, room, found)

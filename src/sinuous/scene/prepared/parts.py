@@ -148,10 +148,13 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
         return _sampled(trees.balls(obstacle), progress)
     if isinstance(obstacle, Mesh):
         pieces = trees.triangles(obstacle)
-        part = _sampled(pieces, progress)
+        small = len(pieces.items) < sampling.FEWEST_PIECES
+        if small and not obstacle.watertight:
+            return _with_candidates(pieces)
+        part = _sampled(pieces, progress)  # of a small one, too: samples tell whether its sides are as its normals say
         if obstacle.watertight:
             _check_sides(part, name)
-        return part if len(pieces.items) >= sampling.FEWEST_PIECES else _with_candidates(pieces)
+        return _with_candidates(pieces) if small else part
     raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
 
 

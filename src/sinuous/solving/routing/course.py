@@ -147,7 +147,7 @@ class Course:
         """
         cells = 0
         while True:
-            found = self._searches.find(self._problem, self._query, plan, max(0.0, self._question.seconds_left()))
+            found = self._found(self._query, plan)
             cells += found.cells
             if found.ended != FULL or found.routes:
                 return plan, found._replace(cells=cells)
@@ -156,9 +156,7 @@ class Course:
                 return plan, found._replace(cells=cells)
             between, self._between = self._between, None
             if between is not None and between.cell > plan.cell:
-                other = self._searches.find(
-                    self._problem, self._query, between, max(0.0, self._question.seconds_left())
-                )
+                other = self._found(self._query, between)
                 cells += other.cells
                 if other.routes:
                     return between, other._replace(cells=cells)
@@ -166,6 +164,10 @@ class Course:
             if not larger:
                 return plan, found._replace(cells=cells)
             plan = plan._replace(cells=larger[0])
+
+    def _found(self, query: Floats, plan: Plan) -> Found:
+        """Search as a plan says, in the time that is left."""
+        return self._searches.find(self._problem, query, plan, max(0.0, self._question.seconds_left()))
 
     def _through_free(self) -> bool:
         """Whether a line is known that does not cut through walls."""
@@ -329,9 +331,9 @@ class Course:
 
     def _leg(self, query: Floats, finest: bool) -> Floats | None:
         """Return the route (K, 3) of one leg, around edges or over cells; `None` where none is found."""
-        leg, searches = self._around(query), self._searches
-        for plan in searches.leg_plans(finest) if leg is None else ():
-            found = searches.find(self._problem, query, plan, max(0.0, self._question.seconds_left()))
+        leg = self._around(query)
+        for plan in self._searches.leg_plans(finest) if leg is None else ():
+            found = self._found(query, plan)
             if found.routes:
                 return found.routes[0]
         return leg

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
@@ -14,8 +13,6 @@ from sinuous.kernels.tables import (
     MERIT,
     MIN_LENGTH,
     OUT_OF_REACH,
-    ROBOT_HEADER,
-    SEGMENT_WIDTH,
     SOLVED,
     TARGET_POSITION,
     TARGET_SEGMENT,
@@ -24,7 +21,7 @@ from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.gates import Laid, Passage, Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, grown, settled
 from sinuous.solving.routing.narrow.tunnels import Tunnel
-from sinuous.solving.routing.parts import before, begin, beyond, laid
+from sinuous.solving.routing.parts import before, begin, beyond, fitted, laid, segments_in
 from sinuous.solving.routing.turned import Groups
 
 STARTS = {GLANCE: 3, ONE: 6, SOME: 20, FEW: 50, MANY: 150}
@@ -93,7 +90,7 @@ class Part:
         nothing = np.empty((0, int(self._groups[0][0]), 3))
         yield nothing, (first, self._first)
         if beam == GLANCE and self.possible and self._fits() and left() > 0.0:
-            yield self._laid(left), (0, 0)
+            yield fitted(self._groups, self._legs[0], max(0.0, left()))[None], (0, 0)
         if left() > 0.0 and self.possible:
             chains = grown(self._groups, self._legs, beam, left())
             if len(chains):
@@ -102,17 +99,8 @@ class Part:
 
     def _fits(self) -> bool:
         """Whether the chain is about as long as its leg: what is longer, and laid along it, is in a heap."""
-        n = int(self._groups[0][0])
-        segments = self._groups[0][ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
-        return len(self._legs) == 1 and segments[:, MIN_LENGTH].sum() <= TAUT * lengths_along(self._legs[0])[-1]
-
-    def _laid(self, left: Left) -> Floats:
-        """One chain (1, m, 3), laid along the route."""
-        robot, scene, _, targets = self._groups
-        sizes = int(robot[0]), int(robot[1]), int(scene[0]), len(targets), len(self._legs[0])
-        workspace, q = np.empty(fit_workspace_size(*sizes)), np.empty((1, int(robot[0]), 3))
-        fit_route(*self._groups, self._legs[0].copy(), max(0.0, left()), workspace, q[0])
-        return q
+        shortest = segments_in(self._groups)[:, MIN_LENGTH].sum()
+        return bool(len(self._legs) == 1 and shortest <= TAUT * lengths_along(self._legs[0])[-1])
 
     def _follow(self, chains: Floats, own: tuple[int, int], left: Left) -> Floats | None:
         """Follow starts to the first that is solved and proved."""

@@ -17,17 +17,15 @@ from sinuous.kernels.tables import (
     GOAL,
     HAS_POSITION,
     MAX_LENGTH,
-    MIN_LENGTH,
     ORIENTATION,
     RADIUS,
-    ROBOT_HEADER,
-    SEGMENT_WIDTH,
     TARGET_POSITION,
     TARGET_SEGMENT,
     TARGET_WIDTH,
 )
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.growth import LEG_POINTS, segments_of
+from sinuous.solving.routing.parts import lengths_of_first, segments_in
 from sinuous.solving.routing.turned import Groups
 
 NARROW, WIDE = 1.35, 2.5
@@ -132,8 +130,7 @@ class Passage:
     """
 
     def __init__(self, groups: Groups, legs: Floats, distances: Floats) -> None:
-        robot, n = groups[0], int(groups[0][0])
-        segments = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+        segments = segments_in(groups)
         skipped = max(1 + TANGENT, round(ENDS * legs.shape[1]))
         looked = distances[:, skipped:-skipped]
         self._legs, self._skipped = legs, skipped
@@ -166,7 +163,7 @@ class Passage:
     def _through(self, place: int, count: int) -> tuple[int, float]:
         """How many segments lie between a gate and the end of the narrow place, and how far from the gate they end."""
         room = self._length * (self._stretch[1] - self.places[place].at) - ENDED[place] * self._narrow
-        low, high = (np.concatenate([[0.0], np.cumsum(self._own[count:, which])]) for which in (MIN_LENGTH, MAX_LENGTH))
+        low, high = lengths_of_first(self._own[count:])
         own, more = low + SHARES[place] * (high - low), BEYOND[place] * high[-1] / len(high)
         through = max(0, int(np.searchsorted(own, room + more, side="right")) - 1)
         return through, float(min(max(room, TAUT * low[through]), TAUT * high[through]))
@@ -175,15 +172,12 @@ class Passage:
         """The pose at a point of the leg, or more points ahead, as a target, after so many of its segments."""
         leg = self._legs[self._which]
         tangent = leg[at + ahead] - leg[at - back]
-        row = np.zeros(TARGET_WIDTH)
-        row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = self._first + count - 1, 1.0, DIRECTION
-        row[TARGET_POSITION : TARGET_POSITION + 3] = leg[at] + more / (back + ahead) * tangent
-        row[GOAL : GOAL + 3] = tangent / np.linalg.norm(tangent)
-        return row
+        place = leg[at] + more / (back + ahead) * tangent
+        return gate_row(self._first + count, place, tangent / np.linalg.norm(tangent))
 
     def _all(self) -> Iterator[Spot]:
         """Yield where gates are, the most promising first."""
-        low, high = (np.concatenate([[0.0], np.cumsum(self._own[:, at])]) for at in (MIN_LENGTH, MAX_LENGTH))
+        low, high = lengths_of_first(self._own)
         mean, n, last = high[-1] / len(self._own), len(self._own), self._legs.shape[1] - 1
         begin, end = self._stretch
         if begin <= self._skipped or end >= last - self._skipped:
@@ -207,7 +201,7 @@ def _stretch(distances: Floats, skipped: int) -> tuple[int, int]:
     the channel are where distances are all alike.
     """
     at = int(distances.argmin())
-    first, last = _run(distances <= NARROW * max(0.0, distances[at]), at)
+    first, last = run_about(distances <= NARROW * max(0.0, distances[at]), at)
     middle = np.sort(distances[first : last + 1])[(last - first) // 2]
     alike = np.abs(distances - middle) <= ALIKE * abs(middle)
     alike[:first] = alike[last + 1 :] = False
@@ -216,8 +210,16 @@ def _stretch(distances: Floats, skipped: int) -> tuple[int, int]:
     return int(first) + skipped, int(last) + skipped
 
 
-def _run(which: NDArray[np.bool_], at: int) -> tuple[int, int]:
-    """First and last of the neighbours of a point that are all so."""
+def gate_row(count: int, place: Floats, along: Floats) -> Floats:
+    """Return a place (3,) and a unit tangent (3,) as the target (15,) of the end of the first so many segments."""
+    row = np.zeros(TARGET_WIDTH)
+    row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = count - 1.0, 1.0, DIRECTION
+    row[TARGET_POSITION : TARGET_POSITION + 3], row[GOAL : GOAL + 3] = place, along
+    return row
+
+
+def run_about(which: NDArray[np.bool_], at: int) -> tuple[int, int]:
+    """Return the first and the last of the neighbours of a point that are all so."""
     others = np.flatnonzero(~which)
     before, after = others[others < at], others[others > at]
     return int(before[-1]) + 1 if len(before) else 0, int(after[0]) - 1 if len(after) else len(which) - 1

@@ -72,11 +72,20 @@ def leg_queries(groups: Groups) -> list[Floats]:
         route_query(robot, scene, settings, targets[target : target + 1].copy(), query)
         queries.append(query)
     for last, query in zip(queries[-2::-1], queries[:0:-1], strict=True):
-        query[QUERY_ORIGIN : QUERY_ORIGIN + 3] = last[QUERY_GOAL : QUERY_GOAL + 3]
-        query[QUERY_AXIS : QUERY_AXIS + 3] = -last[QUERY_BACK : QUERY_BACK + 3]
-        query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
+        departing(query, last[QUERY_GOAL : QUERY_GOAL + 3], -last[QUERY_BACK : QUERY_BACK + 3])
         query[[QUERY_SHORTEST, QUERY_LONGEST]] -= last[[QUERY_SHORTEST, QUERY_LONGEST]]
     return queries
+
+
+def departing(query: Floats, place: Floats, along: Floats) -> None:
+    """Let the route of a query begin at a place (3,) with a unit tangent (3,), without what the base asks for."""
+    query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_AXIS : QUERY_AXIS + 3] = place, along
+    query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
+
+
+def arriving(query: Floats, place: Floats, along: Floats) -> None:
+    """Let the route of a query end at a place (3,) with a unit tangent (3,)."""
+    query[QUERY_GOAL : QUERY_GOAL + 3], query[QUERY_BACK : QUERY_BACK + 3] = place, -along
 
 
 def divided(groups: Groups, route: Floats, near: float) -> Floats | None:

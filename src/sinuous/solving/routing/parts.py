@@ -7,7 +7,7 @@ one of a hundred from there to the target, it is one of ten thousand that does b
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.chain.batch import frames_of
+from sinuous.kernels.chain.batch import frames_of, points_of
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.tables import (
     ACTUATOR_WIDTH,
@@ -34,6 +34,9 @@ NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
 
 FEWEST = 8
 """Points of a line that segments are laid along, at least."""
+
+SAMPLES = 8
+"""Points of a backbone for each segment."""
 
 LOOSE, SLANT = 0.25, 0.08
 """How far from a gate the part before it may end: in radii of the body, and in rad."""
@@ -78,16 +81,39 @@ def laid(groups: Groups, count: int, line: Floats, seconds: float) -> Floats:
     robot, scene, settings, targets = groups
     if count == 0:
         return np.empty((0, 3))
-    held, q, own = first(robot, count), np.empty((count, 3)), targets[_segments(groups) < count]
     route = respaced(np.vstack([begin(groups), line[1:]]), max(FEWEST, len(line)))
-    workspace = np.empty(fit_workspace_size(count, int(held[1]), int(scene[0]), len(own), len(route)))
-    fit_route(held, scene, settings, own, route, seconds, workspace, q)
+    return fitted((first(robot, count), scene, settings, targets[_segments(groups) < count]), route, seconds)
+
+
+def fitted(groups: Groups, route: Floats, seconds: float) -> Floats:
+    """Return the chain (n, 3) of a robot along a route (K, 3)."""
+    robot, scene, _, targets = groups
+    n, actuators = (int(number) for number in robot[:2])
+    workspace = np.empty(fit_workspace_size(n, actuators, int(scene[0]), len(targets), len(route)))
+    q = np.empty((n, 3))
+    fit_route(*groups, np.array(route), seconds, workspace, q)
     return q
+
+
+def backbone_of(groups: Groups, chain: Floats) -> Floats:
+    """Return points (K, 3) along the backbone of a chain (n, 3), `SAMPLES` for each segment."""
+    n, base = len(chain), _split(groups[0])[1]
+    frames, points = np.empty((1, n + 1, POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
+    frames_of(chain[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
+    points_of(chain[None].copy(), frames, SAMPLES, points)
+    line: Floats = points[0]
+    return line
 
 
 def segments_in(groups: Groups) -> Floats:
     """Return the rows (n, 7) of the segments of a robot, see `sinuous.kernels.tables`."""
     return _split(groups[0])[0]
+
+
+def lengths_of_first(segments: Floats) -> tuple[Floats, Floats]:
+    """Return the least and the greatest lengths (m + 1,) of the first 0 to m of the segments of these rows (m, 7)."""
+    low, high = (np.concatenate([[0.0], np.cumsum(segments[:, which])]) for which in (MIN_LENGTH, MAX_LENGTH))
+    return low, high
 
 
 def begin(groups: Groups) -> Floats:

@@ -11,27 +11,22 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.chain.batch import frames_of, points_of
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
     MAX_LENGTH,
     MIN_LENGTH,
-    POSE_WIDTH,
     QUERY_AXIS,
     QUERY_FREE_LENGTH,
     QUERY_GOAL,
     QUERY_LONGEST,
     QUERY_ORIGIN,
     QUERY_RADIUS,
-    ROBOT_HEADER,
-    SEGMENT_WIDTH,
 )
 from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
 from sinuous.solving.polylines import lengths_along, points_at, respaced
-from sinuous.solving.routing.parts import beyond, first
+from sinuous.solving.routing.parts import backbone_of, beyond, first, fitted, segments_in
 from sinuous.solving.routing.turned import Groups
 
 POINTS = 1000
@@ -58,9 +53,6 @@ AHEAD = 2
 
 STARTS = 6
 """Own starts of what is left of the chain, the first of which is the single arc."""
-
-SAMPLES = 8
-"""Points of the route for each segment of what is left."""
 
 
 class Tube(NamedTuple):
@@ -120,9 +112,7 @@ def within(tube: Tube, query: Floats) -> Floats | None:
 
 def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iterator[tuple[Floats, Floats]]:
     """Yield chains (n, 3) that lead out of a tube, and the routes (K, 3) along which they lie."""
-    robot, _, _, _ = groups
-    n = int(robot[0])
-    segments = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+    n, segments = int(groups[0][0]), segments_in(groups)
     least, most = segments[:, MIN_LENGTH], segments[:, MAX_LENGTH]
     length, tried = lengths_along(tube.axis)[-1], set()
     for share, fewer in SHARES:
@@ -140,18 +130,13 @@ def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Ite
 def _joined(groups: Groups, line: Floats, count: int, seconds_left: Callable[[], float]) -> tuple[Floats, Floats]:
     """A chain whose first segments lie along a line (K, 3) and whose others go from there to the targets; its route."""
     robot, scene, settings, targets = groups
-    held, head = first(robot, count), np.empty((count, 3))
-    workspace = np.empty(fit_workspace_size(count, int(held[1]), int(scene[0]), 0, len(line)))
-    fit_route(held, scene, settings, targets[:0], line, max(0.0, seconds_left()), workspace, head)
+    head = fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, seconds_left()))
     rest = beyond(groups, head)
     n, actuators = (int(number) for number in rest[0][:2])
     q, nothing = np.zeros((n, 3)), np.empty((0, n, 3))
     workspace = np.empty(workspace_size(n, actuators, int(scene[0]), len(rest[3])))
     search(*rest, nothing, (0, STARTS, 0, max(0.0, seconds_left())), workspace, q)
-    frames, points = np.empty((1, n + 1, POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
-    frames_of(q[None].copy(), rest[0][None, -2 * POSE_WIDTH : -POSE_WIDTH].copy(), frames)
-    points_of(q[None].copy(), frames, SAMPLES, points)
-    return np.concatenate([head, q]), np.concatenate([line[:-1], points[0]])
+    return np.concatenate([head, q]), np.concatenate([line[:-1], backbone_of(rest, q)])
 
 
 def lengthened(axis: Floats, length: float) -> Floats:

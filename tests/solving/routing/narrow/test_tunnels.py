@@ -41,10 +41,15 @@ def groups_of(robot: Robot, scene: Scene, *targets: Target) -> Groups:
     return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
 
 
+def tunnel_of(groups: Groups, legs: Floats, scene: Scene) -> Tunnel | None:
+    distances = scene.distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
+    return tunnel_on(groups, legs, distances, scene.distance, 60.0)
+
+
 def tunnel() -> tuple[Tunnel, Groups, Floats, Scene, Robot]:
     robot, scene, target, route = place()
     groups, legs = groups_of(robot, scene, target), respaced(route, LEG_POINTS)[None]
-    found = tunnel_on(groups, legs, scene.distance, 60.0)
+    found = tunnel_of(groups, legs, scene)
     assert found is not None
     return found, groups, legs, scene, robot
 
@@ -110,7 +115,7 @@ def test_elbows_have_to_be_of_segments_that_are_there() -> None:
     legs = np.stack([first, respaced(np.vstack([first[-1], route[7:]]), LEG_POINTS)])
     for segment in range(1, len(robot) - 1):
         groups = groups_of(robot, scene, Target(first[-1], segment=segment), target)
-        found = tunnel_on(groups, legs, scene.distance, 60.0)
+        found = tunnel_of(groups, legs, scene)
         for number, spot in enumerate(found.places if found is not None else ()):
             for count in spot.counts:
                 laid = found.way(number, count).laid if found is not None else None
@@ -125,6 +130,6 @@ def test_there_is_none_in_the_open_beside_a_wall_and_in_a_door() -> None:
     legs = respaced(route, LEG_POINTS)[None]
     for obstacles in ([], [Box((0.0, 0.0, 50.0), (1.0, 1.0, 1.0))]):
         open_scene = Scene(obstacles)
-        assert tunnel_on(groups_of(robot, open_scene, target), legs, open_scene.distance, 60.0) is None
+        assert tunnel_of(groups_of(robot, open_scene, target), legs, open_scene) is None
     thin = Robot([Segment((0.5, 0.7), 1.8)] * 12, base=robot.base)
-    assert tunnel_on(groups_of(thin, scene, target), legs, scene.distance, 60.0) is None
+    assert tunnel_of(groups_of(thin, scene, target), legs, scene) is None

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import QUERY_AXIS, QUERY_FREE_LENGTH, QUERY_ORIGIN, QUERY_RADIUS
+from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes.axis import END
+from sinuous.solving.routing.growth import departing
 from sinuous.solving.routing.tubes import tube_around
 
 SIDES = 40
@@ -53,8 +54,7 @@ def tube_of(scene: Floats, query: Floats, elbow: Floats, distance: Distance, sec
     ways, opens = [], 0
     for ahead in (-along, along):
         asked = query.copy()
-        asked[QUERY_ORIGIN : QUERY_ORIGIN + 3], asked[QUERY_AXIS : QUERY_AXIS + 3] = elbow, ahead
-        asked[QUERY_FREE_LENGTH] = 0.0
+        departing(asked, elbow, ahead)
         tube = tube_around(scene, asked, seconds)
         if tube is not None and tube.ended == END:
             return None

@@ -6,13 +6,13 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.chain.batch import frames_of, points_of
-from sinuous.kernels.tables import POSE_WIDTH, QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
 from sinuous.solving.routing.crossing import Parts
 from sinuous.solving.routing.elbows.inside import Inside, tube_of
 from sinuous.solving.routing.elbows.ways import Route, Ways
 from sinuous.solving.routing.gates import Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, leg_queries
+from sinuous.solving.routing.parts import backbone_of
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts.sources import Batch, Question
 
@@ -24,9 +24,6 @@ A_START = 4
 
 CLEAR = 0.9
 """Room, in radii of the body, that a route over coarse cells has to keep: else the finest ones are asked."""
-
-SAMPLES = 8
-"""Points of a route for each segment, where it is the backbone of a chain."""
 
 
 class Threading:
@@ -70,7 +67,7 @@ class Threading:
             if chain is None or chain.tobytes() in self._tried:
                 continue
             self._tried.add(chain.tobytes())
-            route = self._backbone(chain) if self._guessed else np.concatenate([leg[0] for leg in way.legs])
+            route = backbone_of(self._groups, chain) if self._guessed else np.concatenate([leg[0] for leg in way.legs])
             route.setflags(write=False)
             yield Batch(SOURCES[ROUTE], chain[None], routes=(route,))
 
@@ -117,12 +114,3 @@ class Threading:
             if found.routes and self._problem.scene.distance(found.routes[0]).min() >= CLEAR * query[QUERY_RADIUS]:
                 return found.routes[0]
         return route
-
-    def _backbone(self, chain: Floats) -> Floats:
-        """Points (K, 3) along the backbone of a chain (n, 3)."""
-        n, base = len(chain), self._groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
-        frames, points = np.empty((1, n + 1, POSE_WIDTH)), np.empty((1, SAMPLES * n + 1, 3))
-        frames_of(chain[None].copy(), base[None].copy(), frames)
-        points_of(chain[None].copy(), frames, SAMPLES, points)
-        line: Floats = points[0]
-        return line

@@ -12,31 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import (
-    DIRECTION,
-    FREE,
-    GOAL,
-    HAS_POSITION,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    ORIENTATION,
-    QUERY_AXIS,
-    QUERY_BACK,
-    QUERY_FREE_LENGTH,
-    QUERY_GOAL,
-    QUERY_ORIGIN,
-    QUERY_STRAIGHT_MAX,
-    QUERY_STRAIGHT_MIN,
-    ROBOT_HEADER,
-    SEGMENT_WIDTH,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-    TARGET_WIDTH,
-)
+from sinuous.kernels.tables import FREE, HAS_POSITION, MAX_LENGTH, MIN_LENGTH, ORIENTATION
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.elbows.inside import Inside
-from sinuous.solving.routing.gates import Way
-from sinuous.solving.routing.growth import LEG_POINTS, segments_of
+from sinuous.solving.routing.gates import Way, gate_row
+from sinuous.solving.routing.growth import LEG_POINTS, arriving, departing, segments_of
+from sinuous.solving.routing.parts import segments_in
 from sinuous.solving.routing.tubes import lengthened
 from sinuous.solving.routing.turned import Groups
 
@@ -89,8 +70,7 @@ class Ways:
     """
 
     def __init__(self, groups: Groups, queries: list[Floats], tube: Inside, route: Route) -> None:
-        robot, n = groups[0], int(groups[0][0])
-        self._segments = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+        self._segments = segments_in(groups)
         self._elbow, self._last = (segment + 1 for segment in segments_of(groups))
         self._queries, self._tube, self._route = queries, tube, route
         self._routes: dict[bytes, Floats | None] = {}
@@ -122,26 +102,25 @@ class Ways:
         for route, own in ((to, longest[:first]), (off, longest[last : self._last])):
             if CUT * lengths_along(route)[-1] > own.sum():
                 return None
-        elbow = _row(self._elbow, before.line[0], along)
+        elbow = gate_row(self._elbow, before.line[0], along)
         elbow[HAS_POSITION] = 0.0  # its own target says where it is
         rows, legs = [elbow], [to, off]
         if before.segments > 0:
-            rows.insert(0, _row(first, before.line[-1], -before.ahead))
+            rows.insert(0, gate_row(first, before.line[-1], -before.ahead))
             legs.insert(1, before.line[::-1])
         if behind.segments > 0:
-            rows.append(_row(last, behind.line[-1], behind.ahead))
+            rows.append(gate_row(last, behind.line[-1], behind.ahead))
             legs.insert(-1, behind.line)
         return Way(rows, [respaced(leg, LEG_POINTS)[None] for leg in legs])
 
     def _approach(self, place: Floats, along: Floats) -> Floats | None:
         query = self._queries[0].copy()
-        query[QUERY_GOAL : QUERY_GOAL + 3], query[QUERY_BACK : QUERY_BACK + 3] = place, -along
+        arriving(query, place, along)
         return self._found(query)
 
     def _leaving(self, place: Floats, along: Floats) -> Floats | None:
         query = self._queries[1].copy()
-        query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_AXIS : QUERY_AXIS + 3] = place, along
-        query[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
+        departing(query, place, along)
         return self._found(query)
 
     def _found(self, query: Floats) -> Floats | None:
@@ -168,11 +147,3 @@ def _undirected(way: Way) -> Way:
     rows = [row.copy() for row in way.rows]
     rows[0][ORIENTATION] = FREE
     return Way(rows, way.legs)
-
-
-def _row(count: int, place: Floats, along: Floats) -> Floats:
-    """A pose as a target of the end of the last of so many segments."""
-    row = np.zeros(TARGET_WIDTH)
-    row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = count - 1, 1.0, DIRECTION
-    row[TARGET_POSITION : TARGET_POSITION + 3], row[GOAL : GOAL + 3] = place, along
-    return row

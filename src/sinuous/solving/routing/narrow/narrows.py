@@ -23,6 +23,7 @@ class Narrows:
 
     def __init__(self, groups: Groups, distance: Callable[[Floats], Floats], seconds_left: Callable[[], float]) -> None:
         self._groups, self._distance, self._seconds_left = groups, distance, seconds_left
+        self._distances: dict[int, Floats] = {}
         self._passages: dict[int, Passage] = {}
         self._crossings: dict[int, Crossing] = {}
 
@@ -33,12 +34,17 @@ class Narrows:
     def crossing(self, rank: int, legs: Floats) -> Crossing:
         """Return the chains through the narrowest place of line number `rank`, of these legs (l, K, 3)."""
         if rank not in self._crossings:
-            tunnel = tunnel_on(self._groups, legs, self._distance, max(0.0, self._seconds_left()))
+            seconds = max(0.0, self._seconds_left())
+            tunnel = tunnel_on(self._groups, legs, self._distances_of(rank, legs), self._distance, seconds)
             self._crossings[rank] = Crossing(self._groups, tunnel or self._passage(rank, legs))
         return self._crossings[rank]
 
     def _passage(self, rank: int, legs: Floats) -> Passage:
         if rank not in self._passages:
-            distances = self._distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
-            self._passages[rank] = Passage(self._groups, legs, distances)
+            self._passages[rank] = Passage(self._groups, legs, self._distances_of(rank, legs))
         return self._passages[rank]
+
+    def _distances_of(self, rank: int, legs: Floats) -> Floats:
+        if rank not in self._distances:
+            self._distances[rank] = self._distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
+        return self._distances[rank]

@@ -13,20 +13,16 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.clock import CLOCK_SIZE
 from sinuous.kernels.tables import (
-    QUERY_AXIS,
-    QUERY_BACK,
-    QUERY_FREE_LENGTH,
     QUERY_GOAL,
     QUERY_GOAL_RADIUS,
     QUERY_LONGEST,
     QUERY_ORIGIN,
     QUERY_OTHER_LENGTH,
     QUERY_RADIUS,
-    QUERY_STRAIGHT_MAX,
-    QUERY_STRAIGHT_MIN,
 )
 from sinuous.kernels.tubes.mouths import find_tubes
 from sinuous.solving.polylines import lengths_along, respaced
+from sinuous.solving.routing.growth import arriving, departing
 
 TUBES, POINTS = 16, 4096
 """Most tubes, and most points of all their axes."""
@@ -43,7 +39,7 @@ FEWEST = 256
 AHEAD = 2
 """Points of an axis that its direction at a mouth is taken over."""
 
-ORIGIN, AXIS, GOAL, BACK = (slice(at, at + 3) for at in (QUERY_ORIGIN, QUERY_AXIS, QUERY_GOAL, QUERY_BACK))
+ORIGIN, GOAL = (slice(at, at + 3) for at in (QUERY_ORIGIN, QUERY_GOAL))
 
 Leg = Callable[[Floats], Floats | None]
 """From what a route has to keep (28,) to a route (K, 3), or to none."""
@@ -138,10 +134,9 @@ def _asked(query: Floats, path: _Path) -> Floats:
     asked = query.copy()
     if path.lines:
         last = path.lines[-1]
-        asked[ORIGIN], asked[AXIS] = last[-1], _unit(last[-1] - last[-1 - AHEAD])
-        asked[[QUERY_FREE_LENGTH, QUERY_STRAIGHT_MIN, QUERY_STRAIGHT_MAX]] = 0.0
+        departing(asked, last[-1], _unit(last[-1] - last[-1 - AHEAD]))
     if path.tube >= 0:
-        asked[GOAL], asked[BACK] = path.axis[0], _unit(path.axis[0] - path.axis[AHEAD])
+        arriving(asked, path.axis[0], _unit(path.axis[AHEAD] - path.axis[0]))
         asked[QUERY_GOAL_RADIUS] = 0.0
         to_mouth = np.linalg.norm(path.axis[0] - asked[ORIGIN])
         asked[QUERY_OTHER_LENGTH] = max(0.0, asked[QUERY_OTHER_LENGTH] - (path.bound - path.gone - to_mouth))

@@ -8,37 +8,22 @@ first mouth, what is in it is laid along its axis, and the rest goes on from whe
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tables import (
-    DIRECTION,
-    GOAL,
-    HAS_POSITION,
-    MAX_LENGTH,
-    MIN_LENGTH,
-    ORIENTATION,
-    RADIUS,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-    TARGET_WIDTH,
-)
+from sinuous.kernels.tables import MAX_LENGTH, RADIUS
 from sinuous.kernels.tubes.axis import BRANCH, MOUTH, follow_tube
 from sinuous.solving.polylines import lengths_along, points_at, respaced
-from sinuous.solving.routing.gates import Laid, Spot, Way
+from sinuous.solving.routing.gates import NARROW, WIDE, Laid, Spot, Way, gate_row, run_about
 from sinuous.solving.routing.growth import LEG_POINTS, segments_of
-from sinuous.solving.routing.parts import segments_in
+from sinuous.solving.routing.parts import lengths_of_first, segments_in
 from sinuous.solving.routing.turned import Groups
 
 POINTS = 1000
 """Most points of an axis, on either side."""
 
-WIDE = 2.5
-"""Distance of a route from the obstacles, in radii of the body, from which on it is not looked for a tube."""
-
-NARROW, QUANTILE = 1.35, 0.3
-"""Distance from the walls of a tunnel at most, and of which of its points it is that times the distance."""
+QUANTILE = 0.3
+"""Of the distances of its axis from the walls, that of which a tunnel is at most `NARROW` times as wide."""
 
 SHORTEST = 4.0
 """Length that a tunnel has at least, in radii of the body."""
@@ -64,10 +49,12 @@ Distance = Callable[[Floats], Floats]
 """How far points (K, 3) are from the obstacles (K,), in the length unit."""
 
 
-def tunnel_on(groups: Groups, legs: Floats, distance: Distance, seconds: float) -> "Tunnel | None":
-    """Return the tunnel about the narrowest point of the legs (l, K, 3) of a route; `None` where there is none."""
+def tunnel_on(groups: Groups, legs: Floats, distances: Floats, distance: Distance, seconds: float) -> "Tunnel | None":
+    """Return the tunnel about the narrowest point of the legs (l, K, 3) of a route; `None` where there is none.
+
+    `distances` (l, K) are those of the legs.
+    """
     radius = float(segments_in(groups)[:, RADIUS].min())
-    distances = distance(legs.reshape(-1, 3)).reshape(legs.shape[:2])
     which = int(distances.min(axis=1).argmin())
     if radius <= 0.0 or distances[which].min() > WIDE * radius:
         return None
@@ -85,14 +72,7 @@ def tunnel_on(groups: Groups, legs: Floats, distance: Distance, seconds: float) 
 def _middle(distances: Floats) -> int:
     """The middle of the places (K,) about the narrowest one that are as narrow: it may be at the rim of a mouth."""
     at = int(distances.argmin())
-    first, last = _run_about(distances > NARROW * distances[at], at)
-    return (first + last - 1) // 2
-
-
-def _run_about(wide: NDArray[np.bool_], at: int) -> tuple[int, int]:
-    """First of the places about `at` that are not wide, and the one after the last."""
-    others = np.flatnonzero(wide)
-    return int(others[others < at].max(initial=-1)) + 1, int(others[others > at].min(initial=len(wide)))
+    return sum(run_about(distances <= NARROW * distances[at], at)) // 2
 
 
 def _axis_at(scene: Floats, place: Floats, ahead: Floats, radius: float, seconds: float, distance: Distance) -> Floats:
@@ -109,8 +89,8 @@ def _axis_at(scene: Floats, place: Floats, ahead: Floats, radius: float, seconds
         halves.append(points[:count])
     axis = np.vstack([halves[0][:0:-1], halves[1]])
     distances = distance(axis)
-    first, last = _run_about(distances > NARROW * np.quantile(distances, QUANTILE), len(halves[0]) - 1)
-    return axis[first:last]
+    first, last = run_about(distances <= NARROW * np.quantile(distances, QUANTILE), len(halves[0]) - 1)
+    return axis[first : last + 1]
 
 
 class Tunnel:
@@ -144,7 +124,7 @@ class Tunnel:
             return
         gone = lengths_along(points)
         before, after = gone[first], gone[-1] - gone[last]
-        low, high = (np.concatenate([[0.0], np.cumsum(self._segments[:, at])]) for at in (MIN_LENGTH, MAX_LENGTH))
+        low, high = lengths_of_first(self._segments)
         mean, n = 0.5 * (low + high), len(self._segments)
         for place in range(len(PLACES)):
             counts, gaps = [], []
@@ -200,16 +180,12 @@ class Tunnel:
     def _row(self, depth: float, count: int) -> Floats:
         """The pose on the axis at a depth, as a target of the end of the first `count` segments."""
         place, ahead = points_at(self._axis, self._along, np.array([depth, depth + INTO * self._radius]))
-        row = np.zeros(TARGET_WIDTH)
-        row[TARGET_SEGMENT], row[HAS_POSITION], row[ORIENTATION] = count - 1.0, 1.0, DIRECTION
-        row[TARGET_POSITION : TARGET_POSITION + 3] = place
-        row[GOAL : GOAL + 3] = (ahead - place) / np.linalg.norm(ahead - place)
-        return row
+        return gate_row(count, place, (ahead - place) / np.linalg.norm(ahead - place))
 
     def _inside(self, place: int, count: int) -> tuple[int, float, float]:
         """How many segments lie in it after so many, how deep they begin, and their length."""
         own, (fewer, filled, slack) = self._segments[count:], PLACES[place]
-        low, high = (np.concatenate([[0.0], np.cumsum(own[:, which])]) for which in (MIN_LENGTH, MAX_LENGTH))
+        low, high = lengths_of_first(own)
         room = self._length - INTO * self._radius
         mean = 0.5 * (low + high)
         held = int(np.searchsorted(mean, room + BARELY * own[0, MAX_LENGTH], side="right")) - 1

@@ -68,7 +68,7 @@ OBJECTS: list[Any] = [
         sn.assess(ROBOT, [TARGET]),
         sn.solve_batch(ROBOT, np.eye(3)),
     ),
-    *(sn.reach(ROBOT, spacing=1.5, directions=6), sn.Verdict.SOLVED, sn.UnfinishedError("no room")),
+    *(sn.reach(ROBOT, spacing=24, directions=6), sn.Verdict.SOLVED, sn.UnfinishedError("no room")),
     Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
     Reason("route", 1 / 3, 2 / 3, LONG, True),
     Remedy("start", None, SOLUTION.q.tolist()),

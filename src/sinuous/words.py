@@ -31,6 +31,14 @@ def rounded_up(value: float) -> float:
     return rounded(unit * math.ceil(value / unit * (1.0 - 1e-12)))
 
 
+def duration(seconds: float) -> str:
+    """`87 us`, `4.09 ms` or `1.2 s`."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 1e-6:.3g} us"
+
+
 def span(pair: Sequence[float]) -> str:
     """`1 to 2`, or `1` where both are the same."""
     low, high = map(number, pair)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from sinuous.assessing.tasks import Done
 from sinuous.brief import Brief
 from sinuous.errors import InputError
+from sinuous.words import duration
 
 SOLVED = "solved"
 
@@ -116,7 +117,7 @@ class Assessment(Brief):
             told = [f"{total.done} of {total.tasks} done", f"{100.0 * total.share:.3g} % of the targets"]
             told += [] if total.clearance is None else [f"clearance {total.clearance:.3g}"]
             told += [] if total.duration is None else [f"longest motion {total.duration:.3g}"]
-            told += [f"longest time {1e3 * total.seconds:.3g} ms"]
+            told += [f"longest time {duration(total.seconds)}"]
             told += [] if total.binds is None else [f"binds: {total.binds}"]
             parts.append(f"  {total.robot:<{width}}  {', '.join(told)}")
         return "\n".join(parts)

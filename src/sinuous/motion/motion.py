@@ -24,6 +24,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
 from sinuous.solving.between import Steps, prove_steps
+from sinuous.words import duration
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -278,7 +279,7 @@ class Motion(Shown, Uses):
         yield str(self.status)
         yield from (f"{wording.counted(self)} solved",) if self.solutions else ()
         yield f"{len(self.q)} knots"
-        yield f"{1e3 * self.seconds:.3g} ms"
+        yield duration(self.seconds)
 
     def __str__(self) -> str:
         return wording.text(self)

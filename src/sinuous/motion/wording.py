@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sinuous.solution.status import Status
+from sinuous.words import duration
 
 if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
@@ -23,7 +24,7 @@ def text(motion: "Motion") -> str:
     if len(motion.q) > 1:
         parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots")
     parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
-    parts.append(f"  effort     {1e3 * motion.seconds:.3g} ms{_median(motion)}")
+    parts.append(f"  effort     {duration(motion.seconds)}{_median(motion)}")
     return "\n".join(parts)
 
 
@@ -59,4 +60,5 @@ def _where(motion: "Motion") -> str:
 def _median(motion: "Motion") -> str:
     if not motion.solutions:
         return ""
-    return f", median {1e6 * np.median([solution.seconds for solution in motion.solutions]):.0f} us a solve"
+    middle = float(np.median([solution.seconds for solution in motion.solutions]))
+    return f", median {duration(middle)} a solve"

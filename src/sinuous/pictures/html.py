@@ -10,6 +10,7 @@ from sinuous.motion.motion import Motion
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
+from sinuous.words import duration
 
 AREA, DPI = 3.2, 90.0
 """Longer side of the picture, in inches, and its pixels in one."""
@@ -78,7 +79,7 @@ def _of_solution(solution: Solution) -> dict[str, str]:
         rows["worst"] = str(solution.worst)
     rows |= {key: f"{value:.3g}" for key, value in numbers.items() if value is not None}
     starts = "1 start" if solution.starts == 1 else f"{solution.starts} starts"
-    rows["effort"] = f"{solution.iterations} iterations, {starts}, {1e6 * solution.seconds:.0f} µs"
+    rows["effort"] = f"{solution.iterations} iterations, {starts}, {duration(solution.seconds)}"
     return rows
 
 
@@ -96,7 +97,7 @@ def _of_motion(motion: Motion) -> dict[str, str]:
         rows["clearance"] = f"{motion.clearance:.3g}"
     bend, length = motion.largest_step
     rows["largest step"] = f"{bend:.3g} rad, {length:.3g} of length"
-    rows["effort"] = f"{1e3 * motion.seconds:.3g} ms"
+    rows["effort"] = duration(motion.seconds)
     return rows
 
 

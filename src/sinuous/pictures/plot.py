@@ -17,6 +17,7 @@ from sinuous.pictures.shapes.stage import ARROW, Stage, extent, fill, set_stage,
 from sinuous.pictures.style import DOTS, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, View, X, Y, Z, tidy_space
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solution.solution import Solution
+from sinuous.words import duration
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
@@ -199,14 +200,7 @@ def caption(contents: Contents) -> str:
     answer = answers[0]
     clear = "" if answer.clearance is None else f", clearance at least {answer.clearance:.3g}"
     if isinstance(answer, Solution) or not answer.solutions:
-        return f"{answer.status.replace('_', ' ')}{clear}, {_time(answer.seconds)}"
+        return f"{answer.status.replace('_', ' ')}{clear}, {duration(answer.seconds)}"
     solved = sum(solution.solved for solution in answer.solutions)
     begun = "" if answer.solved else f"{answer.status.replace('_', ' ')}: "
     return f"{begun}{solved} of {len(answer.solutions) + answer.remaining} waypoints solved{clear}"
-
-
-def _time(seconds: float) -> str:
-    for unit, size in (("s", 1.0), ("ms", 1e-3)):
-        if seconds >= size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds / 1e-6:.3g} µs"

@@ -25,7 +25,7 @@ from sinuous.solution.remedies.trials import Case
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.status import Status, status_of
 from sinuous.solution.verification import Verification, Worst, find_worst, verify
-from sinuous.words import listed
+from sinuous.words import duration, listed
 
 if TYPE_CHECKING:
     from sinuous.problem.problem import Problem
@@ -360,7 +360,7 @@ class Solution(Shown):
     def __repr__(self) -> str:
         numbers = {"position_error": self.position_error, "angle_error": self.angle_error, "clearance": self.clearance}
         parts = [f"{key}={value:.3g}" for key, value in numbers.items() if value is not None]
-        return call("Solution", [str(self.status), *parts, f"{1e6 * self.seconds:.0f} us"])
+        return call("Solution", [str(self.status), *parts, duration(self.seconds)])
 
     def __str__(self) -> str:
         parts = [f"Solution: {self.status} ({self.sentence})"]
@@ -378,9 +378,7 @@ class Solution(Shown):
                 parts.append(f"  {label:<10} {value:.3g}")
         if self.route_class is not None:
             parts.append(f"  route      {self.route_class}")
-        parts.append(
-            f"  effort     {self.iterations} iterations from {self.starts} starts, {1e6 * self.seconds:.0f} us"
-        )
+        parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
         values = "  ".join(f"{name}={value:.4g}" for name, value in (self.actuators or {}).items())
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)

@@ -7,6 +7,7 @@ from sinuous.solution.binding.wording import in_words
 from sinuous.solution.solution import Solution
 from sinuous.viewer.model.judging import Judgement, Near
 from sinuous.viewer.model.model import Model
+from sinuous.words import duration
 
 GOOD, OFF, PALE = "#00694c", "#a34700", "#6b7178"
 MOST_BINDING = 4
@@ -64,7 +65,7 @@ def _of_answers(answers: list[Solution]) -> list[Row]:
         ("angle", [_number(each.angle_error, f" rad (tolerance {tolerance.angle:.3g})") for each in answers]),
         ("clearance", [_number(each.clearance, ", proved", "at least ") for each in answers]),
         ("from itself", [_number(each.self_clearance, ", proved", "at least ") for each in answers]),
-        ("time", [f"{_seconds(each.seconds)}, {each.starts} starts, won by: {each.start}" for each in answers]),
+        ("time", [f"{duration(each.seconds)}, {each.starts} starts, won by: {each.start}" for each in answers]),
     ]
     return [row for row in rows if any(row[1])]
 
@@ -129,9 +130,3 @@ def _number(value: float | None, behind: str = "", before: str = "") -> str:
     if value is None or value == float("inf"):
         return ""
     return f"{before}{value:.3g}{behind}"
-
-
-def _seconds(seconds: float) -> str:
-    if seconds < 1e-3:
-        return f"{1e6 * seconds:.0f} µs"
-    return f"{1e3 * seconds:.3g} ms" if seconds < 1.0 else f"{seconds:.3g} s"

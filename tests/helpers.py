@@ -153,6 +153,12 @@ def kernel_scene(scene: Scene | Snapshot) -> distances.Scene:
     return distances.Scene(*packing.scene_parts(scene.group.copy()))
 
 
+def kernel_groups(problem: Problem) -> tuple[Floats, Floats, Floats, Floats]:
+    """Robot, scene, settings and targets of one problem, as entries take them; nobody else holds them."""
+    settings = packing.settings_group(problem.robot, problem.tolerance)
+    return packing.robot_group(problem.robot), problem.scene.group.copy(), settings, problem.rows.copy()
+
+
 def kernel_problem(
     robot: Robot, targets: Any, scene: Any = None, tolerance: Tolerance | None = None, **changed: Any
 ) -> kernels.Problem:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from sinuous import packing
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -12,17 +11,16 @@ from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats
+from tests.helpers import Floats, kernel_groups
 
 POINTS = 300
 
 
 def lay(robot: Robot, route: Floats, seconds: float = 60.0, scene: Scene | None = None) -> Floats:
     problem = Problem(robot, Target(route[-1]), scene or Scene())
-    groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
     workspace = np.full(fit_workspace_size(len(robot), len(robot.actuation), len(problem.scene), 1, len(route)), np.nan)
     out = np.empty((len(robot), 3))
-    fit_route(*groups, problem.rows.copy(), route, seconds, workspace, out)
+    fit_route(*kernel_groups(problem), route, seconds, workspace, out)
     return out
 
 

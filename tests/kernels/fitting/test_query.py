@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous import packing, pose
+from sinuous import pose
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.query import read_query
 from sinuous.kernels.tables import QUERY_WIDTH
@@ -15,7 +15,7 @@ from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from tests.helpers import Floats, as_matrix, random_pose
+from tests.helpers import Floats, as_matrix, kernel_groups, random_pose
 
 ROBOT = Robot(
     [
@@ -31,8 +31,7 @@ ROBOT = Robot(
 def asked(robot: Robot, targets: Any) -> tuple[bool, Floats]:
     problem = Problem(robot, targets, tolerance=Tolerance(1e-3, 1e-2))
     query = np.full(QUERY_WIDTH, 7.0)
-    groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
-    return route_query(*groups, problem.rows.copy(), query), query
+    return route_query(*kernel_groups(problem), query), query
 
 
 def read(robot: Robot, targets: Any) -> Any:

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from sinuous import packing
 from sinuous.kernels.clock import SEGMENT_LOOKS, STRIDE
 from sinuous.kernels.fitting.fit import fit_workspace_size
 from sinuous.kernels.fitting.settle import REACH, ROUNDS, settle_chain
@@ -14,7 +13,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
-from tests.helpers import Floats
+from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.1
 ROBOT = Robot.uniform(6, length=1.0, max_bend=1.6, radius=RADIUS)
@@ -24,10 +23,9 @@ TIP = ROBOT.tip(CHAIN)
 
 def settled(scene: Scene, target: Target, seconds: float = 60.0, robot: Robot = ROBOT) -> Floats:
     problem = Problem(robot, target, scene)
-    groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
     workspace = np.full(fit_workspace_size(6, 0, len(problem.scene), 1, 0), np.nan)
     out = CHAIN.copy()
-    settle_chain(*groups, problem.rows.copy(), seconds, workspace, out)
+    settle_chain(*kernel_groups(problem), seconds, workspace, out)
     return out
 
 

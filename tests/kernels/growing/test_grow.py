@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from sinuous import packing
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
@@ -15,7 +14,7 @@ from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from sinuous.solving.polylines import respaced
-from tests.helpers import Floats
+from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.1
 KEPT = 0.5
@@ -37,14 +36,13 @@ def grown(
     robot: Robot, scene: Scene, targets: list[Target], legs: list[Floats], count: int = 4, seconds: float = 60.0
 ) -> Floats:
     problem = Problem(robot, targets, scene)
-    groups = packing.robot_group(robot), problem.scene.group.copy(), packing.settings_group(robot, problem.tolerance)
     chains = np.full((count, len(robot), 3), np.nan)
     width = 8 * count
     workspace = np.full(
         growing_size(len(robot), len(problem.scene), width), np.nan
     )  # nothing of what was there before may matter
     points = np.stack([respaced(leg, 80) for leg in legs])
-    return chains[: grow_chains(*groups, problem.rows.copy(), points, (seconds, width), workspace, chains)]
+    return chains[: grow_chains(*kernel_groups(problem), points, (seconds, width), workspace, chains)]
 
 
 def overlap(robot: Robot, scene: Scene, q: Floats) -> float:

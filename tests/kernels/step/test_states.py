@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from sinuous import packing
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem as KernelProblem
@@ -15,7 +14,7 @@ from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.actuators import Tendons
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
-from tests.helpers import Floats, kernel_problem, random_pose
+from tests.helpers import kernel_groups, kernel_problem, random_pose
 from tests.kernels.workspace import make_states, make_work, same
 
 
@@ -45,12 +44,6 @@ def choose(robot: Array, scene: Array, settings: Array, targets: Array, buffer: 
     state.rows.total[:], state.rows.value[:], state.rows.gain[:], state.rows.innovation[:] = 1.0, 1.0, 1.0, 1.0
 
 
-def groups(problem: Problem) -> tuple[Floats, Floats, Floats, Floats]:
-    robot = problem.robot
-    settings = packing.settings_group(robot, problem.tolerance)
-    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
-
-
 def problems() -> list[Problem]:
     base = random_pose(np.random.default_rng(0))
     plain = Robot.uniform(3, (0.5, 1.0), base=base)
@@ -74,7 +67,7 @@ def size_of(problem: Problem) -> int:
 def test_no_array_is_in_the_place_of_another(problem: Problem) -> None:
     size = size_of(problem)
     buffer, frames = np.full(size + 7, -1.0), np.empty((STATES, len(problem.robot) + 1, 12))
-    fill(*groups(problem), buffer, frames)
+    fill(*kernel_groups(problem), buffer, frames)
     written = buffer.copy()
     whole = buffer.view(np.int64)
     states, work = make_states(kernel_form(problem)), make_work(kernel_form(problem))
@@ -96,7 +89,7 @@ def test_a_state_is_picked_whole_and_alone(problem: Problem) -> None:
     touched = []
     for i in range(STATES):
         buffer = np.full(size_of(problem), -1.0)
-        choose(*groups(problem), buffer, i)
+        choose(*kernel_groups(problem), buffer, i)
         touched.append(set(np.flatnonzero(buffer != -1.0)))
         # The frame of the base is written in all states.
         assert len(touched[i]) == one + 12 * (STATES - 1)

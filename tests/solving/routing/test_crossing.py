@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous import Box, Robot, Scene, Segment, Target, Tolerance, packing
+from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.checks import Floats
 from sinuous.kernels.tables import BOUND, CODE, FAILED, MERIT, RECORD_WIDTH
 from sinuous.problem.problem import Problem
@@ -14,6 +14,7 @@ from sinuous.solving.routing.crossing import STARTS, Crossing, Part
 from sinuous.solving.routing.gates import Passage
 from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, ONE
 from sinuous.solving.routing.turned import Groups
+from tests.helpers import kernel_groups
 
 RADIUS = 0.1
 ROBOT = Robot([Segment((0.8, 1.2), 2.0, radius=RADIUS)] * 8)
@@ -31,11 +32,8 @@ def asked(length: float) -> tuple[Groups, Floats, Scene]:
     """A slab of some thickness; base and target aside of the hole, so that what leads straight there meets it."""
     scene = Scene(around(1.5 * RADIUS, WALL, WALL + length))
     target = Target((1.0, 0.8, WALL + length + 1.2))
-    problem = Problem(ROBOT, [target], scene)
-    settings = packing.settings_group(ROBOT, Tolerance().for_robot(ROBOT))
     line = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, WALL + length + 0.3), target.position])
-    packed = packing.robot_group(ROBOT), problem.scene.group.copy(), settings, problem.rows.copy()
-    return packed, respaced(line, LEG_POINTS)[None], scene
+    return kernel_groups(Problem(ROBOT, [target], scene)), respaced(line, LEG_POINTS)[None], scene
 
 
 def crossing_of(length: float) -> tuple[Crossing, Scene]:

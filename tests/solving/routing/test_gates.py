@@ -5,13 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
+from sinuous import Robot, Scene, Segment, Target
 from sinuous.kernels.tables import GOAL, TARGET_POSITION, TARGET_SEGMENT
 from sinuous.problem.problem import Problem
 from sinuous.solving.routing.gates import NARROW, STRETCHED, WIDE, Passage, Way
 from sinuous.solving.routing.growth import LEG_POINTS, divided
 from sinuous.solving.routing.turned import Groups
-from tests.helpers import Floats
+from tests.helpers import Floats, kernel_groups
 
 RADIUS = 0.1
 ROBOT = Robot([Segment((0.8, 1.2), 2.0, radius=RADIUS)] * 6)
@@ -19,9 +19,7 @@ LINE = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.8), LEG_POINTS)
 
 
 def groups(robot: Robot, targets: list[Target], scene: Scene) -> Groups:
-    problem = Problem(robot, targets, scene)
-    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
-    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
+    return kernel_groups(Problem(robot, targets, scene))
 
 
 def straight(distances: Floats) -> Passage:

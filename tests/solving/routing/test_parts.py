@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous import Chambers, Robot, Scene, Segment, Target, Tendons, Tolerance, packing
+from sinuous import Chambers, Robot, Scene, Segment, Target, Tendons, packing
 from sinuous.checks import Floats
 from sinuous.kernels.chain.batch import frames_of
 from sinuous.kernels.tables import MOUNT, ROBOT_HEADER, SEGMENT_WIDTH, TARGET_SEGMENT, UNIT
@@ -11,6 +11,7 @@ from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.solving.routing.parts import before, begin, beyond
 from sinuous.solving.routing.turned import Groups
+from tests.helpers import kernel_groups
 
 TOOL = pose((0.02, 0.0, 0.1), direction=(0.3, 0.0, 1.0))
 ROBOT = Robot(
@@ -23,9 +24,7 @@ TARGETS = [Target((1.0, 0.0, 0.5), segment=1), Target((2.0, 0.0, 0.5), segment=4
 
 
 def groups(robot: Robot) -> Groups:
-    problem = Problem(robot, TARGETS, Scene())
-    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
-    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
+    return kernel_groups(Problem(robot, TARGETS, Scene()))
 
 
 def gate(count: int) -> Floats:
@@ -86,6 +85,4 @@ def test_limits_of_actuators_that_see_both_parts_are_left_out() -> None:
 
 
 def groups_of_tip(robot: Robot) -> Groups:
-    problem = Problem(robot, [Target((0.0, 0.0, 2.5))], Scene())
-    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
-    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
+    return kernel_groups(Problem(robot, [Target((0.0, 0.0, 2.5))], Scene()))

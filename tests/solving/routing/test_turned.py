@@ -3,22 +3,21 @@
 import numpy as np
 import pytest
 
-from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
+from sinuous import Robot, Scene, Segment, Target
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.growth import Beam, grown, settled
 from sinuous.solving.routing.turned import Groups, turned, turned_back
+from tests.helpers import kernel_groups
 
 TOOL = pose((0.1, 0.0, 0.3), direction=(0.3, 0.0, 1.0))
 Q = np.array([[0.4, 0.2, 1.0], [-0.5, 0.9, 1.1], [0.3, -0.8, 0.9], [0.2, 0.4, 1.0]])
 
 
 def groups(robot: Robot, targets: list[Target]) -> Groups:
-    problem = Problem(robot, targets, Scene())
-    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
-    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
+    return kernel_groups(Problem(robot, targets, Scene()))
 
 
 @pytest.mark.parametrize("kind", ["position", "direction", "pose"])

@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from benchmarks.places.parts.surfaces import open_tube, solid
-from sinuous import Box, Robot, Scene, Segment, Target, Tolerance, packing
+from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.checks import Floats
 from sinuous.kernels.tables import GOAL, TARGET_POSITION, TARGET_SEGMENT
 from sinuous.problem.problem import Problem
@@ -15,6 +15,7 @@ from sinuous.solving.routing.growth import FEW, LEG_POINTS, ONE
 from sinuous.solving.routing.narrow.narrows import Narrows
 from sinuous.solving.routing.narrow.tunnels import PLACES, Tunnel, tunnel_on
 from sinuous.solving.routing.turned import Groups
+from tests.helpers import kernel_groups
 from tests.kernels.tubes.test_axis import curve
 
 RADIUS = 0.1
@@ -36,9 +37,7 @@ def place() -> tuple[Robot, Scene, Target, Floats]:
 
 
 def groups_of(robot: Robot, scene: Scene, *targets: Target) -> Groups:
-    problem = Problem(robot, list(targets), scene)
-    settings = packing.settings_group(robot, Tolerance().for_robot(robot))
-    return packing.robot_group(robot), problem.scene.group.copy(), settings, problem.rows.copy()
+    return kernel_groups(Problem(robot, list(targets), scene))
 
 
 def tunnel_of(groups: Groups, legs: Floats, scene: Scene) -> Tunnel | None:

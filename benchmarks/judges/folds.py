@@ -7,6 +7,7 @@ self-collision (thickness of a tube; Cantarella, Kusner & Sullivan 2002).
 import math
 
 import numpy as np
+from scipy.spatial.distance import cdist
 
 from benchmarks.judges.kinematics import body_points
 from sinuous.checks import Floats
@@ -37,7 +38,7 @@ def _least(points: Floats, along: Floats, radii: Floats) -> float:
         if gaps[k] >= least:
             break
         a, b = i[k], j[k]
-        apart = np.linalg.norm(points[a][:, None] - points[b], axis=-1) - radii[a] - radii[b]
+        apart = cdist(points[a], points[b]) - radii[a] - radii[b]
         counts = np.abs(along[a][:, None] - along[b]) >= math.pi * max(radii[a], radii[b])
         least = min(least, float(apart.min(initial=math.inf, where=counts)))
     return least

@@ -21,7 +21,13 @@ def test_the_hidden_motion_is_clear_and_what_stands_around_is_near(family: str) 
     radius = max(place.robot.radii)
     least = least_clearance(place.robot, place.scene, samples(place.knots)).min()
     assert 0.1 * radius < least < 0.5 * radius
-    np.testing.assert_array_equal(make(family, 7).knots, place.knots)
+
+
+def test_a_place_is_made_again() -> None:
+    for family in ("40 balls, leading", "door in mesh"):
+        one, again = make(family, 7), make(family, 7)
+        np.testing.assert_array_equal(one.knots, again.knots)
+        np.testing.assert_array_equal(one.scene.group, again.scene.group)
 
 
 def test_a_threading_body_begins_before_the_wall_and_ends_beyond_it() -> None:

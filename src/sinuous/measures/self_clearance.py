@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.measures.body import SAMPLES, arc_poses
-from sinuous.measures.nearest import Indices, blocks
 from sinuous.robot.robot import Robot
 
 MOST_PLACES = 20_000
@@ -17,6 +16,11 @@ MOST_PLACES = 20_000
 
 FEWEST = 8
 """Places of a segment."""
+
+RUN, PAIRS = 16, 64
+"""Places in a row that are held against others in a row, and pairs of such runs that are looked at together."""
+
+Indices = NDArray[np.intp]
 
 
 class Meeting(NamedTuple):
@@ -43,12 +47,17 @@ def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
     places, along, segments = _places(q, ends)
     radii = np.array(robot.radii)[segments]
     least = Meeting(math.inf, None)
-    for first, second in _near(places, along, radii):
+    for low, one, other in _nearest_first(places, along, radii):
+        if low >= least.gap:
+            break
+        first, second = one[:, :, None], other[:, None, :]
+        larger = np.maximum(radii[first], radii[second])
+        concerned = (along[second] - along[first] >= math.pi * larger) & (larger > 0.0)
         gaps = np.linalg.norm(places[first] - places[second], axis=-1) - radii[first] - radii[second]
-        if gaps.min(initial=math.inf) < least.gap:
-            at = int(gaps.argmin())
-            pair = sorted((int(segments[first[at]]) + 1, int(segments[second[at]]) + 1))
-            least = Meeting(float(gaps[at]), (pair[0], pair[1]))
+        gaps[~concerned] = math.inf
+        if gaps.min() < least.gap:
+            k, a, b = np.unravel_index(gaps.argmin(), gaps.shape)
+            least = Meeting(float(gaps.min()), (int(segments[one[k, a]]) + 1, int(segments[other[k, b]]) + 1))
     return least
 
 
@@ -62,24 +71,23 @@ def _places(q: Floats, ends: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
     return np.concatenate(places), along, np.repeat(np.arange(len(q)), count + 1)
 
 
-def _near(places: Floats, along: Floats, radii: Floats) -> Iterator[tuple[Indices, Indices]]:
-    """Yield pairs of places that concern each other, block by block; none that could be nearest is left out."""
-    from scipy.spatial import cKDTree  # noqa: PLC0415
+def _nearest_first(places: Floats, along: Floats, radii: Floats) -> Iterator[tuple[float, Indices, Indices]]:
+    """Yield pairs of runs of places (k, r), (k, r) with a lower bound of the gaps of what is still to come, and theirs.
 
-    thickest = float(radii.max())
-    if thickest == 0.0:
-        return
-    # Places half a circle of the largest radius apart concern each other: no gap beyond the least of theirs matters.
-    first = np.arange(len(along))
-    second = np.searchsorted(along, along + math.pi * thickest)
-    first, second = first[second < len(along)], second[second < len(along)]
-    apart = np.linalg.norm(places[first] - places[second], axis=-1) - radii[first] - radii[second]
-    reach = min(float(apart.min(initial=math.inf)) + 2.0 * thickest, float(along[-1])) * (1.0 + 1e-12)
-    tree = cKDTree(places)
-    for block in blocks(np.asarray(tree.query_ball_point(places, reach, return_length=True))):
-        lists = tree.query_ball_point(places[block], reach)
-        neighbours = [np.asarray(entry, np.intp) for entry in lists]
-        first, second = np.repeat(block, [len(own) for own in neighbours]), np.concatenate(neighbours)
-        larger = np.maximum(radii[first], radii[second])
-        concerned = (along[second] - along[first] >= math.pi * larger) & (larger > 0.0)
-        yield first[concerned], second[concerned]
+    The run that is nearer to the base comes first. Pairs of which no two places concern each other are left out.
+    The bounds are those of balls about the runs.
+    """
+    last = len(places) - 1
+    runs = np.minimum(np.arange(0, last + 1, RUN)[:, None] + np.arange(RUN), last)
+    centers = places[runs].mean(axis=1)
+    reach = (np.linalg.norm(places[runs] - centers[:, None], axis=-1) + radii[runs]).max(axis=1)
+    thinnest = radii[runs].min(axis=1)
+    one, other = np.triu_indices(len(runs))
+    apart = along[runs[other, -1]] - along[runs[one, 0]]
+    may = np.flatnonzero(apart >= math.pi * np.maximum(thinnest[one], thinnest[other]))
+    one, other = one[may], other[may]
+    low = np.linalg.norm(centers[one] - centers[other], axis=1) - reach[one] - reach[other]
+    order = np.argsort(low)
+    for k in range(0, len(order), PAIRS):
+        pairs = order[k : k + PAIRS]
+        yield float(low[pairs[0]]), runs[one[pairs]], runs[other[pairs]]

@@ -10,7 +10,7 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
-from sinuous.kernels.fitting.lines import room_along
+from sinuous.kernels.fitting.lines import room_along, room_beside
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
@@ -26,7 +26,7 @@ from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import rims_of, walls_of
-from sinuous.solving.routing.gates import FAR
+from sinuous.solving.routing.gates import FAR, WIDE
 from sinuous.solving.routing.growth import FEW, grown, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond
@@ -202,6 +202,7 @@ class Searches:
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
             self.room(problem, line)
+            self.beside(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
             grown(groups, line[None], FEW, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
@@ -224,6 +225,12 @@ class Searches:
         distances = np.empty(len(points))
         room_along(problem.scene._kernel_group, points, FAR * max(self._robot.radii), distances)
         return distances
+
+    def beside(self, problem: Problem, line: Floats) -> Floats:
+        """Return the room (K,) across a line (K, 3); from `WIDE` radii on it may be anything that is not less."""
+        room, radius = np.empty(len(line)), min(self._robot.radii)
+        room_beside(problem.scene._kernel_group, line, radius, WIDE * radius, room)
+        return room
 
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""

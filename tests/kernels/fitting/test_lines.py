@@ -43,7 +43,7 @@ def test_room_beside_a_line_is_that_of_a_place_at_most_so_far_aside(seed: int) -
     ahead = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
     x = np.cross(ahead, (0.3, 0.5, 0.8))
     x /= np.linalg.norm(x)
-    angles = np.linspace(0.0, 2.0 * np.pi, 10 * SIDES)[:, None]
+    angles = np.linspace(0.0, 2.0 * np.pi, 200 * SIDES)[:, None]
     ring = np.cos(angles) * x + np.sin(angles) * np.cross(ahead, x)
     around = line[:, None, None] + radius * np.arange(1, ASIDE + 1)[:, None, None] * ring
     most = np.maximum(own, scene.distance(around).max(axis=(1, 2)))

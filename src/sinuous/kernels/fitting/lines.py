@@ -11,7 +11,7 @@ from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, d
 SIDES = 8
 """To how many sides of a line it is looked for room."""
 
-ASIDE = 2
+ASIDE = 3
 """How far aside at most, in radii of the body."""
 
 
@@ -58,8 +58,8 @@ def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: fl
 def room_beside(scene: Array, line: Array, radius: float, enough: float, room: Array) -> None:
     """Fill `room` (K,) with the most distance from the obstacles across a `line` (K, 3), in the length unit.
 
-    That is of places up to two radii aside. Along a wall it grows with every step aside, in a door it does not. From
-    `enough` on it may be anything that is not less; where a point overlaps it is that of the point itself.
+    That is of places up to `ASIDE` radii aside. Along a wall it grows with every step aside, in a door it does not.
+    From `enough` on it may be anything that is not less; where a point overlaps it is that of the point itself.
     """
     obstacles, last = read_scene(scene), line.shape[0] - 1
     for i in range(last + 1):

@@ -30,8 +30,9 @@ AFTER_EDGES = (5, 10)
 AT_ONCE, SOON = 6, 14
 """What may be tried along such a route before the next scattered starts, in starts."""
 
-SHARE = 0.6
-"""Scattered starts for each one that the work along routes costs."""
+SHARE, AMONG_BALLS = 0.6, 2.0
+"""Scattered starts for each one that the work along routes costs: as a rule; and among balls alone, which enclose
+nothing, so that chains along a route are hardly better than scattered ones, and dearer than they are said to be."""
 
 CUT = 0.9
 """Room, in radii of the body, up to which a route over coarse cells may lead through a wall."""
@@ -70,6 +71,7 @@ class Course:
         self._lines: list[Line] = []
         self._tasks: list[Task] = []
         self._spent, self._enclosed = 0, False
+        self._share = AMONG_BALLS if searches.only_balls(question.problem) else SHARE
         self._between = next((plan for plan in searches.plans if plan.between), None)
         self._misses: dict[int, int] = {}
         self._legs: dict[int, Floats | None] = {}
@@ -235,7 +237,7 @@ class Course:
 
     def _scattered(self, least: int) -> Batch:
         """No start, and scattered ones after it: so many, or more after dear tasks."""
-        then, self._spent = max(least, round(SHARE * self._spent)), 0
+        then, self._spent = max(least, round(self._share * self._spent)), 0
         return along(np.empty((0, len(self._problem.robot), 3)), (), then=then)
 
     def _longer(self, line: Line, side: int) -> Iterator[Batch]:

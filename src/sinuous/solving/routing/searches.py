@@ -22,7 +22,7 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
-from sinuous.scene.obstacles import Box
+from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import rims_of, walls_of
@@ -154,6 +154,13 @@ class Searches:
         """Whether all edges that a route may lead around are those of boxes."""
         scene = problem.scene
         return not len(walls_of(scene).edges) and any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+
+    def only_balls(self, problem: Problem) -> bool:
+        """Whether all obstacles are balls or capsules: nothing is enclosed, and nothing has edges."""
+        return all(
+            isinstance(obstacle, Capsule) or (isinstance(obstacle, Sphere) and not obstacle.inside)
+            for obstacle in problem.scene.obstacles
+        )
 
     def by_tubes(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
         """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import respace_line, room_along
+from sinuous.kernels.fitting.lines import ASIDE, SIDES, respace_line, room_along, room_beside
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
+from tests.helpers import Floats
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -20,6 +21,54 @@ def test_distances_are_those_of_the_scene_up_to_a_reach(seed: int) -> None:
     assert not near.all()
     np.testing.assert_allclose(found[near], true[near])
     assert (found[~near] >= reach).all()
+
+
+def beside(scene: Scene, line: Floats, radius: float, enough: float) -> Floats:
+    room = np.empty(len(line))
+    room_beside(scene.snapshot().group.copy(), line, radius, enough, room)
+    return room
+
+
+def some_lines(seed: int) -> tuple[Scene, Floats]:
+    rng = np.random.default_rng(seed)
+    scene = Scene([Box(rng.uniform(-1.0, 1.0, 3), rng.uniform(0.2, 0.5, 3)) for _ in range(9)])
+    return scene, np.linspace(rng.uniform(-2.0, 0.0, 3), rng.uniform(0.0, 2.0, 3), 60)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_room_beside_a_line_is_that_of_a_place_at_most_so_far_aside(seed: int) -> None:
+    scene, line = some_lines(seed)
+    radius, enough = 0.1, 0.4
+    found, own = beside(scene, line, radius, enough), scene.distance(line)
+    ahead = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+    x = np.cross(ahead, (0.3, 0.5, 0.8))
+    x /= np.linalg.norm(x)
+    angles = np.linspace(0.0, 2.0 * np.pi, 200 * SIDES)[:, None]
+    ring = np.cos(angles) * x + np.sin(angles) * np.cross(ahead, x)
+    around = line[:, None, None] + radius * np.arange(1, ASIDE + 1)[:, None, None] * ring
+    most = np.maximum(own, scene.distance(around).max(axis=(1, 2)))
+    free = (own > 0.0) & (own < enough)
+    assert free.any()
+    assert (found[free] >= own[free] - 1e-12).all()
+    assert (found[free] <= most[free] + 0.01 * radius).all()
+    np.testing.assert_allclose(found[own <= 0.0], own[own <= 0.0])
+    assert (found[own >= enough] >= enough).all()
+
+
+def test_there_is_room_beside_a_wall_and_none_in_a_door() -> None:
+    wall = Box((0.0, 0.0, 0.0), (4.0, 4.0, 0.1))
+    along = np.linspace((-1.0, 0.0, 0.2), (1.0, 0.0, 0.2), 20)
+    assert (beside(Scene([wall]), along, 0.1, 0.25) >= 0.25).all()
+    door = [Box((side * 1.15, 0.0, 0.0), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)]
+    through = np.linspace((0.0, 0.0, -1.0), (0.0, 0.0, 1.0), 21)
+    room = beside(Scene(door), through, 0.1, 0.25)
+    assert room[10] == pytest.approx(0.15)
+    assert room.argmin() in (9, 10, 11)
+
+
+def test_a_line_that_stays_at_a_place_has_the_room_of_that() -> None:
+    scene = Scene([Sphere((0.0, 0.0, 0.0), 0.5)])
+    np.testing.assert_allclose(beside(scene, np.full((3, 3), 0.4), 0.1, 9.0), 0.4 * np.sqrt(3.0) - 0.5)
 
 
 def test_a_line_of_one_place_stays_there() -> None:

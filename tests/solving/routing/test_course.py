@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous import Robot, Scene, Sphere, Target, Tolerance
+from sinuous import Box, Capsule, Robot, Scene, Sphere, Target, Tolerance
 from sinuous.checks import Floats
-from sinuous.kernels.tables import FOUND, FULL
+from sinuous.kernels.tables import FOUND, FULL, QUERY_AXIS
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.course import ALIKE, STOWED, Course
+from sinuous.scene.obstacles import Obstacle
+from sinuous.solving.routing.course import ALIKE, AMONG_BALLS, SHARE, STOWED, Course
 from sinuous.solving.routing.crossing import STARTS
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, Beam, grown
 from sinuous.solving.routing.plans import CELLS, GATES, GROWN, Plan, chores_of
@@ -130,6 +131,53 @@ def test_a_chain_that_has_to_be_stowed_is_led_through_gates_first(
     monkeypatch.setattr(Router, "fit", laid)
     list(Course(router, question, query)._laid([route], finest=True))
     assert calls[0] == first
+
+
+def test_a_leg_is_looked_for_around_edges_in_any_direction_before_over_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked_for: list[tuple[str, bool]] = []
+    tip, elbow = Target((0, 0, 4.4)), Target((0.4, 0.0, 2.0), segment=2)
+    router = Router(ROBOT, SCENE, Tolerance().for_robot(ROBOT))
+    question = Question(Problem(ROBOT, [elbow, tip], SCENE), np.empty((0, len(ROBOT), 3)), lambda: 60.0)
+    query = router.query(question.problem)
+    assert query is not None
+    course = Course(router, question, query)
+
+    def around(query: Floats) -> Floats | None:
+        first = not asked_for
+        asked_for.append(("edges", bool(query[QUERY_AXIS : QUERY_AXIS + 3].any())))
+        return np.linspace((0.0, 0.0, 0.0), (0.4, 0.0, 2.0), 20) if first else None
+
+    def found(query: Floats, plan: Plan) -> Found:
+        asked_for.append(("cells", bool(query[QUERY_AXIS : QUERY_AXIS + 3].any())))
+        return Found([], FULL, plan.cells)
+
+    monkeypatch.setattr(course, "_around", around)
+    monkeypatch.setattr(course, "_found", found)
+    assert course._search_legs(finest=True) is None
+    assert [kind for kind, _ in asked_for[:3]] == ["edges"] * 3
+    assert [axis for _, axis in asked_for[1:3]] == [True, False]
+    assert {kind for kind, _ in asked_for[3:]} == {"cells"}
+    assert [axis for _, axis in asked_for[3:]] == sorted((axis for _, axis in asked_for[3:]), reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("other", "share"),
+    [
+        (Capsule((3, 0, 0), (3, 0, 1), 0.2), AMONG_BALLS),
+        (Box((3, 0, 0), (0.2, 0.2, 0.2)), SHARE),
+        (Sphere((0, 0, 0), 9.0, inside=True), SHARE),
+    ],
+)
+def test_among_balls_alone_more_starts_are_scattered(other: Obstacle, share: float) -> None:
+    scene = Scene([*SCENE.obstacles, other])
+    router = Router(ROBOT, scene, Tolerance().for_robot(ROBOT))
+    question = Question(Problem(ROBOT, TARGET, scene), np.empty((0, len(ROBOT), 3)), lambda: 60.0)
+    query = router.query(question.problem)
+    assert query is not None
+    course = Course(router, question, query)
+    course._spent = 100
+    assert course._scattered(5).then == round(100 * share)
+    assert course._scattered(5).then == 5
 
 
 def test_what_is_cheap_is_tried_first() -> None:

@@ -54,6 +54,7 @@ PIECES = (
         (
             "kernels.fitting.lines.respace_line",
             "kernels.fitting.lines.room_along",
+            "kernels.fitting.lines.room_beside",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.freespace.lengthen.lengthen_route",

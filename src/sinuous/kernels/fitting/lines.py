@@ -1,10 +1,18 @@
-"""Lines of points, whole: evenly spaced, and how far they are from the obstacles."""
+"""Lines of points, whole: evenly spaced, how far they are from the obstacles, and how much room is beside them."""
 
-from sinuous.kernels.compile import entry
-from sinuous.kernels.fields.distances import closest, read_scene
+import math
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene
 from sinuous.kernels.fields.solids import EXACT
 from sinuous.kernels.freespace.band import respace
-from sinuous.kernels.maths.vectors import Array, get_vec
+from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, dot, get_vec, norm, scale, sub
+
+SIDES = 8
+"""To how many sides of a line it is looked for room."""
+
+ASIDE = 3
+"""How far aside at most, in radii of the body."""
 
 
 @entry
@@ -22,3 +30,43 @@ def room_along(scene: Array, points: Array, reach: float, distances: Array) -> N
     obstacles = read_scene(scene)
     for i in range(points.shape[0]):
         distances[i], _ = closest(obstacles, get_vec(points, i, 0), reach, EXACT)
+
+
+@kernel
+def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: float) -> float:
+    """Most distance from the obstacles in the plane across a line; away from the nearest one it is looked first."""
+    most, which = closest(scene, place, enough, EXACT)
+    if not 0.0 < most < enough:
+        return most
+    x, y = across(ahead)
+    _, away = obstacle(scene, which, place)
+    first, begun = math.atan2(dot(away, y), dot(away, x)), most
+    for side in range(SIDES):
+        angle = first + 2.0 * math.pi * side / SIDES
+        way = add(scale(math.cos(angle), x), scale(math.sin(angle), y))
+        for step in range(1, ASIDE + 1):
+            d, _ = closest(scene, add_scaled(place, step * radius, way), enough, EXACT)
+            if d <= begun:
+                break
+            most = max(most, d)
+            if most >= enough:
+                return most
+    return most
+
+
+@entry
+def room_beside(scene: Array, line: Array, radius: float, enough: float, room: Array) -> None:
+    """Fill `room` (K,) with the most distance from the obstacles across a `line` (K, 3), in the length unit.
+
+    That is of places up to `ASIDE` radii aside. Along a wall it grows with every step aside, in a door it does not.
+    From `enough` on it may be anything that is not less; where a point overlaps it is that of the point itself.
+    """
+    obstacles, last = read_scene(scene), line.shape[0] - 1
+    for i in range(last + 1):
+        place = get_vec(line, i, 0)
+        ahead = sub(get_vec(line, min(i + 1, last), 0), get_vec(line, max(i - 1, 0), 0))
+        length = norm(ahead)
+        if length > 0.0:
+            room[i] = _most_beside(obstacles, place, scale(1.0 / length, ahead), radius, enough)
+        else:
+            room[i], _ = closest(obstacles, place, enough, EXACT)

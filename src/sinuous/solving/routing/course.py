@@ -30,8 +30,9 @@ AFTER_EDGES = (5, 10)
 AT_ONCE, SOON = 6, 14
 """What may be tried along such a route before the next scattered starts, in starts."""
 
-SHARE = 0.6
-"""Scattered starts for each one that the work along routes costs."""
+SHARE, AMONG_BALLS = 0.6, 2.0
+"""Scattered starts for each one that the work along routes costs: as a rule; and among balls alone, which enclose
+nothing, so that chains along a route are hardly better than scattered ones, and dearer than they are said to be."""
 
 CUT = 0.9
 """Room, in radii of the body, up to which a route over coarse cells may lead through a wall."""
@@ -70,11 +71,13 @@ class Course:
         self._lines: list[Line] = []
         self._tasks: list[Task] = []
         self._spent, self._enclosed = 0, False
+        self._share = AMONG_BALLS if searches.only_balls(question.problem) else SHARE
         self._between = next((plan for plan in searches.plans if plan.between), None)
         self._misses: dict[int, int] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
-        self._narrows = Narrows(self._groups, partial(searches.room, question.problem), question.seconds_left)
+        looks = partial(searches.room, question.problem), partial(searches.beside, question.problem)
+        self._narrows = Narrows(self._groups, *looks, question.seconds_left)
         self._tried: set[bytes] = set()
 
     def batches(self) -> Iterator[Batch]:
@@ -234,7 +237,7 @@ class Course:
 
     def _scattered(self, least: int) -> Batch:
         """No start, and scattered ones after it: so many, or more after dear tasks."""
-        then, self._spent = max(least, round(SHARE * self._spent)), 0
+        then, self._spent = max(least, round(self._share * self._spent)), 0
         return along(np.empty((0, len(self._problem.robot), 3)), (), then=then)
 
     def _longer(self, line: Line, side: int) -> Iterator[Batch]:
@@ -318,25 +321,31 @@ class Course:
     def _search_legs(self, finest: bool) -> Floats | None:
         legs: list[Floats] = []
         for query in leg_queries(self._groups):
-            said = query.copy()
+            ways = [query]
             if legs:
-                gone_on(query, legs[-1])
-            leg = self._leg(query, finest)
-            if leg is None and legs:  # the body may arrive there from elsewhere, and go on to elsewhere
-                leg = self._leg(said, finest)
+                ways.insert(0, query.copy())  # else the body may arrive there from elsewhere, and go on to elsewhere
+                gone_on(ways[0], legs[-1])
+            leg = self._leg(ways, finest)
             if leg is None:
                 return None
             legs.append(respaced(leg, LEG_POINTS))
         return np.stack(legs)
 
-    def _leg(self, query: Floats, finest: bool) -> Floats | None:
-        """Return the route (K, 3) of one leg, around edges or over cells; `None` where none is found."""
-        leg = self._around(query)
-        for plan in self._searches.leg_plans(finest) if leg is None else ():
-            found = self._found(query, plan)
-            if found.routes:
-                return found.routes[0]
-        return leg
+    def _leg(self, ways: list[Floats], finest: bool) -> Floats | None:
+        """Return the route (K, 3) of one leg, asked for in either way (28,); `None` where none is found.
+
+        Both are looked for around edges before any over cells, which take a hundred times as long.
+        """
+        for query in ways:
+            leg = self._around(query)
+            if leg is not None:
+                return leg
+        for query in ways:
+            for plan in self._searches.leg_plans(finest):
+                found = self._found(query, plan)
+                if found.routes:
+                    return found.routes[0]
+        return None
 
 
 def along(initial: Floats, routes: tuple[Floats, ...], then: int = 0, closed: float | None = None) -> Batch:

@@ -28,7 +28,7 @@ from sinuous.solving.routing.growth import LEG_POINTS, segments_of
 from sinuous.solving.routing.parts import lengths_of_first, segments_in
 from sinuous.solving.routing.turned import Groups
 
-NARROW, WIDE = 1.35, 2.5
+NARROW, WIDE = 1.35, 3.0
 """Up to so many times the least distance a place is as narrow as the narrowest one; and distance, in radii of the body,
 from which on no place is narrow."""
 
@@ -126,12 +126,13 @@ class Passage:
     legs : ndarray (l, K, 3)
         The legs of a route, evenly spaced, in the length unit.
     distances : ndarray (l, K)
-        Of these points from the obstacles, in the length unit: beyond `FAR` radii anything that is not less.
+        Of these points from the obstacles, in the length unit, or the most that there is beside them, across the route:
+        from `WIDE` radii on anything that is not less.
     """
 
     def __init__(self, groups: Groups, legs: Floats, distances: Floats) -> None:
         segments = segments_in(groups)
-        skipped = max(1 + TANGENT, round(ENDS * legs.shape[1]))
+        skipped = _skipped(legs.shape[1])
         looked = distances[:, skipped:-skipped]
         self._legs, self._skipped = legs, skipped
         self._which = int(looked.min(axis=1).argmin())
@@ -139,7 +140,7 @@ class Passage:
         self._first = ends[self._which] + 1
         self._own = segments[self._first : ends[self._which + 1] + 1]
         self._length = float(np.linalg.norm(np.diff(legs[self._which], axis=0), axis=1).max())  # corners are cut
-        self.room = float(looked[self._which].min() / segments[:, RADIUS].min())
+        self.room = least_room(groups, distances)
         self._narrow = float(looked[self._which].min())
         self._stretch = _stretch(looked[self._which], skipped)
         mean = self._own[:, MAX_LENGTH].mean()
@@ -192,6 +193,17 @@ class Passage:
             if counts:
                 stowed = [max(0.0, low[m] - before) / m - max(0.0, low[-1] - low[m] - after) / (n - m) for m in counts]
                 yield Spot(at, counts, int(np.abs(stowed).argmin()))
+
+
+def least_room(groups: Groups, distances: Floats) -> float:
+    """Return the least of the distances (l, K) of legs from the obstacles, but for their ends, in radii of the body."""
+    skipped = _skipped(distances.shape[1])
+    return float(distances[:, skipped:-skipped].min() / segments_in(groups)[:, RADIUS].min())
+
+
+def _skipped(points: int) -> int:
+    """How many points at either end of a leg are not looked at."""
+    return max(1 + TANGENT, round(ENDS * points))
 
 
 def _stretch(distances: Floats, skipped: int) -> tuple[int, int]:

@@ -10,7 +10,7 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
-from sinuous.kernels.fitting.lines import room_along
+from sinuous.kernels.fitting.lines import room_along, room_beside
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
@@ -22,11 +22,11 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
-from sinuous.scene.obstacles import Box
+from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import rims_of, walls_of
-from sinuous.solving.routing.gates import FAR
+from sinuous.solving.routing.gates import FAR, WIDE
 from sinuous.solving.routing.growth import FEW, grown, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond
@@ -155,6 +155,13 @@ class Searches:
         scene = problem.scene
         return not len(walls_of(scene).edges) and any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
 
+    def only_balls(self, problem: Problem) -> bool:
+        """Whether all obstacles are balls or capsules: nothing is enclosed, and nothing has edges."""
+        return all(
+            isinstance(obstacle, Capsule) or (isinstance(obstacle, Sphere) and not obstacle.inside)
+            for obstacle in problem.scene.obstacles
+        )
+
     def by_tubes(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
         """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
         group, edges = problem.scene._kernel_group, rims_of(problem.scene)
@@ -202,6 +209,7 @@ class Searches:
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
             self.room(problem, line)
+            self.beside(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
             grown(groups, line[None], FEW, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
@@ -224,6 +232,12 @@ class Searches:
         distances = np.empty(len(points))
         room_along(problem.scene._kernel_group, points, FAR * max(self._robot.radii), distances)
         return distances
+
+    def beside(self, problem: Problem, line: Floats) -> Floats:
+        """Return the room (K,) across a line (K, 3); from `WIDE` radii on it may be anything that is not less."""
+        room, radius = np.empty(len(line)), min(self._robot.radii)
+        room_beside(problem.scene._kernel_group, line, radius, WIDE * radius, room)
+        return room
 
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""

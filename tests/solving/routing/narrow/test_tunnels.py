@@ -85,7 +85,7 @@ def test_chains_lie_free_in_the_tube() -> None:
             assert robot.excess(q) <= 1e-9
             best = max(best, float(scene.distance(robot.backbone(q, 20)).min()))
     assert best > 0.8 * RADIUS
-    narrows = Narrows(groups, scene.distance, lambda: 60.0)
+    narrows = Narrows(groups, scene.distance, scene.distance, lambda: 60.0)
     assert narrows.room(1, legs) == pytest.approx(1.4, abs=0.3)
     assert narrows.crossing(1, legs) is narrows.crossing(1, legs)
     assert len(narrows.crossing(1, legs)) == len(found.places)

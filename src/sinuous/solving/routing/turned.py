@@ -40,11 +40,12 @@ BEFORE = 3
 """Points of a route that its tangent is taken over."""
 
 
-def turned(groups: Groups, route: Floats) -> Groups | None:
+def turned(groups: Groups, route: Floats, whole: bool = False) -> Groups | None:
     """Return the groups of the problem the other way round; `None` where that cannot be said.
 
     The target is that of the tip, the only one. Limits of actuators, and a mount, are not turned. Where the target
-    leaves the direction open, or how far it is turned about it, the route (K, 3) decides.
+    leaves the direction open, or how far it is turned about it, the route (K, 3) decides. Where it asks for a rotation,
+    the base is a rotation to end with, if `whole`, else a direction: chains that grow along routes know no other.
     """
     robot, scene, settings, targets = groups
     count, actuators, n = len(targets), robot[1], int(robot[0])
@@ -61,6 +62,8 @@ def turned(groups: Groups, route: Floats) -> Groups | None:
     row[0, TARGET_SEGMENT], row[0, HAS_POSITION], row[0, ORIENTATION] = -1.0, 1.0, DIRECTION
     row[0, TARGET_POSITION : TARGET_POSITION + 3] = base[POSE_POSITION:]
     row[0, GOAL : GOAL + 3] = -_rotation(base)[:, 2]
+    if whole and targets[0, ORIENTATION] == ROTATION:
+        row[0, ORIENTATION], row[0, GOAL : GOAL + 9] = ROTATION, (_rotation(base) @ FLIP).ravel()
     return other, scene, settings, row
 
 

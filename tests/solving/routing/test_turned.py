@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from sinuous import Robot, Scene, Segment, Target, Tolerance, packing
-from sinuous.kernels.tables import DIRECTION, GOAL, ORIENTATION, POSE_POSITION, POSE_WIDTH, ROTATION
+from sinuous.kernels.tables import (
+    DIRECTION,
+    GOAL,
+    ORIENTATION,
+    POSE_POSITION,
+    POSE_WIDTH,
+    ROTATION,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+)
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
@@ -61,6 +70,15 @@ def test_turned_as_a_whole_the_base_is_a_rotation_to_end_with() -> None:
     assert row[ORIENTATION] == ROTATION
     np.testing.assert_allclose(other.tip(q)[:3, 3], robot.base[:3, 3], atol=1e-9)
     np.testing.assert_allclose(other.tip(q)[:3, :3], row[GOAL : GOAL + 9].reshape(3, 3), atol=1e-9)
+    elbow = robot.forward(Q)[0, :3, 3]
+    bent = turned(
+        groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3]), Target(elbow, segment=1)]), route, whole=True
+    )
+    assert bent is not None
+    number = int(bent[3][0, TARGET_SEGMENT])
+    np.testing.assert_allclose(other.forward(q)[number, :3, 3], elbow, atol=1e-9)
+    np.testing.assert_allclose(bent[3][0, TARGET_POSITION : TARGET_POSITION + 3], elbow, atol=1e-9)
+    np.testing.assert_allclose(bent[3][1], row)
     towards = groups(robot, [Target(tip[:3, 3], direction=tip[:3, 2])])
     for other_groups in (turned(asked, route), turned(towards, route, whole=True)):
         assert other_groups is not None

@@ -13,7 +13,7 @@ from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.crossing import Part
 from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, joined
 from sinuous.solving.routing.ends.rests import Rest, asked_of, rests
-from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam
+from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam, divided
 from sinuous.solving.routing.parts import backbone_of, fitted
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.routing.tubes import tube_around
@@ -98,5 +98,7 @@ class Ends:
             query = asked_of(rest.groups)
             route = None if query is None else self._searches.clear_route(self._question.problem, query, self._left)
             if route is not None:
-                self._known.append((rest, Part(rest.groups, respaced(route, LEG_POINTS)[None])))
+                legs = divided(rest.groups, route, NEAR * self._query[QUERY_RADIUS])
+                legs = respaced(route, LEG_POINTS)[None] if legs is None else legs
+                self._known.append((rest, Part(rest.groups, legs)))
                 yield self._known[-1]

@@ -15,7 +15,7 @@ from benchmarks.places.meshed import meshed
 from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
 from benchmarks.places.scans import scan
-from benchmarks.places.traps import bores, corridors, doors, pipes, worlds
+from benchmarks.places.traps import bores, branches, corridors, doors, ducts, pipes, tubes, worlds
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,10 @@ _TRAPS: dict[str, tuple[Trap, str]] = {
     "two doors": (doors.two_doors, "two cells, and between them a door and one that is too narrow, boxes"),
     "cells": (corridors.channel_between_cells, "from cell to cell through a straight channel, boxes"),
     "cells pipe": (corridors.pipe_between_cells, "from cell to cell through a bent pipe, boxes and a mesh"),
+    "two tubes": (tubes.two_tubes, "base in one pipe, target in another, the open between them, meshes"),
+    "funnel": (tubes.funnel, "target in a bent pipe whose mouth widens, the base outside, a mesh"),
+    "branches": (branches.branches, "base in a mouth of a pipe with a dead end on its way, a mesh"),
+    "box duct": (ducts.box_duct, "a flat duct of rectangular section, from the base or beyond it, boxes"),
 }
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (doors.folded, "20 segments folded in a cell before its door, boxes")}
 SCANNED_TRAPS = (

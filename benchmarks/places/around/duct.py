@@ -2,14 +2,14 @@
 
 import math
 
-import igl
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial import cKDTree
 
+from benchmarks.places.parts.marching import around
 from benchmarks.places.parts.robots import robot_of
 from benchmarks.places.parts.shapes import arc, curve_of, draw_shape, lengthened
-from benchmarks.places.parts.surfaces import Faces, Surface, joined, solid
+from benchmarks.places.parts.surfaces import Surface, joined, solid
 from benchmarks.places.place import Sketch
 from sinuous.checks import Floats
 
@@ -31,9 +31,6 @@ STEP = 0.25
 
 TRIES = 30
 
-CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
-"""Corners of a cell, in the order that marching cubes takes them."""
-
 
 def duct(seed: int, rng: Generator) -> Sketch | None:
     """Wall in the hidden shape and some dead ends that leave it."""
@@ -47,7 +44,7 @@ def duct(seed: int, rng: Generator) -> Sketch | None:
         return None
     tree = cKDTree(np.concatenate([main[:, :3, 3], *ends]))
     cell = CELL * radius
-    wall = joined([_around(tree, OUTSIDE * radius, cell), _around(tree, INSIDE * radius, cell).turned])
+    wall = joined([_at(tree, OUTSIDE * radius, cell), _at(tree, INSIDE * radius, cell).turned])
     return Sketch(robot, [solid(wall, "duct")], q)
 
 
@@ -77,36 +74,6 @@ def _branch(main: Floats, at: int, radius: float, rng: Generator) -> Floats:
     return points
 
 
-def _around(tree: cKDTree, distance: float, cell: float) -> Surface:
-    """Return the surface at a distance from all points of a tree, by marching cubes in the cells that it meets."""
-    places = np.asarray(tree.data)
-    reach = math.ceil(distance / cell) + 2
-    block = np.stack(np.meshgrid(*[np.arange(-reach, reach)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    origin = places.min(axis=0) - (reach + 1) * cell
-    coarse = np.unique(((places - origin) / (2.0 * cell)).astype(np.int64), axis=0) * np.int64(2)
-    cells = _distinct((coarse[:, None] + block).reshape(-1, 3))
-    corners = cells[:, None] + CUBE
-    nodes, numbers = np.unique(_key(corners.reshape(-1, 3)), return_inverse=True)
-    points = origin + cell * _from_key(nodes)
-    values = tree.query(points)[0] - distance
-    numbers = numbers.reshape(-1, 8)
-    mixed = np.ptp(np.sign(values)[numbers], axis=1) > 0.0
-    vertices, faces, _ = igl.marching_cubes(values, points, numbers[mixed])
-    return Surface(vertices, faces)
-
-
-SPAN = 1 << 20
-
-
-def _key(cells: Faces) -> Faces:
-    """One number for every triple of whole numbers."""
-    key: Faces = (cells[:, 0] * SPAN + cells[:, 1]) * SPAN + cells[:, 2]
-    return key
-
-
-def _from_key(key: Faces) -> Faces:
-    return np.stack([key // SPAN // SPAN, key // SPAN % SPAN, key % SPAN], axis=-1)
-
-
-def _distinct(cells: Faces) -> Faces:
-    return _from_key(np.unique(_key(cells)))
+def _at(tree: cKDTree, distance: float, cell: float) -> Surface:
+    """Return the surface at a distance from all points of a tree."""
+    return around(np.asarray(tree.data), distance, cell, lambda points: np.asarray(tree.query(points)[0]) - distance)

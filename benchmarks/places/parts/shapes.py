@@ -89,6 +89,11 @@ def draw_shape(
             return q
 
 
+def keeps_from_itself(curve: Curve, apart: float) -> bool:
+    """Whether a backbone keeps `apart` from itself; see `draw_shape`."""
+    return _keeps_apart(curve.points, curve.along, curve.points, curve.along, apart)
+
+
 def _grow(robot: Robot, apart: float, rng: Generator, least_ahead: float, straight: Container[int]) -> Floats | None:
     """Add one segment after the other, each free of those before; `None` where there is no way on."""
     found: list[Floats] = []

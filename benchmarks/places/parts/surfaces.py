@@ -103,6 +103,14 @@ def open_tube(poses: Floats, inside: float, outside: float, bottom: bool = False
     return loft(np.array([behind, *outer, *inner[::-1]]), np.array([start - (outside - inside) * tangent, start]))
 
 
+def widening_tube(poses: Floats, inside: Floats, outside: Floats, sides: int = 16) -> Surface:
+    """Return the wall between two radii (m,) around a curve given by frames (m, 4, 4), open at both ends."""
+    widen = 1.0 / math.cos(math.pi / sides)
+    outer = [_ring(pose, widen * radius, 0.0, sides) for pose, radius in zip(poses, outside, strict=True)]
+    inner = [_ring(pose, widen * radius, 0.0, sides) for pose, radius in zip(poses, inside, strict=True)]
+    return ring_loft(np.array([*outer, *inner[::-1]]))
+
+
 def _ring(pose: Floats, radius: float, ahead: float, sides: int) -> Floats:
     turn = 2.0 * math.pi * np.arange(sides) / sides
     local = np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(sides, ahead)], axis=-1)

@@ -62,7 +62,7 @@ def open_channel(width: float, robot: Robot, rng: Generator) -> Sketch:
     """Put the base into a straight channel of four boxes."""
     straight = _first(robot, rng)
     q, curve = _shape(robot, math.sqrt(2.0) * width, range(straight), rng)
-    poses = _backwards(curve.poses[: straight * RINGS + 1], max(robot.radii), rng)
+    poses = backwards(curve.poses[: straight * RINGS + 1], max(robot.radii), rng)
     length = float(np.linalg.norm(poses[-1, :3, 3] - poses[0, :3, 3]))
     radius = max(robot.radii)
     return sketch_of(robot, channel(poses[0], width * radius, length, WALL * radius), q, rng)
@@ -79,7 +79,7 @@ def _shape(robot: Robot, width: float, straight: range, rng: Generator) -> tuple
     return q, curve_of(robot, q, RINGS)
 
 
-def _backwards(poses: Floats, radius: float, rng: Generator) -> Floats:
+def backwards(poses: Floats, radius: float, rng: Generator) -> Floats:
     """Begin a little behind the first of the frames (m, 4, 4)."""
     start = poses[:1].copy()
     start[0, :3, 3] -= radius * rng.uniform(*BEHIND) * start[0, :3, 2]
@@ -89,7 +89,7 @@ def _backwards(poses: Floats, radius: float, rng: Generator) -> Floats:
 def _piped(robot: Robot, q: Floats, poses: Floats, width: float, rng: Generator) -> Sketch:
     """Put a wall around frames (m, 4, 4) that begin at the base."""
     radius = max(robot.radii)
-    enclosed = _backwards(poses, radius, rng)
+    enclosed = backwards(poses, radius, rng)
     closed = rng.random() < CLOSED
     if closed:
         enclosed[0, :3, 3] = poses[0, :3, 3] - 1.2 * radius * poses[0, :3, 2]

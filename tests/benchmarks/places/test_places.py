@@ -109,7 +109,11 @@ def test_a_seed_makes_its_place_again(family: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "family", ["pipe 1.3", "pipe 2.2", "plates", "drum", "duct", "open pipe 1.3", "bore", "cells mesh", "cells pipe"]
+    "family",
+    [
+        *("pipe 1.3", "pipe 2.2", "plates", "drum", "duct", "open pipe 1.3", "bore", "cells mesh", "cells pipe"),
+        *("two tubes", "funnel", "branches"),
+    ],
 )
 @pytest.mark.parametrize("seed", [10, 13])
 def test_meshes_are_solids_without_flaws(family: str, seed: int) -> None:

@@ -4,6 +4,16 @@ import numpy as np
 import pytest
 
 from sinuous import Robot, Scene, Segment, Target
+from sinuous.kernels.tables import (
+    DIRECTION,
+    GOAL,
+    ORIENTATION,
+    POSE_POSITION,
+    POSE_WIDTH,
+    ROTATION,
+    TARGET_POSITION,
+    TARGET_SEGMENT,
+)
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
@@ -43,6 +53,42 @@ def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray 
     assert np.linalg.norm(found[:3, 3] - tip[:3, 3]) < 0.05
     if kind != "position":
         assert found[:3, 2] @ tip[:3, 2] > 0.995
+
+
+def test_turned_as_a_whole_the_base_is_a_rotation_to_end_with() -> None:
+    """The hidden shape, turned round, ends at the base turned round: with its rotation, not just its tangent."""
+    robot = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=pose((1.0, 2.0, 3.0), rotation=(0.3, 0.5, -0.4, 0.7)), tool=TOOL)
+    tip = robot.tip(Q)
+    asked = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3])])
+    route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
+    there = turned(asked, route, whole=True)
+    assert there is not None
+    q = turned_back(there, asked, Q)  # to turn round twice is to do nothing
+    other = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=_base(there))
+    row = there[3][0]
+    assert row[ORIENTATION] == ROTATION
+    np.testing.assert_allclose(other.tip(q)[:3, 3], robot.base[:3, 3], atol=1e-9)
+    np.testing.assert_allclose(other.tip(q)[:3, :3], row[GOAL : GOAL + 9].reshape(3, 3), atol=1e-9)
+    elbow = robot.forward(Q)[0, :3, 3]
+    bent = turned(
+        groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3]), Target(elbow, segment=1)]), route, whole=True
+    )
+    assert bent is not None
+    number = int(bent[3][0, TARGET_SEGMENT])
+    np.testing.assert_allclose(other.forward(q)[number, :3, 3], elbow, atol=1e-9)
+    np.testing.assert_allclose(bent[3][0, TARGET_POSITION : TARGET_POSITION + 3], elbow, atol=1e-9)
+    np.testing.assert_allclose(bent[3][1], row)
+    towards = groups(robot, [Target(tip[:3, 3], direction=tip[:3, 2])])
+    for other_groups in (turned(asked, route), turned(towards, route, whole=True)):
+        assert other_groups is not None
+        assert other_groups[3][0, ORIENTATION] == DIRECTION
+
+
+def _base(there: Groups) -> np.ndarray:
+    flat = there[0][-2 * POSE_WIDTH : -POSE_WIDTH]
+    base = np.eye(4)
+    base[:3, :3], base[:3, 3] = flat[:POSE_POSITION].reshape(3, 3), flat[POSE_POSITION:]
+    return base
 
 
 def test_what_is_not_turned_is_left() -> None:

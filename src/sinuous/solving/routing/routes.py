@@ -6,6 +6,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.solving.routing.course import Course
 from sinuous.solving.routing.elbows.threading import Threading
+from sinuous.solving.routing.ends.ends import Ends
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts.sources import Batch, Question
 
@@ -19,7 +20,8 @@ class Router(Searches):
         """Yield configurations along routes to the most distal target, and what is grown along them."""
         query = self.query(question.problem)
         if query is not None:
-            yield from Threading(self, question).among(Course(self, question, query).batches())
+            batches = Ends(self, question, query).among(Course(self, question, query).batches())
+            yield from Threading(self, question).among(batches)
 
     def along(self, question: Question, query: Floats, route: Floats) -> Iterator[Batch]:
         """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to most sides."""

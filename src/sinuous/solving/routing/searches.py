@@ -43,6 +43,9 @@ SIDES = tuple(turns * math.pi for turns in (0.0, 1.0, 0.5, 1.5, 0.25, 1.25, 0.75
 ROD_POINTS = 160
 """Points of such a route."""
 
+CLEAR = 0.9
+"""Room, in radii of the body, that a clear route over coarse cells keeps: else the finest ones are asked."""
+
 MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
 """What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
 one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
@@ -180,6 +183,15 @@ class Searches:
             return route
 
         return route_through(axes, query, leg, last, POINTS)
+
+    def clear_route(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
+        """Return a route (K, 3), around edges or over cells, as coarse as suffice; `None` where none is found."""
+        route = self.by_edges(problem, query, max(0.0, seconds_left()))
+        for plan in self.leg_plans(finest=False) if route is None else ():
+            found = self.find(problem, query, plan, max(0.0, seconds_left()))
+            if found.routes and problem.scene.distance(found.routes[0]).min() >= CLEAR * query[QUERY_RADIUS]:
+                return found.routes[0]
+        return route
 
     def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""

@@ -74,6 +74,11 @@ class Tube(NamedTuple):
         """Whether it ends at a mouth."""
         return self.ended == MOUTH
 
+    @property
+    def passed(self) -> bool:
+        """Whether it leads on: it ends at a mouth, or where it branches."""
+        return self.ended in (MOUTH, BRANCH)
+
 
 def tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
     """Return the tube that the base lies in, from what a route has to keep (28,); `None` where there is none."""
@@ -112,6 +117,13 @@ def within(tube: Tube, query: Floats) -> Floats | None:
 
 def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iterator[tuple[Floats, Floats]]:
     """Yield chains (n, 3) that lead out of a tube, and the routes (K, 3) along which they lie."""
+    for head, line in heads(tube, groups, seconds_left):
+        yield _joined(groups, head, line, seconds_left)
+
+
+def heads(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iterator[tuple[Floats, Floats]]:
+    """Yield chains (m, 3) of the segments that a tube holds, and the lines (K, 3) along which they lie."""
+    robot, scene, settings, targets = groups
     n, segments = int(groups[0][0]), segments_in(groups)
     least, most = segments[:, MIN_LENGTH], segments[:, MAX_LENGTH]
     length, tried = lengths_along(tube.axis)[-1], set()
@@ -124,13 +136,13 @@ def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Ite
         tried.add((count, ends[count - 1]))
         if seconds_left() <= 0.0:
             return
-        yield _joined(groups, lengthened(tube.axis, ends[count - 1]), count, seconds_left)
+        line = lengthened(tube.axis, ends[count - 1])
+        yield fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, seconds_left())), line
 
 
-def _joined(groups: Groups, line: Floats, count: int, seconds_left: Callable[[], float]) -> tuple[Floats, Floats]:
-    """A chain whose first segments lie along a line (K, 3) and whose others go from there to the targets; its route."""
-    robot, scene, settings, targets = groups
-    head = fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, seconds_left()))
+def _joined(groups: Groups, head: Floats, line: Floats, seconds_left: Callable[[], float]) -> tuple[Floats, Floats]:
+    """A chain that begins with segments (m, 3) along a line (K, 3), and goes from there to the targets; its route."""
+    scene = groups[1]
     rest = beyond(groups, head)
     n, actuators = (int(number) for number in rest[0][:2])
     q, nothing = np.zeros((n, 3)), np.empty((0, n, 3))

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from benchmarks.places.parts.shapes import arc
-from benchmarks.places.parts.surfaces import Surface, blind_bore, joined, loft, open_tube, plate, tube
+from benchmarks.places.parts.surfaces import Surface, blind_bore, joined, loft, open_tube, plate, tube, widening_tube
 from sinuous.checks import Floats
 
 
@@ -71,3 +71,15 @@ def test_a_loft_over_squares_is_a_box() -> None:
     solid = as_trimesh(loft(np.stack([square, square + np.array([0, 0, 3])]), np.array([[0, 0, 0], [0, 0, 3.0]])))
     assert solid.is_watertight
     assert solid.volume == pytest.approx(12.0)
+
+
+def test_a_widening_tube_is_as_wide_as_is_said_all_along() -> None:
+    poses, share = curve(), np.linspace(0.0, 1.0, 41)
+    inside, outside = 0.3 - 0.1 * share, 0.4 - 0.1 * share
+    wall = as_trimesh(widening_tube(poses, inside, outside, sides=40))
+    assert wall.is_watertight
+    sections = math.pi * (outside**2 - inside**2)
+    assert wall.volume == pytest.approx(2.0 * sections.mean(), rel=0.02)
+    gaps = np.linalg.norm(wall.vertices[:, None] - poses[:, :3, 3], axis=-1)
+    nearest = gaps.argmin(axis=1)
+    assert (gaps.min(axis=1) >= 0.97 * inside[nearest]).all()

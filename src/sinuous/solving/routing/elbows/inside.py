@@ -50,7 +50,7 @@ def tube_of(scene: Floats, query: Floats, elbow: Floats, distance: Distance, sec
     radius = float(query[QUERY_RADIUS])
     if radius <= 0.0 or float(distance(elbow[None])[0]) > WIDE * radius:
         return None
-    along = _longest(elbow, radius, distance)
+    along = longest(elbow, radius, distance)
     ways, opens = [], 0
     for ahead in (-along, along):
         asked = query.copy()
@@ -67,7 +67,7 @@ def tube_of(scene: Floats, query: Floats, elbow: Floats, distance: Distance, sec
     return Inside(one, other, tangent / np.linalg.norm(tangent))
 
 
-def _longest(elbow: Floats, radius: float, distance: Distance) -> Floats:
+def longest(elbow: Floats, radius: float, distance: Distance) -> Floats:
     """The direction (3,) in which one sees farthest from a place, to both sides together."""
     number = np.arange(SIDES) + 0.5
     height, turn = number / SIDES, math.pi * (1.0 + math.sqrt(5.0)) * number

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN, ROUTE, SOURCES
 from sinuous.solving.routing.crossing import Parts
 from sinuous.solving.routing.elbows.inside import Inside, tube_of
 from sinuous.solving.routing.elbows.ways import Route, Ways
@@ -21,9 +21,6 @@ COSTS = {GLANCE: 0, ONE: 10, SOME: 50, FEW: 200, MANY: 600}
 
 A_START = 4
 """What a start from a route costs, in scattered starts."""
-
-CLEAR = 0.9
-"""Room, in radii of the body, that a route over coarse cells has to keep: else the finest ones are asked."""
 
 
 class Threading:
@@ -107,10 +104,4 @@ class Threading:
 
     def _route(self, query: Floats) -> Floats | None:
         """Return a route (K, 3), around edges or over cells, as coarse as suffice; `None` where none is found."""
-        searches = self._searches
-        route = searches.by_edges(self._problem, query, max(0.0, self._left()))
-        for plan in searches.leg_plans(finest=False) if route is None else ():
-            found = searches.find(self._problem, query, plan, max(0.0, self._left()))
-            if found.routes and self._problem.scene.distance(found.routes[0]).min() >= CLEAR * query[QUERY_RADIUS]:
-                return found.routes[0]
-        return route
+        return self._searches.clear_route(self._problem, query, self._left)

@@ -1,0 +1,104 @@
+"""Starts for a base, a tip, or both, that lie in tubes, between the other starts of routes.
+
+A route from end to end is of little use there: it is that of a ball, which turns round in the tube, and leaves by the
+nearer mouth. So a route is searched for from mouth to mouth, for what is left of the robot between what is laid along
+the axes.
+"""
+
+from collections.abc import Iterable, Iterator
+
+from sinuous.checks import Floats
+from sinuous.kernels.tables import QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.solving.polylines import respaced
+from sinuous.solving.routing.crossing import Part
+from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, joined
+from sinuous.solving.routing.ends.rests import Rest, asked_of, rests
+from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam, divided
+from sinuous.solving.routing.parts import backbone_of, fitted
+from sinuous.solving.routing.searches import Searches
+from sinuous.solving.routing.tubes import tube_around
+from sinuous.solving.starts.sources import Batch, Question
+
+COSTS = {GLANCE: 21, ONE: 40, SOME: 90, FEW: 200, MANY: 600}
+"""How much effort is made, and what routes have cost before, in scattered starts: mostly what leads along these, or out
+of the tube of the base, suffices."""
+
+A_START = 4
+"""What a start from a route costs, in scattered starts."""
+
+
+class Ends:
+    """Chains of which what lies in tubes at either end is laid along their axes, for one question.
+
+    Parameters
+    ----------
+    searches : Searches
+    question : Question
+    query : ndarray (28,)
+        What a route to the tip has to keep.
+    """
+
+    def __init__(self, searches: Searches, question: Question, query: Floats) -> None:
+        self._searches, self._question, self._query = searches, question, query
+        self._left, self._groups = question.seconds_left, searches.groups(question.problem)
+        # limits of actuators join what is in a tube and what is not; and several solutions lead not only through tubes
+        self._none = question.several or self._groups[0][1] > 0.0
+        self._rests: Iterator[Rest] | None = None
+        self._known: list[tuple[Rest, Part]] = []
+        self._tried: set[bytes] = set()
+
+    def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
+        """Yield batches, and chains with more and more effort between them."""
+        due, cost = [] if self._none else list(COSTS), 0
+        for batch in batches:
+            while due and cost >= COSTS[due[0]]:
+                yield from self._made(due.pop(0))
+            yield batch
+            cost += batch.then + A_START * len(batch.initial)
+        for beam in due:
+            yield from self._made(beam)
+
+    def _made(self, beam: Beam) -> Iterator[Batch]:
+        for chain in self._chains(beam):
+            if chain.tobytes() not in self._tried:
+                self._tried.add(chain.tobytes())
+                route = backbone_of(self._groups, chain)
+                route.setflags(write=False)
+                yield Batch(SOURCES[ROUTE], chain[None], routes=(route,))
+
+    def _chains(self, beam: Beam) -> Iterator[Floats]:
+        """Yield chains (n, 3) whose parts took no more effort than this: what came nearest, where none is solved."""
+        if self._rests is None and self._left() > 0.0:
+            yield from self._begun()
+        for rest, part in self._parts():
+            chain = part.solved(beam, self._left)
+            chain = part.nearest if chain is None else chain
+            if chain is not None:
+                yield rest.whole(chain)
+
+    def _begun(self) -> Iterator[Floats]:
+        """Look for the tubes of both ends; yield chains along both axes, where these meet."""
+        scene = self._groups[1]
+        axes = axes_from_goal(scene, self._query, self._question.problem.scene.distance, self._left())
+        tube = tube_around(scene, self._query, self._left())
+        self._rests = rests(self._groups, tube, axes, self._left)
+        first = self._query[None, QUERY_ORIGIN : QUERY_ORIGIN + 3] if tube is None else tube.axis
+        for axis in axes:
+            line = joined(first, axis, NEAR * self._query[QUERY_RADIUS])
+            if line is not None and self._left() > 0.0:
+                yield fitted(self._groups, respaced(line, max(LEG_POINTS, len(line))), self._left())
+
+    def _parts(self) -> Iterator[tuple[Rest, Part]]:
+        """Yield what is left of the robot, while there is time; routes are searched for as they are needed."""
+        yield from list(self._known)
+        while self._rests is not None and self._left() > 0.0:
+            rest = next(self._rests, None)
+            if rest is None:
+                return
+            query = asked_of(rest.groups)
+            route = None if query is None else self._searches.clear_route(self._question.problem, query, self._left)
+            if route is not None:
+                legs = divided(rest.groups, route, NEAR * self._query[QUERY_RADIUS])
+                legs = respaced(route, LEG_POINTS)[None] if legs is None else legs
+                self._known.append((rest, Part(rest.groups, legs)))
+                yield self._known[-1]

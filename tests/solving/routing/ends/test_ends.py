@@ -1,0 +1,75 @@
+"""Chains whose ends lie in tubes: found where a route from end to end leaves by the wrong mouth."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.places import Place, make
+from benchmarks.places.place import right
+from sinuous import Solver
+from sinuous.problem.problem import Problem
+from sinuous.solving.routing.ends.ends import COSTS, Ends
+from sinuous.solving.routing.routes import Router
+from sinuous.solving.starts.sources import Batch, Question
+from tests.helpers import Floats
+
+HARD = [("two tubes", 3), ("two tubes", 4), ("two tubes", 17), ("funnel", 11)]
+"""Places that take twenty times as many starts, or more, without these chains."""
+
+
+@cache
+def place(family: str, number: int) -> Place:
+    return make(family, number)
+
+
+def ends(at: Place, several: bool = False, seconds: float = 60.0) -> Ends:
+    router = Router(at.robot, at.scene, at.tolerance)
+    problem = Problem.prepared(at.robot, at.targets, at.scene.snapshot(), at.tolerance)
+    query = router.query(problem)
+    assert query is not None
+    return Ends(router, Question(problem, np.empty((0, len(at.robot), 3)), lambda: seconds, several), query)
+
+
+@pytest.mark.parametrize(("family", "number"), HARD)
+def test_a_chain_leads_from_tube_to_tube(family: str, number: int) -> None:
+    at = place(family, number)
+    solver = Solver(at.robot, at.scene, tolerance=at.tolerance, routes=False, max_starts=1)
+    batch = next(b for b in ends(at).among([]) if solver.solve(at.targets, b.initial[0], time=30.0).solved)
+    assert at.robot.excess(batch.initial[0]) <= 1e-9
+    (route,) = batch.routes
+    assert np.allclose(route[0], at.robot.base[:3, 3])
+    assert not route.flags.writeable
+
+
+@pytest.mark.parametrize(("family", "number"), HARD)
+def test_such_places_are_solved(family: str, number: int) -> None:
+    at = place(family, number)
+    solution = sn.solve(at.robot, at.targets, at.scene, tolerance=at.tolerance, time=60.0)
+    assert solution.solved
+    assert right(at, solution.q)
+    assert solution.start == "route"
+    assert solution.starts < 60
+
+
+def test_it_makes_nothing_in_the_open_without_time_or_for_several_solutions() -> None:
+    at = place(*HARD[0])
+    assert list(ends(at, seconds=0.0).among([])) == []
+    assert list(ends(at, several=True).among([])) == []
+    assert list(ends(place("spheres 12", 0)).among([])) == []
+
+
+def test_effort_grows_with_what_the_other_starts_have_cost() -> None:
+    source, made = ends(place(*HARD[0])), list[object]()
+
+    def some(beam: object) -> list[Batch]:
+        made.append(beam)
+        return []
+
+    source._made = some  # type: ignore[method-assign, assignment]
+    nothing: Floats = np.empty((0, 20, 3))
+    others = iter([Batch("route", nothing, then=then) for then in (30, 60, 0)])
+    counts = [len(made) for _ in source.among(others)]
+    assert counts == [0, 1, 3]
+    assert made == list(COSTS)

@@ -242,9 +242,11 @@ def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int
 
 @kernel
 def descend(
-    problem: Problem, states: State, at: int, work: Work, most: int
+    problem: Problem, states: State, at: int, work: Work, most: int, wish: float
 ) -> tuple[int, int, int, float, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
+
+    Steps also wish for the clearance `wish`: a robot that goes on from where it had it keeps it for nothing.
 
     Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
     when it fails again, contacts are looked for more closely. Self-contacts are looked for from the first failed proof
@@ -263,7 +265,7 @@ def descend(
     bound = with_self = False
     while True:
         looked = pick(states, looked_at)
-        linearise(problem, looked, work, depth, mode, 0.0, with_self)
+        linearise(problem, looked, work, depth, mode, wish, with_self)
         if late(work.clock):
             if merit == math.inf:
                 at, looked.norms[MERIT] = looked_at, math.inf

@@ -37,8 +37,9 @@ def prove_motions(
     """Prove the motions linear in q between neighbouring `knots` (T, n, 3), one after the other.
 
     `known` (T, 2): proved clearances of the knots from obstacles and from the body itself, infinite where there is
-    nothing to be clear of; 0: not known. `drifts` (T - 1, c, 31): how obstacles move in each of them, see `drift`; where c is not 0, the rows of these in the
-    scene are written. Fills `answers` (T - 1, 14). What is not proved when the time is over is UNDECIDED.
+    nothing to be clear of; 0: not known. `drifts` (T - 1, c, 31): how obstacles move in each of them, see `drift`;
+    where c is not 0, the rows of these in the scene are written. Fills `answers` (T - 1, 14). What is not proved when
+    the time is over is UNDECIDED.
     """
     own, around = read_robot(robot), read_scene(scene)
     mount, slack, finest, seconds = terms

@@ -80,7 +80,7 @@ def test_it_ends_before_what_is_in_the_way() -> None:
 def test_beside_walls_the_knots_do_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two rows of balls touch the body; a proof is no longer or shorter for the time that it may take."""
     along = np.linspace(0.4, BEZIER.length, 30)
-    balls = [sn.Sphere(BEZIER.at(s) + [0.0, side * 0.36, 0.0], radius=0.3) for s in along for side in (-1, 1)]
+    balls = [sn.Sphere(np.add(BEZIER.at(s), [0.0, side * 0.36, 0.0]), radius=0.3) for s in along for side in (-1, 1)]
     motions = []
     for seconds in (leader.SECONDS, 100.0 * leader.SECONDS):
         monkeypatch.setattr(leader, "SECONDS", seconds)
@@ -91,7 +91,7 @@ def test_beside_walls_the_knots_do_not_depend_on_the_clock(monkeypatch: pytest.M
 
 
 def test_no_step_is_proved_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    proved = []
+    proved: list[bytes] = []
     prove = Prover.prove
 
     def count(self: Prover, knots: Any, *given: Any, **options: Any) -> Any:

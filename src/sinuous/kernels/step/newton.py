@@ -296,11 +296,9 @@ def descend(
                 depth += 2
             looked_at, merit = at, math.inf
             continue
-        if slow >= PATIENCE and loose > 0.0 and met_by(state, loose):
-            mode, loose = solids.EXACT, 0.0
-            looked_at, merit, slow, easing = at, math.inf, 0, 1.0
-            continue
-        if wish > 0.0 and slow >= WISHFUL:  # a wish may be what keeps the targets from being met exactly
+        sampled = slow >= PATIENCE and loose > 0.0 and met_by(state, loose)
+        if sampled or (wish > 0.0 and slow >= WISHFUL):
+            mode, loose = (solids.EXACT, 0.0) if sampled else (mode, loose)
             wish, looked_at, merit, slow, easing = 0.0, at, math.inf, 0, 1.0
             continue
         if iteration >= most or slow >= PATIENCE or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0]):

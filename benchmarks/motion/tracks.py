@@ -18,6 +18,7 @@ from benchmarks.problems import ProblemSet
 from benchmarks.solvers.parallel import in_processes
 from sinuous.motion.motion import Motion
 from sinuous.solution.solution import Solution
+from sinuous.solving.planning.trees import load_trees
 
 SEGMENTS, SPHERES, SEEDS = (5, 8, 10), (10, 30, 50, 70), 12
 
@@ -120,6 +121,7 @@ def follow(path: Path) -> Followed:
         path.segments, path.spheres, np.random.default_rng([path.seed, path.segments, path.spheres])
     )
     _track(problems.only(range(3)))
+    load_trees(problems.robot, problems.scene.snapshot())  # what re-configures the robot is warm, too
     motion, seconds = _track(problems)
     solved = sum(solution.solved for solution in motion.solutions)
     return Followed(

@@ -67,7 +67,7 @@ class PreparedNewton(Compiled):
         """Solve one problem; see `Method.run`."""
         arguments = self._arguments(problem, initial, budget)
         outcome = Outcome(arguments[-1], *search(*arguments))
-        if self._preferences and outcome.code == SOLVED and not self._liked(outcome):
+        if self._preferences and outcome.code == SOLVED and not self._preferences.satisfied(outcome.clearance):
             if reference is None and len(initial):
                 reference = initial[0]
             return self._prefer(outcome, problem.scene, problem._rows, reference, budget[3] - outcome.seconds)
@@ -78,15 +78,10 @@ class PreparedNewton(Compiled):
         super().run_many(scene, rows, initial, budget, answers)
         for i in np.flatnonzero(answers[:, CODE] == SOLVED).tolist() if self._preferences else ():
             outcome = as_outcomes(answers[i : i + 1])[0]
-            if self._liked(outcome):
+            if self._preferences.satisfied(outcome.clearance):
                 continue
             reference = initial[i, 0] if initial.shape[1] else None
             self._prefer(outcome, scene, rows[i], reference, budget[3] - outcome.seconds).write(answers[i])
-
-    def _liked(self, outcome: Outcome) -> bool:
-        """Whether clearance alone is wished for, and there is enough of it already."""
-        wishes = self._preferences
-        return wishes.start == wishes.bends == 0.0 and outcome.clearance >= wishes.clearance
 
     def _prefer(
         self, outcome: Outcome, scene: Snapshot, rows: Floats, reference: Floats | None, seconds: float

@@ -8,6 +8,7 @@ from sinuous.arguments import Number, Shortest, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
+from sinuous.motion.following.room import Room
 from sinuous.motion.following.timetable import Timetable
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
@@ -74,7 +75,8 @@ def track(
         Called with the solution of each waypoint as it is found.
     **options
         As for `Solver`; `time` is the budget of one waypoint. By default `prefer` wishes for a clearance of 0.02 of the
-        mean length of a segment: along obstacles, steps are proved sooner and are fewer then.
+        mean length of a segment, and is content with half of it: along obstacles, steps are proved sooner and are fewer
+        then.
 
     Returns
     -------
@@ -123,7 +125,7 @@ def wish(robot: Robot, method: Choice) -> Preferences:
         raise InputError("robot", "", robot, "a Robot")
     if not capabilities(method).preferences:
         return Preferences()
-    return Preferences(clearance=ROOM * robot.mean_length / len(robot))
+    return Room(clearance=ROOM * robot.mean_length / len(robot))
 
 
 def read_deviation(solver: Solver, deviation: Number | None) -> float:

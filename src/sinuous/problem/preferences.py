@@ -31,3 +31,7 @@ class Preferences(Frozen):
 
     def __bool__(self) -> bool:
         return self.start > 0.0 or self.bends > 0.0 or self.clearance > 0.0
+
+    def satisfied(self, clearance: float) -> bool:
+        """Say whether a solution with this clearance cannot be better: there is enough, and nothing else is wished."""
+        return self.start == self.bends == 0.0 and clearance >= self.clearance

@@ -122,23 +122,34 @@ class Prover:
             self._scene_group = self._scene_group.copy()  # rows of it are written
 
     def prove(
-        self, knots: Floats, slack: float = SLACK, seconds: float = SECONDS, times: Floats | None = None
+        self,
+        knots: Floats,
+        slack: float = SLACK,
+        seconds: float = SECONDS,
+        times: Floats | None = None,
+        known: Floats | None = None,
     ) -> Floats:
-        """Return answers (T - 1, 14) about the motions between neighbouring `knots`; see `prove_steps`."""
+        """Return answers (T - 1, 14) about the motions between neighbouring `knots`; see `prove_steps`.
+
+        `known` (T, 2): proved clearances and self-clearances of the knots; 0: not known. Bounds are no more than
+        `slack` below these, then.
+        """
+        clear = np.zeros((len(knots), 2)) if known is None else known
         if self._drifts is None:
-            return self._prove(knots, np.empty((len(knots) - 1, 0, DRIFT_WIDTH)), slack, seconds)
+            return self._prove(knots, clear, np.empty((len(knots) - 1, 0, DRIFT_WIDTH)), slack, seconds)
         if times is None:
             raise InputError("times", "missing: obstacles move", None, "when the robot is at each knot")
         finer = self._drifts.divided(times)
         if len(finer) == len(times):
-            return self._prove(knots, self._drifts.rows(times), slack, seconds)
-        answers = self._prove(divided_knots(knots, times, finer), self._drifts.rows(finer), slack, seconds)
+            return self._prove(knots, clear, self._drifts.rows(times), slack, seconds)
+        divided = divided_knots(knots, times, finer)
+        answers = self._prove(divided, np.zeros((len(finer), 2)), self._drifts.rows(finer), slack, seconds)
         return together(answers, times, finer)
 
-    def _prove(self, knots: Floats, drifts: Floats, slack: float, seconds: float) -> Floats:
+    def _prove(self, knots: Floats, known: Floats, drifts: Floats, slack: float, seconds: float) -> Floats:
         answers = np.zeros((len(knots) - 1, ANSWER_WIDTH))
         terms = self._mount, slack, self._finest, seconds * len(answers)
-        prove_motions(self._group, self._scene_group, knots, drifts, terms, self._workspace, answers)
+        prove_motions(self._group, self._scene_group, knots, known, drifts, terms, self._workspace, answers)
         return answers
 
 

@@ -103,7 +103,8 @@ class Solver(Stepping):
         self._portfolio = Portfolio(chosen.max_starts, self._further())
         self._again = Again(OneSolve.prepared, chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
-        self._no_initial: Floats = np.empty((0, len(robot), 3))
+        self._shape = len(robot), 3
+        self._no_initial: Floats = np.empty((0, *self._shape))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
 
@@ -374,6 +375,8 @@ class Solver(Stepping):
     def _given(self, initial: Initial | None) -> Floats:
         if initial is None:
             return self._no_initial
+        if type(initial) is Solution and initial.q.shape == self._shape:  # checked when it was found
+            return initial.q[None].copy()
         return self.configuration("initial", initial).reshape(1, len(self.robot), 3).copy()
 
 

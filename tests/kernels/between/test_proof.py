@@ -18,15 +18,18 @@ ITSELF = SEEN + SEEN_WIDTH
 SLACK = 0.1
 
 
-def prove(case: Case, slack: float = SLACK, seconds: float = 60.0, knots: Floats | None = None) -> Floats:
+def prove(
+    case: Case, slack: float = SLACK, seconds: float = 60.0, knots: Floats | None = None, clear: float = 0.0
+) -> Floats:
     """Answers (T - 1, 14) about the motion of a case, or about one with other knots (T, n, 3)."""
     path = np.stack([case.q0, case.q1]) if knots is None else knots
     answers = np.full((len(path) - 1, ANSWER_WIDTH), np.nan)
     terms = float(case.robot.mount), slack, 1e-7 * case.robot.mean_length, seconds
     snapshot = case.scene.snapshot()
     workspace = np.full(sweep_size(len(case.robot), len(snapshot)), np.nan)
+    known = np.full((len(path), 2), clear)
     still = np.empty((len(path) - 1, 0, DRIFT_WIDTH))
-    prove_motions(robot_group(case.robot), snapshot.group.copy(), path, still, terms, workspace, answers)
+    prove_motions(robot_group(case.robot), snapshot.group.copy(), path, known, still, terms, workspace, answers)
     return answers
 
 
@@ -49,6 +52,33 @@ def test_the_proof_agrees_with_dense_sampling(slack: float) -> None:
     assert verdicts[CLEAR] > 50
     assert verdicts[TOUCHING] > 15
     assert verdicts[UNDECIDED] < 3
+
+
+@pytest.mark.parametrize("clear", [1e-6, 0.05, 1e3])
+def test_what_is_said_of_the_ends_makes_no_motion_clear(clear: float) -> None:
+    """Clearances of the ends only say how tight bounds have to be, be they true or not."""
+    proved = 0
+    for seed in range(60):
+        case = random_case(seed)
+        (answer,) = prove(case, 0.5, clear=clear)
+        clearance, gap = sampled(case)
+        if answer[VERDICT] == CLEAR:
+            proved += 1
+            assert min(clearance, gap) > 0.0, seed
+            assert answer[SEEN + LOW] <= clearance + 1e-9, seed
+            assert answer[ITSELF + LOW] <= gap + 1e-9, seed
+    assert proved > 15
+
+
+def test_bounds_are_half_of_what_is_known_of_the_ends() -> None:
+    robot = sn.Robot.uniform(3, 1.0, radius=0.05)
+    case = Case(
+        robot, Scene([sn.Sphere((0.4, 0.0, 2.0), 0.2)]), np.array([[0.0, 0, 1]] * 3), np.array([[0.01, 0, 1]] * 3)
+    )
+    known = prove(case)[0, SEEN + LOW]
+    (answer,) = prove(case, 0.5, clear=known)
+    assert answer[VERDICT] == CLEAR
+    assert 0.5 * known <= answer[SEEN + LOW] <= known / 0.9
 
 
 def test_an_overlap_is_where_it_is_said_to_be() -> None:

@@ -12,14 +12,14 @@ from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.step import sweeps
 from sinuous.kernels.step.coupling import couple, solve_symmetric
 from sinuous.kernels.step.states import NORMS, PAIRS, State, Work
-from sinuous.kernels.step.sweeps import HARD_SHARE
+from sinuous.kernels.step.sweeps import HARD_SHARE, SOFT_VARIANCE
 from tests.helpers import Floats, columns_of, configurations, expm_chain, frames_of, random_pose
 from tests.kernels.body.test_self_proof import curled, sampled, table_of
 from tests.kernels.step.test_sweeps import SIZES, jacobian, random_rows
 
 
 def dense_step(columns: Floats, root: Floats, mean: Floats, rows: Any, pairs: Floats, mu: float) -> Floats:
-    """All rows at once; HARD rows with the variance that the sweeps give them."""
+    """All rows at once; HARD and SOFT rows with the variance that the sweeps give them."""
     n = len(columns)
     L = np.zeros((3 * n, 3 * n))
     for k in range(n):
@@ -27,6 +27,8 @@ def dense_step(columns: Floats, root: Floats, mean: Floats, rows: Any, pairs: Fl
     variance = np.full(len(rows.kind), mu)
     for k in range(n):
         for i in range(rows.start[k], rows.start[k + 1]):
+            if rows.kind[i] == SOFT:
+                variance[i] = SOFT_VARIANCE
             if rows.kind[i] == HARD:
                 b = root[k].reshape(3, 3).T @ rows.inner[i]
                 variance[i] = HARD_SHARE * (b @ b + rows.total[i] @ rows.total[i])

@@ -133,8 +133,27 @@ def descended(problem: Problem, q: Floats, most: int = 60, deadline: int = NEVER
     """Configuration, its norms, verdict and iterations of a descent."""
     states, work = make_states(problem), make_work(problem, deadline)
     put(states, 0, q)
-    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most)
+    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, most, 0.0)
     return states.q[at].copy(), states.norms[at].copy(), verdict, used
+
+
+def test_a_descent_that_wishes_for_clearance_keeps_it() -> None:
+    """The last segment is bent towards a sphere; nothing that is asked of the tip holds the others there."""
+    robot = Robot.uniform(4, (0.9, 1.1), 2.0, radius=0.05)
+    q = np.array([[0.2, 0.0, 1.0]] * 4)
+    place, middle = robot.tip(q)[:3, 3], robot.backbone(q)[2 * len(robot.backbone(q)) // 4]
+    scene = [Sphere(np.add(middle, [0.0, 0.3, 0.0]), 0.2)]
+    problem = kernel_problem(robot, Target(np.add(place, [0.0, 0.05, 0.0])), scene)
+    clearances = []
+    for wish in (0.0, 0.15):
+        states, work = make_states(problem), make_work(problem)
+        put(states, 0, q)
+        at, verdict, _, clearance, _, _ = newton.descend(problem, states, 0, work, 60, wish)
+        assert verdict == CLEAR
+        assert robot.excess(states.q[at]) <= 1e-11
+        clearances.append(clearance)
+    assert clearances[0] < 0.06
+    assert clearances[1] > 0.12
 
 
 @given(st.integers(0, 10**6), st.sampled_from([WIDE, TIGHT]))
@@ -193,7 +212,7 @@ def test_what_was_never_linearised_whole_is_no_better_than_anything() -> None:
     states, work = make_states(problem), make_work(problem, 0)
     put(states, 0, q)
     work.clock[LOOKS] = STRIDE - 1
-    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, 60)
+    at, verdict, used, _, _, _ = newton.descend(problem, states, 0, work, 60, 0.0)
     assert (verdict, used) == (MISSED, 0)
     assert states.norms[at, MERIT] == math.inf
     assert states.norms[at, POSITION] == pytest.approx(0.2, abs=1e-2)
@@ -208,7 +227,7 @@ def test_nothing_is_missed_beyond_tolerance_by_an_obstacle_alone() -> None:
     problem = kernel_problem(robot, Target((0.0, 0.0, 4.0 - 0.2)), [ball])
     states, work = make_states(problem), make_work(problem)
     put(states, 0, straight)
-    at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60)
+    at, verdict, used, clearance, _, _ = newton.descend(problem, states, 0, work, 60, 0.0)
     assert verdict == CLEAR
     assert used > 0
     sampled = np.linalg.norm(robot.backbone(states.q[at], 200) - [0.05, 0.0, 2.0], axis=1).min() - 0.3 - 0.05

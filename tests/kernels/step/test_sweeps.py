@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sinuous.kernels.body.contacts import SOFTNESS
 from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT, Rows
 from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.sweeps import HARD_SHARE
+from sinuous.kernels.step.sweeps import HARD_SHARE, SOFT_VARIANCE
 from tests.helpers import Floats, columns_of, configurations, make_rows
 
 SIZES = (1, 2, 5, 9)
@@ -25,6 +26,8 @@ def random_rows(rng: np.random.Generator, n: int, most: int, kinds: tuple[int, .
     rows.value[:] = rng.normal(size=rows.value.shape)
     rows.inner[:] = rng.normal(size=rows.inner.shape)
     rows.total[:] = rng.normal(size=rows.total.shape)  # whoever is not concerned must not look
+    for part in (rows.twist, rows.inner, rows.value):
+        part[rows.kind == SOFT] *= SOFTNESS  # as they are written
     return rows
 
 
@@ -57,7 +60,7 @@ def dense_step(columns: Floats, root: Floats, mean: Floats, rows: Rows, mu: floa
         for i in range(table.start[k], table.start[k + 1]):
             b = root[k].reshape(3, 3).T @ table.inner[i]
             hard = HARD_SHARE * (b @ b + table.total[i] @ table.total[i])
-            variance.append(hard if table.kind[i] == HARD else mu)
+            variance.append({HARD: hard, SOFT: SOFT_VARIANCE}.get(table.kind[i], mu))
     weight = 1.0 / np.sqrt(np.array(variance).reshape(-1)[used])
     rest = table.value[used] - J @ mean.ravel()
     system = np.concatenate([weight[:, None] * (J @ L), np.eye(3 * n)])

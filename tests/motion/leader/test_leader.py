@@ -7,6 +7,8 @@ import pytest
 
 import sinuous as sn
 from sinuous.measures.following import body_places
+from sinuous.motion.leader import leader
+from sinuous.solving.between import Prover
 
 BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])
 STAGED = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), BEZIER.length)
@@ -73,6 +75,33 @@ def test_it_ends_before_what_is_in_the_way() -> None:
     assert motion.clearance is None or motion.clearance > 0.0
     tip = STAGED.forward(motion.q[-1])[-1, :3, 3]
     assert 0.25 <= np.linalg.norm(tip - (1.5, 0, 1.3)) < 0.5
+
+
+def test_beside_walls_the_knots_do_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two rows of balls touch the body; a proof is no longer or shorter for the time that it may take."""
+    along = np.linspace(0.4, BEZIER.length, 30)
+    balls = [sn.Sphere(np.add(BEZIER.at(s), [0.0, side * 0.36, 0.0]), radius=0.3) for s in along for side in (-1, 1)]
+    motions = []
+    for seconds in (leader.SECONDS, 100.0 * leader.SECONDS):
+        monkeypatch.setattr(leader, "SECONDS", seconds)
+        motions.append(sn.follow_the_leader(STAGED, BEZIER, balls, tip_deviation=1e-3))
+    assert np.array_equal(motions[0].q, motions[1].q)
+    assert motions[0].unproved_steps == motions[1].unproved_steps
+    assert motions[0].seconds < 60.0
+
+
+def test_no_step_is_proved_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    proved: list[bytes] = []
+    prove = Prover.prove
+
+    def count(self: Prover, knots: Any, *given: Any, **options: Any) -> Any:
+        proved.extend(knot.tobytes() for knot in knots[:-1])
+        return prove(self, knots, *given, **options)
+
+    monkeypatch.setattr(Prover, "prove", count)
+    motion = sn.follow_the_leader(STAGED, BEZIER, [sn.Sphere((1.2, 0.0, 0.0), 0.3)], tip_deviation=1e-3)
+    assert motion.solved
+    assert len(proved) == len(motion.q) - 1
 
 
 def test_the_tool_is_not_led() -> None:

@@ -230,11 +230,28 @@ def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[
 
 
 @kernel
+def prove_from(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, clear: float, apart: float) -> tuple[int, float]:
+    """The same where both ends are proved to be so far from obstacles and from the body itself.
+
+    Then no configuration has to be looked at to know what bounds are worth having: that is most of a short motion.
+    """
+    forget(seen)
+    seen[0, LEAST], seen[1, LEAST] = clear, apart
+    return _prove_all(motion, sweep, aim, seen, False)
+
+
+@kernel
 def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """The same where `seen` has the least that was seen of this motion before: bounds are as tight as that wants it.
 
     Whoever finds the least on the way proves everything before it more tightly than is worth while.
     """
+    return _prove_all(motion, sweep, aim, seen, True)
+
+
+@kernel
+def _prove_all(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, looks: bool) -> tuple[int, float]:
+    """The same; `looks`: whether the first configuration is looked at, where tight bounds are wanted."""
     seen[0, LOW] = seen[1, LOW] = math.inf
     travel = measure_rates(motion.q0, motion.q1, sweep.rates)
     base, reach = frame(sweep.frames[0], 0)[1], 0.0
@@ -243,7 +260,7 @@ def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[in
     nearing, far = measure_paces(motion, base, reach + _thickest(motion.limits), sweep)
     rounding = ROUNDING * (norm(base) + reach + far)
     own = Aim(aim.slack, aim.finest, rounding, aim.mount, aim.prefix)
-    if own.slack < 1.0:  # then a bound has to be known from the beginning that is worth having
+    if looks and own.slack < 1.0:  # then a bound has to be known from the beginning that is worth having
         verdict = _look_at(motion, 0.0, sweep, own, seen)
         if verdict != CLEAR:
             return verdict, 0.0

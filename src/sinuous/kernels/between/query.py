@@ -1,7 +1,7 @@
 """What Python asks about motions: whether a path of knots is clear all the way."""
 
 from sinuous.kernels.between.obstacles import Aim, measure_balls
-from sinuous.kernels.between.proof import prove_between
+from sinuous.kernels.between.proof import prove_between, prove_from
 from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
 from sinuous.kernels.body.proof import UNDECIDED
 from sinuous.kernels.clock import allow, begin, late
@@ -25,12 +25,21 @@ it is enough that they are greater than 0); the length below which nothing is ha
 
 @entry
 def prove_motions(
-    robot: Array, scene: Array, knots: Array, drifts: Array, terms: Terms, workspace: Array, answers: Array
+    robot: Array,
+    scene: Array,
+    knots: Array,
+    known: Array,
+    drifts: Array,
+    terms: Terms,
+    workspace: Array,
+    answers: Array,
 ) -> None:
     """Prove the motions linear in q between neighbouring `knots` (T, n, 3), one after the other.
 
-    `drifts` (T - 1, c, 31): how obstacles move in each of them, see `drift`; where c is not 0, the rows of these in the
-    scene are written. Fills `answers` (T - 1, 14). What is not proved when the time is over is UNDECIDED.
+    `known` (T, 2): proved clearances of the knots from obstacles and from the body itself, infinite where there is
+    nothing to be clear of; 0: not known. `drifts` (T - 1, c, 31): how obstacles move in each of them, see `drift`;
+    where c is not 0, the rows of these in the scene are written. Fills `answers` (T - 1, 14). What is not proved when
+    the time is over is UNDECIDED.
     """
     own, around = read_robot(robot), read_scene(scene)
     mount, slack, finest, seconds = terms
@@ -43,7 +52,11 @@ def prove_motions(
         motion = Motion(own.limits, knots[i], knots[i + 1], around, own.avoids_itself, drifts[i])
         if i == 0:
             measure_balls(motion, sweep)
-        verdict, until = prove_between(motion, sweep, aim, seen)
+        clear, apart = min(known[i, 0], known[i + 1, 0]), min(known[i, 1], known[i + 1, 1])
+        if clear > 0.0 and apart > 0.0:
+            verdict, until = prove_from(motion, sweep, aim, seen, clear, apart)
+        else:
+            verdict, until = prove_between(motion, sweep, aim, seen)
         answers[i, VERDICT], answers[i, UNTIL] = verdict, until
         if late(sweep.clock):
             answers[i:, VERDICT] = UNDECIDED

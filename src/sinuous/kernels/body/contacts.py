@@ -16,7 +16,7 @@ PER_SEGMENT = 32
 """Most contacts of one segment that enter a step."""
 
 SOFTNESS = 1e-4
-"""Scale of rows that are only wished for; with the least damping, 1e-10, they weigh 100 times a radian."""
+"""Scale of rows that are only wished for; with their variance, 1e-10, they weigh 100 times a radian."""
 
 Body = namedtuple("Body", ["limits", "q", "frames", "unit"])
 """Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""

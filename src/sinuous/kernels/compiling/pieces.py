@@ -94,7 +94,15 @@ PIECES = (
         6,
         tuple(f"kernels.freespace.homotopy.{name}" for name in ("draw_tight", "deforms", "halfway", "see")),
     ),
-    Piece("motions", 9, ("kernels.between.query.prove_motions", "kernels.between.courses.fill_drifts")),
+    Piece(
+        "motions",
+        9,
+        (
+            "kernels.between.query.prove_motions",
+            "kernels.between.courses.fill_drifts",
+            "kernels.between.tip.leave_line",
+        ),
+    ),
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
     Piece("control loops", 15, ("kernels.velocity.query.tick",)),
     Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),

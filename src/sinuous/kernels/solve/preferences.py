@@ -67,29 +67,36 @@ def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
 
 
 @kernel
-def _correct(problem: Problem, states: State, at: int, spare: int, work: Work, depth: int, wish: float) -> int:
+def _correct(
+    problem: Problem, states: State, at: int, spare: int, work: Work, depth: int, wish: float, with_self: bool
+) -> int:
     """Bring a state that left its targets a little back to them; returns where it is then, `at` or `spare`."""
     for _ in range(CORRECTIONS):
         state, trial = pick(states, at), pick(states, spare)
         if met(problem, state, 0.0):
             return at
         rest(work)
-        linearise(problem, state, work, depth, solids.EXACT, 0.0, problem.avoids_itself)
+        linearise(problem, state, work, depth, solids.EXACT, 0.0, with_self)
         step(problem, state, work, EXACT)
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, solids.EXACT, wish, problem.avoids_itself)
+        linearise(problem, trial, work, depth, solids.EXACT, wish, with_self)
         at, spare = spare, at
     return at
 
 
 @kernel
-def improve(problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int) -> int:
-    """Lower the cost of the solved `best`, keeping it solved, while there is time. Returns the iterations."""
+def improve(
+    problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int, with_self: bool
+) -> int:
+    """Lower the cost of the solved `best`, keeping it solved, while there is time. Returns the iterations.
+
+    Self-contacts are looked at only `with_self`.
+    """
     depth = problem.step_depth + 2
     at, free, spare = 0, 1, 2
     start = pick(states, at)
     copy(best, start.q)
-    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, problem.avoids_itself)
+    linearise(problem, start, work, depth, solids.EXACT, wishes.clearance, with_self)
     least = cost(problem, start, wishes)
     share, enough = 1.0, 0.0
     if wishes.initial + wishes.bends == 0.0:
@@ -104,8 +111,8 @@ def improve(problem: Problem, states: State, work: Work, wishes: Wishes, best: A
             for k in range(state.q.shape[0]):
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
         move(problem, state, work, trial)
-        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance, problem.avoids_itself)
-        found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance)
+        linearise(problem, trial, work, depth, solids.EXACT, wishes.clearance, with_self)
+        found_at = _correct(problem, states, free, spare, work, depth, wishes.clearance, with_self)
         free, spare = found_at, free + spare - found_at
         found = pick(states, free)
         if late(work.clock):  # contacts are missing
@@ -140,19 +147,30 @@ def prefer(
     `reference` (n, 3) is the configuration to stay close to; `proved` holds position error, angle error, proved
     clearance and self-clearance of `best`, and the seconds that may be spent; for the rest see `search.search`. Returns
     the iterations, the first four of `proved` for what `best` holds then, and the seconds that were spent.
+
+    Self-contacts are dear to look for, and most shapes never come near themselves. So they are left out, until the
+    proof finds that the body has come to run through itself.
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
     wishes = Wishes(settings[INITIAL_WEIGHT], settings[BENDS_WEIGHT], settings[WISHED_CLEARANCE], reference)
     copy(best, work.solved)
     begin(work.clock)
-    began = allow(work.clock, IMPROVING * proved[4])
-    used = improve(problem, states, work, wishes, best, int(settings[MAX_ITERATIONS]))
-    allow(work.clock, began + proved[4] - now(work.clock))
-    state = pick(states, 0)
-    copy(best, state.q)
-    linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0, False)
-    own, self_clearance = self_proof(problem, state, work)
+    began, used, most = now(work.clock), 0, int(settings[MAX_ITERATIONS])
+    with_self = False
+    while True:
+        left = began + proved[4] - now(work.clock)
+        allow(work.clock, IMPROVING * left)
+        used += improve(problem, states, work, wishes, best, most, with_self)
+        allow(work.clock, began + proved[4] - now(work.clock))
+        state = pick(states, 0)
+        copy(best, state.q)
+        linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0, False)
+        own, self_clearance = self_proof(problem, state, work)
+        if own == CLEAR or with_self or late(work.clock):
+            break
+        with_self = True
+        copy(work.solved, best)
     verdict, clearance = proof(problem, state, work)
     if own == CLEAR and verdict == CLEAR and met(problem, state, 0.0):
         return used, state.norms[POSITION], state.norms[ANGLE], clearance, self_clearance, now(work.clock) - began

@@ -33,6 +33,7 @@ from sinuous.kernels.tables import (
     SOURCE,
     STARTS,
     UNPROVED,
+    WISHED_CLEARANCE,
     Budget,
 )
 from sinuous.kernels.tables import MERIT as RECORD_MERIT
@@ -77,10 +78,12 @@ def _solve(
     initial: Array,
     budget: Budget,
     iterations: int,
+    wish: float,
     best: Array,
 ) -> Numbers:
     """Solve one problem; fills `best` (n, 3) and returns the record.
 
+    From configurations that are given the way leads past obstacles with the clearance `wish`, where that is possible.
     What is impossible is asked after the first start: most problems are solved by then.
     """
     first, last, seed, seconds = budget
@@ -100,7 +103,8 @@ def _solve(
         else:
             kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
         index += 1
-        at, verdict, used, seen, self_seen, bound = descend(problem, states, at, work, iterations)
+        wished = wish if index <= g else 0.0
+        at, verdict, used, seen, self_seen, bound = descend(problem, states, at, work, iterations, wished)
         total += used
         state = pick(states, at)
         if verdict == CLEAR or state.norms[MERIT] < least or index == 1:
@@ -150,7 +154,8 @@ def search(
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
     begin(work.clock)
-    return _solve(problem, states, work, initial, budget, int(settings[MAX_ITERATIONS]), best)
+    iterations, wish = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE]
+    return _solve(problem, states, work, initial, budget, iterations, wish, best)
 
 
 @entry
@@ -172,10 +177,11 @@ def search_many(
         return
     states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
     begin(work.clock)
+    iterations, wish = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE]
     for i in range(targets.shape[0]):
         problem = read_problem(robot, scene, settings, targets[i])
         best, record = answer_of(answers, i, problem.limits.shape[0])
-        found = _solve(problem, states, work, initial[i], budget, int(settings[MAX_ITERATIONS]), best)
+        found = _solve(problem, states, work, initial[i], budget, iterations, wish, best)
         record[CODE], record[ITERATIONS], record[STARTS], record[SOURCE], record[POSITION_ERROR] = found[:5]
         record[ANGLE_ERROR], record[CLEARANCE], record[SELF_CLEARANCE], record[BOUND] = found[5:9]
         record[RECORD_MERIT], record[SECONDS] = found[9:]

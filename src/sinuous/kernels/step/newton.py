@@ -53,6 +53,9 @@ EXACT = 1e-10
 PATIENCE = 12
 """Steps in a row that gain little before a start is given up."""
 
+WISHFUL = 4
+"""Steps in a row that gain little before nothing is wished for any more."""
+
 ROUNDS = 3
 """Most times that a step is taken back because it would leave a limit, and computed anew along that limit."""
 
@@ -242,9 +245,12 @@ def _progress(found: float, merit: float, slow: int, easing: float) -> tuple[int
 
 @kernel
 def descend(
-    problem: Problem, states: State, at: int, work: Work, most: int
+    problem: Problem, states: State, at: int, work: Work, most: int, wish: float
 ) -> tuple[int, int, int, float, float, bool]:
     """Iterate from state `at` until solved and proved, stuck, or out of time; states 0 and 1 take turns.
+
+    Steps also wish for the clearance `wish`: a robot that goes on from where it had it keeps it for nothing. Where they
+    gain little, they do without: a wish moves the targets' rows by a hundred-millionth of what it is short of.
 
     Distances are interpolated at first where there are samples. When a proof fails they are exact from then on, and
     when it fails again, contacts are looked for more closely. Self-contacts are looked for from the first failed proof
@@ -263,7 +269,7 @@ def descend(
     bound = with_self = False
     while True:
         looked = pick(states, looked_at)
-        linearise(problem, looked, work, depth, mode, 0.0, with_self)
+        linearise(problem, looked, work, depth, mode, wish, with_self)
         if late(work.clock):
             if merit == math.inf:
                 at, looked.norms[MERIT] = looked_at, math.inf
@@ -290,9 +296,10 @@ def descend(
                 depth += 2
             looked_at, merit = at, math.inf
             continue
-        if slow >= PATIENCE and loose > 0.0 and met_by(state, loose):
-            mode, loose = solids.EXACT, 0.0
-            looked_at, merit, slow, easing = at, math.inf, 0, 1.0
+        sampled = slow >= PATIENCE and loose > 0.0 and met_by(state, loose)
+        if sampled or (wish > 0.0 and slow >= WISHFUL):
+            mode, loose = (solids.EXACT, 0.0) if sampled else (mode, loose)
+            wish, looked_at, merit, slow, easing = 0.0, at, math.inf, 0, 1.0
             continue
         if iteration >= most or slow >= PATIENCE or spend(work.clock, SEGMENT_LOOKS * state.q.shape[0]):
             return at, MISSED, iteration, state.norms[SEEN], state.norms[SELF_SEEN], bound

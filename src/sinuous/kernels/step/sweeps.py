@@ -15,7 +15,7 @@ rows are then met exactly, with the least motion that does so.
 it, and `mean_k` is a motion decided beforehand: up to a bound, or towards a preference.
 """
 
-from sinuous.kernels.body.rows import END, HARD, IDLE, Rows
+from sinuous.kernels.body.rows import END, HARD, IDLE, SOFT, Rows
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
     IDENTITY,
@@ -45,6 +45,9 @@ Sums = tuple[Mat, Mat, Mat, Vec]
 
 Own = tuple[Mat, Mat, Mat, Mat, Vec]
 """The same of the motion z of this segment: covariance with omega, v, the sum, itself, and mean."""
+
+SOFT_VARIANCE = 1e-10
+"""Variance of SOFT rows, whatever `mu`: far from the targets a wish weighs no less than near them."""
 
 HARD_SHARE = 1e-10
 """Variance of HARD rows, relative to their weights: small, yet enough for two that say the same."""
@@ -151,7 +154,12 @@ def _within(
     used = add(add(mat_vec(X, a), mat_vec(Y, c)), add(mat_vec(Z, b), mat_vec(R, s)))
     total = add(add(mat_vec(P, a), mat_vec(Q, c)), add(vec_mat(b, R), mat_vec(T, s)))
     spread = dot(a, turn) + dot(c, move) + dot(b, used) + dot(s, total)
-    f = 1.0 / (spread + (mu if kind != HARD else HARD_SHARE * (dot(b, b) + dot(s, s))))
+    variance = mu
+    if kind == HARD:
+        variance = HARD_SHARE * (dot(b, b) + dot(s, s))
+    elif kind == SOFT:
+        variance = SOFT_VARIANCE
+    f = 1.0 / (spread + variance)
     nu = rows.value[i] - dot(a, turned) - dot(c, moved) - dot(inner, m) - dot(b, z) - dot(s, summed)
     gain_turn, gain_move, gain_used, gain_total = scale(f, turn), scale(f, move), scale(f, used), scale(f, total)
     put_vec(rows.gain, i, 0, gain_turn)

@@ -38,3 +38,16 @@ class Knot(NamedTuple):
     shares: tuple[float, float] = (0.0, 1.0)
     fixed: bool = False
     time: float = 0.0
+
+    @property
+    def clear(self) -> tuple[float, float]:
+        """Proved clearance and self-clearance there; 0 where they are not known."""
+        if self.solution is None or not self.solution.solved:
+            return 0.0, 0.0
+        outcome = self.solution._outcome
+        return outcome.clearance, outcome.self_clearance
+
+    @property
+    def begin(self) -> Solution | Floats:
+        """What a solve may go on from there: the solution, which is not checked again, if there is one."""
+        return self.q if self.solution is None else self.solution

@@ -5,12 +5,11 @@ import math
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
+from sinuous import packing
 from sinuous.checks import Floats
+from sinuous.kernels.between.tip import leave_line
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-
-LOOKS = 8
-"""Pieces of a step between whose ends the tip's way is looked at, where the bound alone is not enough."""
 
 
 class Straight:
@@ -42,44 +41,51 @@ class Straight:
             rotation = Slerp([0.0, 1.0], ends)(share)
         return Target(self._place(share), direction=direction, rotation=rotation)
 
-    def deviation(self, robot: Robot, ends: tuple[Floats, Floats], shares: tuple[float, float], enough: float) -> float:
+    def draw(self, shares: tuple[float, float], line: Floats) -> None:
+        """Fill `line` (2, 3) with where the tip is meant to be at two shares of the way."""
+        line[0], line[1] = self._place(shares[0]), self._place(shares[1])
+
+    def _place(self, share: float) -> Floats:
+        assert self.begin.position is not None
+        assert self.end.position is not None
+        if share in (0.0, 1.0):
+            return self.end.position if share else self.begin.position
+        place: Floats = (1.0 - share) * self.begin.position + share * self.end.position
+        return place
+
+
+class Tip:
+    """Bounds how far the tip of a robot leaves straight lines, one motion after the other.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._group, self._q = packing.robot_group(robot), np.empty((len(robot), 3))
+        self._frames, self._line = np.empty((len(robot) + 1, 12)), np.zeros((2, 3))
+        self._bound(np.zeros((2, len(robot), 3)), 0.0)  # compiled, or loaded
+
+    def deviation(self, ends: Floats, way: Straight, shares: tuple[float, float], enough: float) -> float:
         """Return an upper bound of how far the tip is from the line while it moves from one share of it to another.
 
         Parameters
         ----------
-        robot : Robot
-        ends : (ndarray (n, 3), ndarray (n, 3))
+        ends : ndarray (2, n, 3)
             First and last configuration of the step, linear in q.
+        way : Straight
         shares : (float, float)
             Where on the line these are meant to be.
         enough : float
             What is not above this need not be bounded more tightly (length unit).
         """
-        acceleration = tip_acceleration(ends[0].tolist(), ends[1].tolist())
-        if acceleration <= 8.0 * enough:  # both ends are on the line, within the tolerance of their targets
-            return acceleration / 8.0
-        t = np.linspace(0.0, 1.0, LOOKS + 1)[:, None, None]
-        tips = robot.tip((1.0 - t) * ends[0] + t * ends[1])[:, :3, 3]
-        return _distance(tips, self._place(shares[0]), self._place(shares[1])) + acceleration / (8.0 * LOOKS * LOOKS)
+        way.draw(shares, self._line)
+        return self._bound(ends, enough)
 
-    def _place(self, share: float) -> Floats:
-        assert self.begin.position is not None
-        assert self.end.position is not None
-        place: Floats = (1.0 - share) * self.begin.position + share * self.end.position
-        return place
-
-
-def tip_acceleration(q0: list[list[float]], q1: list[list[float]]) -> float:
-    """Return an upper bound of the tip's acceleration while q goes linearly from `q0` to `q1` (n, 3) in a unit of time.
-
-    So the tip stays within an eighth of it of the chord of its way. Derivation: `kernels.between.sweep`.
-    """
-    total = turning = 0.0
-    for (x0, y0, l0), (x1, y1, l1) in zip(q0, q1, strict=True):
-        before, turning = turning, turning + math.hypot(x1 - x0, y1 - y0)
-        total += max(l0, l1) * (before * before + before * turning + turning * turning) / 3.0
-        total += abs(l1 - l0) * (before + turning)
-    return total
+    def _bound(self, ends: Floats, enough: float) -> float:
+        bound: float = leave_line(self._group, ends, self._line, enough, self._q, self._frames)
+        return bound
 
 
 def _kind(target: Target) -> tuple[bool, bool, bool, int | None]:
@@ -100,11 +106,3 @@ def _turned(a: Floats, b: Floats, share: float) -> Floats:
     angle = share * math.atan2(length if a @ b > -1.0 else 0.0, float(a @ b))
     turned: Floats = math.cos(angle) * a + math.sin(angle) * across / length
     return turned
-
-
-def _distance(points: Floats, a: Floats, b: Floats) -> float:
-    """Largest distance of points (k, 3) from the line segment between two places."""
-    along = b - a
-    square = float(along @ along)
-    share = np.clip((points - a) @ along / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(points))
-    return float(np.linalg.norm(points - a - share[:, None] * along, axis=-1).max())

@@ -13,7 +13,7 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.following.entries import Entry
 from sinuous.motion.following.knots import Knot
 from sinuous.motion.following.shortest import Means, metric_of, shorten
-from sinuous.motion.following.straight import Straight
+from sinuous.motion.following.straight import Straight, Tip
 from sinuous.motion.following.timetable import Timetable
 from sinuous.motion.in_time.find import find_in_time
 from sinuous.motion.in_time.question import TimedQuestion
@@ -85,7 +85,8 @@ class Tracker:
         self._deviation = deviation
         self._reconfigured: list[int] = []
         self._follows: Solver | None = None
-        self._ends = np.empty((2, len(solver.robot), 3))
+        self._ends, self._known = np.empty((2, len(solver.robot), 3)), np.empty((2, 2))
+        self._tip = Tip(solver.robot)
         self._approaches = start is not None
         self.blocked: Worst | None = None
         if start is not None:
@@ -105,7 +106,7 @@ class Tracker:
         step is left unproved.
         """
         self._look_ahead()
-        solution = self._solver.solve(targets, self._knots[-1].q if self._knots else None)
+        solution = self._solver.solve(targets, self._knots[-1].begin if self._knots else None)
         if solution.solved:
             solution = self._move_to(solution)
         self._keep(solution)
@@ -182,7 +183,7 @@ class Tracker:
             if way is not None and (share < 1.0 or done > 0.0):
                 if self._timetable is not None:
                     self._timetable.look_at(when)
-                found = self._follower().solve(way.at(share) if share < 1.0 else goal, before.q)
+                found = self._follower().solve(way.at(share) if share < 1.0 else goal, before.begin)
             knot = None
             if found is not None and found.solved:
                 knot = Knot(found.q, None, found.problem.targets, found, way, (done, share), time=when)
@@ -198,11 +199,15 @@ class Tracker:
 
     def _prove(self, before: Knot, knot: Knot) -> Floats | None:
         """Return what is proved of a step that stays near enough to the line and is clear; `None` of any other."""
+        ends, times = self._two(before.q, knot.q), None
         if knot.way is not None:
-            robot, enough = self._solver.robot, self._deviation
-            if knot.way.deviation(robot, (before.q, knot.q), knot.shares, enough) > enough:
+            enough = self._deviation
+            if self._tip.deviation(ends, knot.way, knot.shares, enough) > enough:
                 return None
-        came = self._prover.prove(self._two(before.q, knot.q), SLACK, times=np.array([before.time, knot.time]))
+        self._known[0], self._known[1] = before.clear, knot.clear
+        if self._timetable is not None:
+            times = np.array([before.time, knot.time])
+        came = self._prover.prove(ends, SLACK, times=times, known=self._known)
         return came if came[0, VERDICT] == CLEAR else None
 
     def _go_around(self, solution: Solution) -> Solution:

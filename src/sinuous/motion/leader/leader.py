@@ -1,6 +1,8 @@
 """Follow the leader: the body moves along the curve that its tip has made, into it and out of it."""
 
+import math
 import time as clock
+from itertools import pairwise
 
 import numpy as np
 
@@ -19,7 +21,7 @@ from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
-from sinuous.solving.between import Steps, prove_steps, unproved
+from sinuous.solving.between import Prover, Steps, unproved
 from sinuous.solving.options import TIME
 from sinuous.solving.solver import Solver
 
@@ -34,8 +36,17 @@ LAID = 8
 
 LEAST_LAID, MOST_LAID, MOST_KNOTS = 6, 400, 100_000
 
-ROUNDS = 4
-"""How often steps are divided: where the tip leaves the curve, then where they are not proved."""
+ROUNDS, DIVIDED = 4, 4
+"""How often steps are divided: where the tip leaves the curve, then where they are not proved, into so many."""
+
+SLACK = 0.1
+"""How far below the clearances of its ends the bound of a step may be, as a share of them."""
+
+FINEST = 1e-5
+"""Length, in robot lengths, below which a proof gives up: a tenth of what solves keep off obstacles."""
+
+SECONDS = 5.0
+"""Time for the proof of a step: it ends by its fineness long before, so that the same motion is found at any time."""
 
 FORWARD = 0.5
 """Largest angle, rad, between the axis of the base and the way into the curve."""
@@ -135,35 +146,43 @@ class _Leader:
         count = np.clip(int(LAID * (end - self.low) / min(bending, default=end)), LEAST_LAID, MOST_LAID)
         self.depths = np.linspace(self.low, end, int(count) + 1)
         self.ended: Solution | None = None
+        self.answers: dict[tuple[float, float], Floats] = {}
 
     def motion(self, allowed: float, begin: float) -> Motion:
         """Find knots until the tip keeps to the curve and all steps are proved, or cannot be."""
         from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
         self.shapes = CubicSpline(self.depths, lay(self.robot, self.path, self.depths))
-        self.depths, self.q, first = self._solved(self.depths)
+        self.depths, self.q, self.clear, first = self._solved(self.depths)
         for _ in range(ROUNDS):
             counts = np.ceil(np.sqrt(self._off() / allowed)).astype(np.intp)
             if not self._divide(np.maximum(counts, 1)):
                 break
         scene = self.solver.scene.snapshot()
+        prover = Prover(self.robot, scene, FINEST)
         for _ in range(ROUNDS):
-            steps = self._proved(scene)
-            if not self._divide(np.where(steps.proved, 1, 4)):
+            steps = self._proved(prover)
+            if not self._divide(np.where(steps.proved, 1, DIVIDED)):
                 break
+        else:
+            steps = self._proved(prover)
         return self._told(scene, steps, first, clock.perf_counter() - begin)
 
-    def _solved(self, depths: Floats) -> tuple[Floats, Floats, Solutions]:
+    def _solved(self, depths: Floats) -> tuple[Floats, Floats, Floats, Solutions]:
         """Put the tip on the curve at these depths; those from the first on that cannot be are left out.
 
-        Returns depths (t,), configurations (t, n, 3) and all solutions.
+        Returns depths (t,), configurations (t, n, 3), their clearances (t, 2) as `Prover` takes them, and all
+        solutions.
         """
         found = self.solver.solve_many(positions=self.path.at(depths), initial=self.shapes(depths), workers=1)
+        clear = np.stack([found.clearance, found.self_clearance], axis=1)
+        clear[np.isnan(clear)] = math.inf  # nothing to be clear of: all that are kept are solved
         failed = np.flatnonzero(~found.solved)
+        kept = len(depths)
         if len(failed):
-            self.ended = found[int(failed[0])]
-            return depths[: failed[0]], found.q[: failed[0]], found
-        return depths, found.q, found
+            kept = int(failed[0])
+            self.ended = found[kept]
+        return depths[:kept], found.q[:kept], clear[:kept], found
 
     def _off(self) -> Floats:
         """How far the tip is off the curve in the middle of every step (t - 1,)."""
@@ -177,16 +196,23 @@ class _Leader:
             return False
         shares = np.concatenate([i + np.arange(1, count) / count for i, count in enumerate(counts) if count > 1])
         depths = np.interp(shares, np.arange(len(self.depths)), self.depths)
-        new, q, _ = self._solved(depths)
+        new, q, clear, _ = self._solved(depths)
         end = self.depths[-1] if len(new) == len(depths) else depths[len(new)]
         kept = self.depths <= end
         order = np.argsort(np.concatenate([self.depths[kept], new]), kind="stable")
         self.depths = np.concatenate([self.depths[kept], new])[order]
         self.q = np.concatenate([self.q[kept], q])[order]
+        self.clear = np.concatenate([self.clear[kept], clear])[order]
         return True
 
-    def _proved(self, scene: Snapshot) -> Steps:
-        return prove_steps(self.robot, scene, self.q) if len(self.q) else Steps(unproved(0))
+    def _proved(self, prover: Prover) -> Steps:
+        """Prove all steps; what was found of one before is kept."""
+        ends = list(pairwise(self.depths.tolist()))
+        for i, step in enumerate(ends):
+            if step not in self.answers:
+                pair = slice(i, i + 2)
+                self.answers[step] = prover.prove(self.q[pair], SLACK, SECONDS, known=self.clear[pair])[0]
+        return Steps(np.array([self.answers[step] for step in ends]) if ends else unproved(0))
 
     def _told(self, scene: Snapshot, steps: Steps, first: Solutions, seconds: float) -> Motion:
         last = first[-1] if self.ended is None else self.ended

@@ -36,7 +36,7 @@ robot lengths, below which the proof of an edge of the path gives up."""
 LOOSE = 1e-4
 """The same length for a proof that an edge is clear which is not known to be."""
 
-GLANCES = 16
+GLANCES = 8
 """Draws of trees in which edges are only looked at, unless a path that was found turns out not to be clear."""
 
 FOR_PROOF = 0.1

@@ -155,3 +155,15 @@ def test_other_threads_go_on(handler: Callable[[Callable[[], None]], None]) -> N
     thread.join()
     assert heard == [1]
     assert done[0] > STRIDE
+
+
+def test_a_deadline_from_before_holds_again() -> None:
+    clock = make_clock(NEVER)
+    before = int(clock[DEADLINE])
+    clocks.allow(clock, 0.0)
+    assert clocks.over(clock)
+    clocks.resume(clock, before)
+    assert not clocks.late(clock)
+    assert not clocks.over(clock)
+    clocks.resume(clock, 0)
+    assert clocks.over(clock)

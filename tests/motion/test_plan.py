@@ -1,5 +1,8 @@
 """Plans: from a start to a target or a configuration, clear all the way, or an honest status."""
 
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -67,6 +70,28 @@ def test_the_same_seed_gives_the_same_motion() -> None:
     planner = Planner(ROBOT, scene, seed=3)
     for _ in range(2):
         np.testing.assert_array_equal(planner.plan(start, goal).q, one.q)
+
+
+def test_threads_share_a_planner() -> None:
+    scene, ends = pair(0)
+    goals = [ends[1], *(other for seed in range(1, 6) for other in pair(seed)[1])]
+    planner = Planner(ROBOT, scene)
+    alone = [planner.plan(ends[0], goal) for goal in goals]
+    assert sum(motion.solved for motion in alone) > 1
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(partial(planner.plan, ends[0]), goals * 4))
+    for one, other in zip(alone * 4, together, strict=True):
+        assert one.status is other.status
+        np.testing.assert_array_equal(one.q, other.q)
+
+
+def test_after_an_update_the_next_plan_sees_the_new_obstacles() -> None:
+    scene = sn.Scene([sn.Sphere((9.0, 0.0, 0.0), 0.3, name="ball")])
+    planner = Planner(ROBOT, scene)
+    bent = np.tile([0.5, 0.0, 1.0], (4, 1))
+    assert planner.plan(STRAIGHT, bent).solved
+    scene.move("ball", position=(-9.0, 0.0, 2.0))
+    assert planner.plan(STRAIGHT, bent).status is sn.Status.START_BLOCKED
 
 
 def test_a_start_that_is_blocked_is_said_to_be() -> None:

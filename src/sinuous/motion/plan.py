@@ -21,8 +21,9 @@ from sinuous.motion.planning.goals import FixedGoal, Goals, waypoints_of
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
-from sinuous.motion.start import blocked_by, check_limits, overlap_at
-from sinuous.motion.times import spread_times
+from sinuous.motion.planning.workspaces import Workspace, Workspaces
+from sinuous.motion.start import blocked_by, check_limits, overlap_at, violated_by
+from sinuous.motion.times import lever_metric, spread_times
 from sinuous.motion.told import Told
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
@@ -33,9 +34,9 @@ from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solving.between import Prover, Steps, load_motions
+from sinuous.solving.between import Steps, load_motions
 from sinuous.solving.options import SolveArguments, SolveOptions
-from sinuous.solving.planning.trees import Way, load_trees
+from sinuous.solving.planning.trees import Way
 from sinuous.solving.solver import Initial, OneSolve, Solver
 
 TIME = 5.0
@@ -136,7 +137,13 @@ class Planner:
         check_sizes(robot, self._scene)
         warn_of(suspicions(robot, self._scene.snapshot()))
         load_motions(robot, self._scene.snapshot())
-        load_trees(robot, standing(self._scene.snapshot()))
+        self._workspaces = Workspaces(robot)
+        work = self._workspaces.take(standing(self._scene.snapshot()))
+        work.trees.load()
+        self._workspaces.give_back(work)
+        # What is kept of a robot is looked up now: the first plan takes no longer than others.
+        violated_by(robot, np.zeros((len(robot), 3)))
+        lever_metric(robot)
 
     def __repr__(self) -> str:
         sizes = [f"{len(self._robot)} segments", f"{len(self._scene)} obstacles"]
@@ -149,13 +156,20 @@ class Planner:
             return self._plan_in_time(begin, end)
         if not isinstance(end, np.ndarray):
             _ = self._solver  # loaded now, because compiling is no planning
-        spent, scene = Watch(self._options.time), self._scene.snapshot()
-        made, prover = partial(self._made, spent, begin), Prover(self._robot, scene)
-        worst = blocked_by(self._robot, begin, prover)
+        spent, work = Watch(self._options.time), self._workspaces.take(self._scene.snapshot())
+        try:
+            return self._plan_still(begin, end, spent, work)
+        finally:
+            self._workspaces.give_back(work)
+
+    def _plan_still(self, begin: Floats, end: Floats | list[Target], spent: Watch, work: Workspace) -> Motion:
+        """Plan a motion among obstacles that stand still."""
+        made, scene = partial(self._made, spent, begin), work.scene
+        worst = blocked_by(self._robot, begin, work.prover)
         if worst is not None:
             return made(scene, ended=Status.START_BLOCKED, blocking=worst, remaining=waypoints_of(end))
         if isinstance(end, np.ndarray):
-            worst = overlap_at(self._robot, end, prover)
+            worst = overlap_at(self._robot, end, work.prover)
             if worst is not None:
                 return made(scene, ended=Status.TARGET_BLOCKED, blocking=worst)
             goals: FixedGoal | Goals = FixedGoal(end)
@@ -166,7 +180,8 @@ class Planner:
                 return made(scene, solutions=(solution,), waypoint_knots=(None,))
             goals, scene = Goals(self._solver, solution), solution.problem.scene
         seed, shortcuts = self._options.seed, self._shortcuts
-        question = Question(self._robot, scene, begin, goals, seed, shortcuts, spent)
+        trees = work.trees if scene is work.scene else None
+        question = Question(self._robot, scene, begin, goals, seed, shortcuts, spent, trees)
         return self._arrived(made, question, goals)
 
     def _plan_in_time(self, begin: Floats, end: Floats | list[Target]) -> Motion:

@@ -1,10 +1,16 @@
 """When a robot is at the knots of a motion, where nobody said it."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+
+KEPT = 64
+"""Robots whose levers are kept."""
 
 
 def even_times(count: int) -> Floats:
@@ -35,6 +41,8 @@ def spread_times(robot: Robot, q: Floats, fixed: NDArray[np.intp], times: Floats
     times : ndarray (k,)
         Increasing.
     """
+    if len(fixed) == len(q):
+        return times.copy()
     along = np.concatenate([[0.0], np.cumsum(distances(robot, q))])
     along += np.arange(len(along)) * max(1e-9 * along[-1], np.finfo(float).tiny)
     result: Floats = np.interp(along, along[fixed], times)
@@ -48,13 +56,20 @@ def distances(robot: Robot, q: Floats) -> Floats:
     A change of a bend counts by the length of what it moves, from the middle of its segment to the tip, at mean
     lengths; a change of a length by itself.
     """
-    steps = np.diff(q, axis=0) * lever_metric(robot)
+    steps = (q[1:] - q[:-1]) * lever_metric(robot)
     result: Floats = np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
     return result
 
 
 def lever_metric(robot: Robot) -> Floats:
     """Return by how much changes of bends and lengths (n, 3) count in a distance; see `distances`."""
-    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in robot.segments])
+    return _levers_of(robot.segments)
+
+
+@lru_cache(maxsize=KEPT)
+def _levers_of(segments: tuple[Segment, ...]) -> Floats:
+    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in segments])
     levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
-    return np.stack([levers, levers, np.ones(len(levers))], axis=-1)
+    result = np.stack([levers, levers, np.ones(len(levers))], axis=-1)
+    result.flags.writeable = False
+    return result

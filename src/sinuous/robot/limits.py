@@ -1,7 +1,8 @@
 """By how much configurations are outside the limits of a robot; plain NumPy, no table of the kernels is read."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,9 @@ from sinuous.arguments import LimitKind
 from sinuous.checks import Floats
 from sinuous.robot.actuation import Actuation
 from sinuous.robot.segment import Segment
+
+KEPT = 64
+"""Robots whose bounds are kept as arrays."""
 
 Violation = tuple[LimitKind, int, float]
 """A limit (`length`, `bend`, `curvature`, `actuator`), its segment (1 = first), and by how much it is violated."""
@@ -37,18 +41,38 @@ def violations(
     return sorted(found, key=lambda each: (each[0] == "actuator", each[1]))
 
 
+class _Bounds(NamedTuple):
+    """Limits of segments as arrays.
+
+    Their numbers (1 = first); lengths and largest bends (n,); which of them have a largest curvature (k,), and that.
+    """
+
+    numbers: NDArray[np.intp]
+    low: Floats
+    high: Floats
+    bends: Floats
+    curved: NDArray[np.intp]
+    curvatures: Floats
+
+
+@lru_cache(maxsize=KEPT)
+def _bounds_of(segments: tuple[Segment, ...], curvatures: tuple[float, ...]) -> _Bounds:
+    low, high = np.array([segment.length for segment in segments]).T
+    bends = np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in segments])
+    curved = np.flatnonzero(np.isfinite(curvatures))
+    return _Bounds(np.arange(1, len(segments) + 1), low, high, bends, curved, np.array(curvatures)[curved])
+
+
 def _amounts(
     segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats
 ) -> Iterator[tuple[LimitKind, NDArray[Any], Floats]]:
     """Yield kinds of limits, the segments (k,) that have one, and by how much each is exceeded (..., k)."""
-    numbers = np.arange(1, len(segments) + 1)
-    low, high = np.array([segment.length for segment in segments]).T
+    own = _bounds_of(tuple(segments), tuple(curvatures))
     bends, lengths = np.hypot(q[..., 0], q[..., 1]), q[..., 2]
-    yield "length", numbers, np.maximum(low - lengths, lengths - high)
-    yield "bend", numbers, bends - np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in segments])
-    curvature = np.array(curvatures)
-    curved = np.isfinite(curvature)
-    allowed = curvature[curved] * np.maximum(lengths[..., curved], 0.0)
-    yield "curvature", numbers[curved], bends[..., curved] - allowed
+    yield "length", own.numbers, np.maximum(own.low - lengths, lengths - own.high)
+    yield "bend", own.numbers, bends - own.bends
+    if len(own.curved) > 0:
+        allowed = own.curvatures * np.maximum(lengths[..., own.curved], 0.0)
+        yield "curvature", own.numbers[own.curved], bends[..., own.curved] - allowed
     if len(actuation) > 0:
         yield "actuator", np.array([each.segment for each in actuation.actuators], np.intp), actuation.excess(q)

@@ -6,9 +6,27 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
-from sinuous.kernels.between.sweep import DRIFT_WIDTH, FRACTION, LEAST, LOW, SEEN_WIDTH, SEGMENT, WHEN, sweep_size
+from sinuous.kernels.between.obstacles import Aim, measure_balls
+from sinuous.kernels.between.proof import bound_again
+from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, Terms, prove_motions
+from sinuous.kernels.between.sweep import (
+    DRIFT_WIDTH,
+    FRACTION,
+    LEAST,
+    LOW,
+    SEEN_WIDTH,
+    SEGMENT,
+    WHEN,
+    Motion,
+    carve_sweep,
+    sweep_size,
+)
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
+from sinuous.kernels.clock import allow, begin
+from sinuous.kernels.compile import entry
+from sinuous.kernels.fields.distances import read_scene
+from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.problem import read_robot
 from sinuous.packing import robot_group
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
@@ -209,3 +227,47 @@ def test_the_proof_ends_by_its_deadline() -> None:
     answers = prove(case, seconds=0.0, knots=knots)
     assert (answers[-100:, VERDICT] == UNDECIDED).all()
     assert (answers[-100:, UNTIL] == 0.0).all()
+
+
+@pytest.mark.parametrize("row", [0, 1])
+def test_one_row_is_bounded_again_as_the_whole_proof_bounds_it(row: int) -> None:
+    """From what a proof without a tight bound saw; the other row stays as it is."""
+    bounded = tighter = 0
+    for seed in range(100):
+        case = random_case(seed)
+        (loose,), (tight,) = prove(case, 1.0), prove(case)
+        if loose[VERDICT] != CLEAR or tight[VERDICT] != CLEAR:
+            continue
+        seen = loose[SEEN:].reshape(2, SEEN_WIDTH).copy()
+        (least,) = tight[SEEN:].reshape(2, SEEN_WIDTH)[[row], LEAST]
+        seen[row, LEAST] = min(seen[row, LEAST], least)
+        other = seen[1 - row].copy()
+        assert bound_one_row(case, seen, row)
+        np.testing.assert_array_equal(seen[1 - row], other)
+        low, known = seen[row, LOW], sampled(case)[row]
+        assert low <= known + 1e-9, seed
+        if row == 0 and math.isfinite(known):
+            assert low >= (1.0 - SLACK) * min(known, least) - 1e-6, seed
+        bounded += math.isfinite(low)
+        tighter += bool(low > loose[SEEN + row * SEEN_WIDTH + LOW])
+    assert bounded > 15
+    assert tighter > 5 or row == 1
+
+
+@entry
+def bound_row(robot: Array, scene: Array, knots: Array, terms: Terms, workspace: Array, seen: Array, row: int) -> bool:
+    """Bound a row of `seen` (2, 6) of the motion between two knots (2, n, 3) again."""
+    own, around = read_robot(robot), read_scene(scene)
+    sweep = carve_sweep(workspace, own.base, own.limits.shape[0], around.table.shape[0])
+    begin(sweep.clock)
+    allow(sweep.clock, terms[3])
+    motion = Motion(own.limits, knots[0], knots[1], around, own.avoids_itself, sweep.still)
+    measure_balls(motion, sweep)
+    return bool(bound_again(motion, sweep, Aim(terms[1], terms[2], 0.0, terms[0], False), seen, row))
+
+
+def bound_one_row(case: Case, seen: Floats, row: int) -> bool:
+    """The same for a case."""
+    terms = float(case.robot.mount), SLACK, 1e-7 * case.robot.mean_length, 60.0
+    group, workspace = case.scene.snapshot().group.copy(), np.full(sweep_size(len(case.robot), len(case.scene)), np.nan)
+    return bound_row(robot_group(case.robot), group, np.stack([case.q0, case.q1]), terms, workspace, seen, row)

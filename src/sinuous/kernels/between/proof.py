@@ -127,7 +127,9 @@ def touches_too(motion: Motion, t: float, sweep: Sweep, aim: Aim, seen: Array) -
     if not motion.avoids_itself:
         return False
     shape = Shape(motion.limits, sweep.q[0], sweep.frames[0], sweep.spans[0])
-    return bool(prove_self(shape, aim.finest, sweep.clock)[0] == TOUCHING)
+    verdict, gap, place = prove_self(shape, aim.finest, sweep.clock)
+    _note(seen[1], verdict, gap, t, place[0], place[1], place[2])
+    return bool(verdict == TOUCHING)
 
 
 @kernel
@@ -217,6 +219,31 @@ def _thickest(limits: Array) -> float:
 
 
 @kernel
+def _measure(motion: Motion, sweep: Sweep, aim: Aim) -> tuple[Aim, float]:
+    """The aim with what arithmetic may be wrong by, and how far anything comes nearer in the motion, at most."""
+    travel = measure_rates(motion.q0, motion.q1, sweep.rates)
+    base, reach = frame(sweep.frames[0], 0)[1], 0.0
+    for k in range(motion.q0.shape[0]):
+        reach += max(motion.q0[k, 2], motion.q1[k, 2])
+    nearing, far = measure_paces(motion, base, reach + _thickest(motion.limits), sweep)
+    rounding = ROUNDING * (norm(base) + reach + far)
+    return Aim(aim.slack, aim.finest, rounding, aim.mount, aim.prefix), travel + nearing
+
+
+@kernel
+def bound_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, row: int) -> bool:
+    """Bound again, by what `seen` (2, 6) has, how clear a motion is of obstacles (row 0) or of the body itself (row 1).
+
+    The other row is left as it is. The motion is proved clear; returns whether that could be bounded again in time.
+    """
+    own, travel = _measure(motion, sweep, aim)
+    seen[row, LOW] = math.inf
+    if row == 0:
+        return bool(_clear_of_obstacles(motion, travel, sweep, own, seen[0])[0] == CLEAR)
+    return bool(_clear_of_itself(motion, travel, 1.0, sweep, own, seen[1])[0] == CLEAR)
+
+
+@kernel
 def prove_between(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[int, float]:
     """Prove a motion clear, or find where it is not.
 
@@ -253,29 +280,25 @@ def prove_again(motion: Motion, sweep: Sweep, aim: Aim, seen: Array) -> tuple[in
 def _prove_all(motion: Motion, sweep: Sweep, aim: Aim, seen: Array, looks: bool) -> tuple[int, float]:
     """The same; `looks`: whether the first configuration is looked at, where tight bounds are wanted."""
     seen[0, LOW] = seen[1, LOW] = math.inf
-    travel = measure_rates(motion.q0, motion.q1, sweep.rates)
-    base, reach = frame(sweep.frames[0], 0)[1], 0.0
-    for k in range(motion.q0.shape[0]):
-        reach += max(motion.q0[k, 2], motion.q1[k, 2])
-    nearing, far = measure_paces(motion, base, reach + _thickest(motion.limits), sweep)
-    rounding = ROUNDING * (norm(base) + reach + far)
-    own = Aim(aim.slack, aim.finest, rounding, aim.mount, aim.prefix)
-    if looks and own.slack < 1.0:  # then a bound has to be known from the beginning that is worth having
+    own, travel = _measure(motion, sweep, aim)
+    solid = motion.avoids_itself and _thickest(motion.limits) > 0.0
+    unknown = (motion.scene.table.shape[0] > 0 and seen[0, LEAST] == math.inf) or (solid and seen[1, LEAST] == math.inf)
+    if looks and own.slack < 1.0 and unknown:  # then a bound has to be known from the beginning that is worth having
         verdict = _look_at(motion, 0.0, sweep, own, seen)
         if verdict != CLEAR:
             return verdict, 0.0
     verdict, until = CLEAR, 1.0
     if motion.scene.table.shape[0] > 0:
-        verdict, until = _clear_of_obstacles(motion, travel + nearing, sweep, own, seen[0])
-    if motion.avoids_itself and _thickest(motion.limits) > 0.0 and (verdict == CLEAR or (own.prefix and until > 0.0)):
+        verdict, until = _clear_of_obstacles(motion, travel, sweep, own, seen[0])
+    if solid and (verdict == CLEAR or (own.prefix and until > 0.0)):
         other, proved = _clear_of_itself(motion, travel, until, sweep, own, seen[1])
         if verdict == CLEAR or (other != CLEAR and proved < until):
             verdict, until = other, proved
     if (
         verdict == UNDECIDED
         and not own.prefix
-        and travel + nearing > 0.0
-        and _touches_later(motion, until, travel + nearing, sweep, own, seen)
+        and travel > 0.0
+        and _touches_later(motion, until, travel, sweep, own, seen)
     ):
         verdict = TOUCHING
     return verdict, until

@@ -1,11 +1,13 @@
 """What Python asks of a planner: a path from a start to one of several goals."""
 
+import math
+
 import numpy as np
 
 from sinuous.kernels.between.obstacles import keep_reachable, measure_balls
 from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, carve_sweep
 from sinuous.kernels.chain.kinematics import frame
-from sinuous.kernels.clock import allow, begin
+from sinuous.kernels.clock import DEADLINE, allow, begin, resume
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, read_scene
 from sinuous.kernels.maths.shapes import shaped
@@ -21,7 +23,7 @@ from sinuous.kernels.planning.shortcuts import (
     skip,
 )
 from sinuous.kernels.planning.space import Space, measure_levers
-from sinuous.kernels.planning.trees import Terms, Trees, grow, path_through, plant
+from sinuous.kernels.planning.trees import GONE, Terms, Trees, cut, grow, path_through, plant, prove_trees
 from sinuous.kernels.problem import Robot, read_robot
 
 STEP, SPACING, LEAST, FINE, BACK = 0.5, 0.25, 1e-3, 1e-2, 0.05
@@ -33,6 +35,9 @@ robot lengths, below which the proof of an edge of the path gives up."""
 
 LOOSE = 1e-4
 """The same length for a proof that an edge is clear which is not known to be."""
+
+GLANCES = 8
+"""Draws of trees in which edges are only looked at, unless a path that was found turns out not to be clear."""
 
 FOR_PROOF = 0.1
 """Seconds for the path that was found, its shortcuts and proofs, for each second of the search."""
@@ -62,20 +67,21 @@ def _carve_trees(buffer: Array, n: int) -> Trees:
     )
 
 
-def nodes_of(workspace: Array, segments: int) -> Array:
-    """The nodes of the first tree (m, n, 3) in the workspace of a plan."""
+def nodes_of(workspace: Array, segments: int, side: int = 0) -> Array:
+    """The nodes of a tree (m, n, 3) in the workspace of a plan."""
     q = 3 * segments
     trees = workspace[segments + 2 * SEEN_WIDTH + 2 * q :]
     nodes = (len(trees) - q - 2) // (2 * (q + 1))
-    counts = trees[2 * nodes * (q + 1) :][:2].view(np.int64)
-    return trees[: nodes * q].reshape(nodes, segments, 3)[: counts[0]]
+    count = trees[2 * nodes * (q + 1) :][:2].view(np.int64)[side]
+    parents = trees[2 * nodes * q :].view(np.int64)[side * nodes :][:count]
+    return trees[side * nodes * q :][: nodes * q].reshape(nodes, segments, 3)[:count][parents != GONE]
 
 
 @kernel
 def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: Path) -> int:
     """Take the straight line to the first of the goals (g, n, 3) that it is clear to: 2 configurations, or 0."""
     for i in range(goals.shape[0]):
-        if joins(space, start, goals[i], exact, path.answers[0]):
+        if joins(space, start, goals[i], exact, math.inf, path.answers[0]):
             copy(start, path.q[0])
             copy(goals[i], path.q[1])
             return 2
@@ -83,15 +89,44 @@ def _straight(space: Space, start: Array, goals: Array, exact: Exactness, path: 
 
 
 @kernel
-def _finish(space: Space, path: Path, count: int, asked: Asked, exact: Exactness, pair: Array) -> int:
-    """Leave out of a path what can be left out, prove its edges with bounds, and return how many knots are left."""
+def _finish(
+    space: Space, path: Path, count: int, asked: Asked, exact: Exactness, pair: Array, sure: bool
+) -> tuple[int, int]:
+    """Leave out of a path what can be left out, and prove its edges with bounds.
+
+    Returns how many knots are left, and which edge turned out not to be clear; see `skip`.
+    """
     _, _, seconds, seed, _, _, tries = asked
     allow(space.sweep.clock, FOR_PROOF * seconds)
-    count = skip(space, path, count, exact)
+    count, wrong = skip(space, path, count, exact, sure)
     if tries > 0 and count > 2:
-        count = skip(space, path, shorten(space, path, count, tries, seed, exact, pair), exact)
+        count, _ = skip(space, path, shorten(space, path, count, tries, seed, exact, pair), exact, True)
     bound_worst(space, path, count, exact)
-    return count
+    return count, wrong
+
+
+@kernel
+def _grow_path(space: Space, trees: Trees, path: Path, asked: Asked, exact: Exactness, pair: Array) -> int:
+    """Let trees grow until there is a path between them that is clear; return how many knots it has, or 0."""
+    _, unit, _, seed, at, last, _ = asked
+    deadline, looks = space.sweep.clock[DEADLINE], at == 0
+    while at < last:
+        terms = Terms(STEP * unit, SPACING * unit, LEAST * unit, FINE * unit, BACK * unit, seed, not looks)
+        one, other, at = grow(space, trees, terms, at, min(last, GLANCES) if looks else last)
+        if one >= 0:
+            count = path_through(trees, one, other, path.q)
+            if count == 0:
+                return 0
+            forget_edges(path, count)
+            count, wrong = _finish(space, path, count, asked, exact, pair, False)
+            if wrong < 0:
+                return count
+            cut(trees, one, other, wrong)
+            resume(space.sweep.clock, deadline)
+        if looks:
+            prove_trees(space, trees, exact.loose)
+            looks = False
+    return 0
 
 
 @kernel
@@ -129,9 +164,9 @@ def plan(
     some nodes a tree, see `plan_size`.
     """
     own, around = read_robot(robot), read_scene(scene)
-    _, unit, _, seed, first, last, _ = asked
+    first = asked[4]
     space, pair, rest = _prepare(own, around, asked, scratch, workspace)
-    trees, path, exact = _carve_trees(rest, own.limits.shape[0]), Path(q, answers), _exactness(unit)
+    trees, path, exact = _carve_trees(rest, own.limits.shape[0]), Path(q, answers), _exactness(asked[1])
     if first == 0:
         trees.counts[0] = trees.counts[1] = 0
         plant(trees, 0, ends[0])
@@ -139,13 +174,10 @@ def plan(
         plant(trees, 1, ends[i])
     count = _straight(space, ends[0], ends[1:], exact, path)
     if count == 0:
-        terms = Terms(STEP * unit, SPACING * unit, LEAST * unit, FINE * unit, BACK * unit, seed)
-        one, other = grow(space, trees, terms, first, last)
-        if one >= 0:
-            count = path_through(trees, one, other, q)
-            forget_edges(path, count)
-    if count > 0:
-        count = _finish(space, path, count, asked, exact, pair)
+        count = _grow_path(space, trees, path, asked, exact, pair)
+    else:
+        allow(space.sweep.clock, FOR_PROOF * asked[2])
+        bound_worst(space, path, count, exact)
     return count, trees.counts[0] + trees.counts[1], path_length(space, path, count)
 
 
@@ -161,4 +193,4 @@ def tighten(
     space, pair, _ = _prepare(own, around, asked, scratch, workspace)
     path = Path(q, answers)
     forget_edges(path, count)
-    return int(_finish(space, path, count, asked, _exactness(asked[1]), pair))
+    return int(_finish(space, path, count, asked, _exactness(asked[1]), pair, True)[0])

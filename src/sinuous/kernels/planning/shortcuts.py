@@ -12,7 +12,16 @@ from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.kernels.clock import late
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, copy
-from sinuous.kernels.planning.space import Space, bound_edge, distance, looks_clear, prove_edge, random
+from sinuous.kernels.planning.space import (
+    Space,
+    best_bound,
+    bound_edge,
+    bound_edge_again,
+    distance,
+    looks_clear,
+    prove_edge,
+    random,
+)
 
 Path = namedtuple("Path", ["q", "answers"])
 """Configurations (p, n, 3), and answers (p, 14) about the edges that begin there."""
@@ -42,9 +51,12 @@ def path_length(space: Space, path: Path, count: int) -> float:
 def prove(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
     """Prove an edge that is thought to be clear, and fill its answer (14,): first that it is, then how clear."""
     verdict, until = prove_edge(space, p, q, 1.0, exact.finest)
-    if verdict == CLEAR:
+    clear = _keep(space, verdict, until, answer)
+    if clear:
         verdict, until = bound_edge(space, p, q, exact.of_edges, exact.finest)
-    return _keep(space, verdict, until, answer)
+        if verdict == CLEAR:
+            _keep(space, verdict, until, answer)
+    return clear
 
 
 @kernel
@@ -58,12 +70,26 @@ def _keep(space: Space, verdict: int, until: float, answer: Array) -> bool:
 
 
 @kernel
-def joins(space: Space, p: Array, q: Array, exact: Exactness, answer: Array) -> bool:
-    """Whether an edge is proved clear; its answer (14,) is filled then."""
+def joins(space: Space, p: Array, q: Array, exact: Exactness, least: float, answer: Array) -> bool:
+    """Whether an edge is proved clear; its answer (14,) is filled then.
+
+    It is bounded more tightly where it comes nearer to an obstacle than `least`, for then it may decide how clear the
+    path is.
+    """
     if not looks_clear(space, p, q, exact.coarse):
         return False
-    verdict, until = bound_edge(space, p, q, exact.of_edges, exact.loose)
+    slack = exact.slack if space.seen[0, LEAST] < least else exact.of_edges
+    verdict, until = bound_edge(space, p, q, slack, exact.loose)
     return verdict == CLEAR and _keep(space, verdict, until, answer)
+
+
+@kernel
+def _least_seen(path: Path, count: int) -> float:
+    """The least clearance that was seen on the first `count` edges."""
+    least = math.inf
+    for i in range(count):
+        least = min(least, path.answers[i, SEEN + LEAST])
+    return least
 
 
 @kernel
@@ -86,41 +112,63 @@ def bound_worst(space: Space, path: Path, count: int, exact: Exactness) -> None:
         seen, last = SEEN + row * SEEN_WIDTH, -1
         for _ in range(count - 1):
             i = _least_clear(path, count, seen)
-            if i < 0 or i == last:
+            if i < 0 or i == last or not _can_be_tighter(space, path, i, row, exact):
                 break
-            answer, last = path.answers[i], i
-            if answer[seen + LOW] >= (1.0 - exact.slack) * answer[seen + LEAST]:
+            last = i
+            _recall(space, path.answers[i])
+            if not bound_edge_again(space, path.q[i], path.q[i + 1], exact.slack, exact.finest, row):
                 break
-            for each in range(2):
-                for column in range(SEEN_WIDTH):
-                    space.seen[each, column] = answer[SEEN + each * SEEN_WIDTH + column]
-            verdict, until = bound_edge(space, path.q[i], path.q[i + 1], exact.slack, exact.finest)
-            if verdict != CLEAR:
-                break
-            _keep(space, verdict, until, answer)
+            for column in range(SEEN_WIDTH):
+                path.answers[i, seen + column] = space.seen[row, column]
 
 
 @kernel
-def skip(space: Space, path: Path, count: int, exact: Exactness) -> int:
-    """Leave out configurations where the motion past them is clear, prove the rest, and return how many are left.
+def _can_be_tighter(space: Space, path: Path, i: int, row: int, exact: Exactness) -> bool:
+    """Whether edge `i` is bounded less tightly than it is to be, and another proof may change that."""
+    low, least = path.answers[i, SEEN + row * SEEN_WIDTH + LOW], path.answers[i, SEEN + row * SEEN_WIDTH + LEAST]
+    if least == math.inf or low >= (1.0 - exact.slack) * least:
+        return False
+    return bool(low < (1.0 - exact.loose) * best_bound(space, path.q[i], path.q[i + 1], row))
 
-    From each configuration the motion to the last one is tried, then to one half as far away, and so on. What lies
-    between neighbours was proved before; if that is over now, or less exact, its answer stays undecided.
+
+@kernel
+def _recall(space: Space, answer: Array) -> None:
+    """Let the space have `seen` what an answer (14,) says."""
+    for row in range(2):
+        for column in range(SEEN_WIDTH):
+            space.seen[row, column] = answer[SEEN + row * SEEN_WIDTH + column]
+
+
+@kernel
+def skip(space: Space, path: Path, count: int, exact: Exactness, sure: bool) -> tuple[int, int]:
+    """Leave out configurations where the motion past them is clear, and prove the rest.
+
+    From each configuration the motion to the last one is tried, then to one half as far away, and so on. When it is
+    `sure`, what lies between neighbours was proved before; if that is over now, or less exact, its answer stays
+    undecided. Otherwise it was only looked at, and the motion from the first to the last was tried already.
+
+    Returns how many configurations are left, and the edge of the path as it was that is not clear (-1: none was found
+    that is not): then the path is not one any more.
     """
     kept = at = 0
     while at < count - 1:
+        least = _least_seen(path, kept)
         far = 1 if late(space.sweep.clock) else count - 1 - at
-        while far > 1 and not joins(space, path.q[kept], path.q[at + far], exact, path.answers[kept]):
+        if at == 0 and not sure:
+            far = max(1, far - 1)
+        while far > 1 and not joins(space, path.q[kept], path.q[at + far], exact, least, path.answers[kept]):
             far = 1 if late(space.sweep.clock) else far // 2
         if far == 1:
             if path.answers[at, VERDICT] == CLEAR:
                 copy(path.answers[at : at + 1], path.answers[kept : kept + 1])
-            else:
-                prove(space, path.q[kept], path.q[at + 1], exact, path.answers[kept])
+            elif sure or not joins(space, path.q[kept], path.q[at + 1], exact, least, path.answers[kept]):
+                clear = prove(space, path.q[kept], path.q[at + 1], exact, path.answers[kept])
+                if not (clear or sure or late(space.sweep.clock)):
+                    return 0, at
         at += far
         kept += 1
         copy(path.q[at], path.q[kept])
-    return kept + 1
+    return kept + 1, -1
 
 
 @kernel

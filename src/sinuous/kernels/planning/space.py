@@ -9,8 +9,10 @@ from collections import namedtuple
 
 import numpy as np
 
+from sinuous.kernels.between.itself import passed_over
 from sinuous.kernels.between.obstacles import Aim
 from sinuous.kernels.between.proof import (
+    bound_again,
     forget,
     narrow_obstacles,
     prove_again,
@@ -29,11 +31,11 @@ from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 PARTS = 8
 """Into how many parts a long motion is divided by the configurations that are looked at before it is proved."""
 
-ALONG = 4
-"""The same for an edge of a tree: a proof that fails is dearer than these looks."""
+ALONG, ALONG_SHORT = 4, 2
+"""The same for an edge of a tree, and for one that was cut short: a proof that fails is dearer than these looks."""
 
-BETWEEN = 2
-"""Looks between a time when nothing touches and one when something does."""
+NEAR = 3.0
+"""Two times are near when one is no more than so many times the other: one look more is taken between them."""
 
 Space = namedtuple("Space", ["robot", "scene", "mount", "levers", "sweep", "seen"])
 """The robot and the scene; length of backbone that obstacles do not concern; squares of the levers (n,); the scratch of
@@ -109,44 +111,48 @@ def looks_clear(space: Space, p: Array, q: Array, finest: float) -> bool:
 
 
 @kernel
-def look_along(space: Space, p: Array, q: Array, back: float, finest: float) -> float:
-    """Until when the way from `p` to `q` (n, 3) may be worth a proof; 0: it is not.
+def look_along(space: Space, p: Array, q: Array, back: float, least: float, finest: float) -> float:
+    """Until when the way from `p` to `q` (n, 3) may be worth a step; 0: it is not.
 
-    It is looked at where it ends. While something is seen to touch, half of it is, down to a time `back` after its
-    beginning; then between the last two looks. What is left is looked at in between, and ends before what touches
-    there. The end is as long before the time when something touches.
+    What is left ends `back` before the time when something touches, and below `least` it is worth nothing. It is looked
+    at where it ends, then in between. Where something touches at its end, the first look is where the least would be:
+    most ways that go nowhere are stopped there. Then looks go on between the last time when nothing touches and the
+    first when something does, by their geometric mean.
     """
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     aim = Aim(1.0, finest, 0.0, space.mount, False)
     narrow_obstacles(motion, space.sweep, aim, space.seen)
-    clear, touching = 1.0, math.inf
-    while touches_at(motion, clear, space.sweep, aim, space.seen):
-        touching, clear = clear, 0.5 * clear
-        if touching <= back:
+    clear, touching, parts = 1.0, math.inf, ALONG
+    if touches_at(motion, 1.0, space.sweep, aim, space.seen):
+        clear, touching, parts = min(0.5, back + least), 1.0, ALONG_SHORT
+        if touches_at(motion, clear, space.sweep, aim, space.seen):
             return 0.0
-    if clear < 1.0:
         clear, touching = _look_between(space, motion, aim, clear, touching)
-    end, parts = clear, 2
-    while parts <= ALONG and clear == end:
-        for i in range(1, parts, 2):
-            t = end * i / parts
+        if touching < back + least:
+            return 0.0
+    end, divided = clear, 2
+    while divided <= parts and clear == end:
+        for i in range(1, divided, 2):
+            t = end * i / divided
             if touches_at(motion, t, space.sweep, aim, space.seen):
-                clear, touching = _look_between(space, motion, aim, t - end / parts, t)
+                clear, touching = _look_between(space, motion, aim, t - end / divided, t)
                 break
-        parts *= 2
+        divided *= 2
     return max(0.0, min(clear, touching - back))
 
 
 @kernel
 def _look_between(space: Space, motion: Motion, aim: Aim, clear: float, touching: float) -> tuple[float, float]:
-    """Look between a time when nothing touches and one when something does; return two such times that are nearer."""
-    for _ in range(BETWEEN):
-        t = 0.5 * (clear + touching)
+    """Look between a time when nothing touches and one when something does; return two such times that are near."""
+    while True:
+        nearer = touching <= NEAR * clear or clear == 0.0
+        t = 0.5 * (clear + touching) if nearer else math.sqrt(clear * touching)
         if touches_at(motion, t, space.sweep, aim, space.seen):
             touching = t
         else:
             clear = t
-    return clear, touching
+        if nearer:
+            return clear, touching
 
 
 @kernel
@@ -161,3 +167,19 @@ def bound_edge(space: Space, p: Array, q: Array, slack: float, finest: float) ->
     """The same for a motion that was looked at last, or proved without a tight bound; see `prove_again`."""
     motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
     return prove_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen)
+
+
+@kernel
+def bound_edge_again(space: Space, p: Array, q: Array, slack: float, finest: float, row: int) -> bool:
+    """Bound one row of what is `seen` of a motion that is proved clear more tightly; see `bound_again`."""
+    motion = Motion(space.robot.limits, p, q, space.scene, space.robot.avoids_itself, space.sweep.still)
+    return bound_again(motion, space.sweep, Aim(slack, finest, 0.0, space.mount, False), space.seen, row)
+
+
+@kernel
+def best_bound(space: Space, p: Array, q: Array, row: int) -> float:
+    """What the lower bound of a row of `seen` is no greater than, however tight it is for the motion from `p` to `q`.
+
+    Gaps of the body that are never looked at have one bound for all of the motion.
+    """
+    return float(passed_over(space.robot.limits, p, q)) if row == 1 else math.inf

@@ -1,26 +1,39 @@
 """Two trees of configurations that grow towards each other: RRT-Connect (Kuffner & LaValle 2000).
 
 One grows from the start, the other from the goals. A random configuration is drawn; one tree grows from its nearest
-node towards it, and the other towards what was reached, as far as it can. Every edge is proved clear as far as it goes.
+node towards it, and the other towards what was reached, as far as it can. At first edges are only looked at, for most
+of them are on no path (Sanchez & Latombe 2001); whoever proves the path cuts off what is not clear. Then every edge is
+proved clear as far as it goes.
 """
 
 import math
 from collections import namedtuple
 
 from sinuous.kernels.between.sweep import at_time
+from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
-from sinuous.kernels.planning.space import Space, clear_up_to, distance, draw, look_along, random, squared_distance
+from sinuous.kernels.planning.space import (
+    Space,
+    clear_up_to,
+    distance,
+    draw,
+    look_along,
+    prove_edge,
+    random,
+    squared_distance,
+)
 from sinuous.kernels.step.actuation import share
 
 Trees = namedtuple("Trees", ["q", "parents", "counts", "drawn"])
-"""Nodes of both trees (2, c, n, 3), their parents (2, c) int64 (-1: a root), how many there are (2,) int64; and the
-configuration that was drawn (n, 3)."""
+"""Nodes of both trees (2, c, n, 3), their parents (2, c) int64 (-1: a root; `GONE`: it was taken out), how many there
+are (2,) int64; and the configuration that was drawn (n, 3)."""
 
-Terms = namedtuple("Terms", ["step", "spacing", "least", "finest", "back", "seed"])
+Terms = namedtuple("Terms", ["step", "spacing", "least", "finest", "back", "seed", "proves"])
 """Longest edge; how far nodes along an edge are from each other; the shortest edge; the length below which a proof is
-not halved; how far an edge stays back from what stops it, all in the length unit; and the seed."""
+not halved; how far an edge stays back from what stops it, all in the length unit; the seed; and whether edges are
+proved, or only looked at."""
 
 COARSE, FINER, FINEST = 1.0, 0.1, 0.01
 """How fine the shortest edge, proofs and what stays back are, as shares: most are coarse, every fourth is finer, every
@@ -29,6 +42,9 @@ sixteenth the finest. Who stands close to an obstacle needs small steps, others 
 BEHIND = 3
 """So many times as many nodes must one tree have for the other to have three of four draws: that one begins in a narrow
 place."""
+
+GONE = -2
+"""The parent of a node that was taken out."""
 
 ALONE = 0.75
 """Share of its draws in which only a run of segments moves. Of all directions at once hardly any leads out of there."""
@@ -55,7 +71,7 @@ def _nearest(trees: Trees, side: int, q: Array, levers: Array) -> int:
 
 @kernel
 def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: Terms) -> tuple[int, bool]:
-    """Let a tree grow from node `at` towards `goal` (n, 3) by one edge, as far as that is proved clear.
+    """Let a tree grow from node `at` towards `goal` (n, 3) by one edge, as far as that is clear.
 
     Returns the last new node (-1: there is none), and whether that is the goal.
     """
@@ -64,11 +80,14 @@ def _extend(space: Space, trees: Trees, side: int, at: int, goal: Array, terms: 
     part = min(1.0, terms.step / far) if far > 0.0 else 1.0
     at_time(begin, goal, part, trees.q[side, new])
     if far > 0.0:
-        part *= look_along(space, begin, trees.q[side, new], terms.back / (part * far), terms.back)
+        whole = part * far
+        part *= look_along(space, begin, trees.q[side, new], terms.back / whole, terms.least / whole, terms.back)
         if part * far < terms.least:
             return -1, False
         at_time(begin, goal, part, trees.q[side, new])
-    clear, until = clear_up_to(space, begin, trees.q[side, new], terms.finest)
+    clear, until = True, 1.0
+    if terms.proves:
+        clear, until = clear_up_to(space, begin, trees.q[side, new], terms.finest)
     if not clear:
         part = part * until - terms.back / far
         if part * far < terms.least:
@@ -114,20 +133,20 @@ def _keep_others(space: Space, begin: Array, index: int, seed: int, drawn: Array
 
 
 @kernel
-def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tuple[int, int]:
+def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tuple[int, int, int]:
     """Let both trees grow by draws `first` to `last` - 1, until they meet.
 
-    Returns the nodes, one a tree, where they do (-1, -1: they do not).
+    Returns the nodes, one a tree, where they do (-1, -1: they do not), and the draw to go on with.
     """
     most = trees.q.shape[1] - 1
     for index in range(first, last):
         if max(trees.counts[0], trees.counts[1]) >= most:
-            break
+            return -1, -1, last
         if spend(space.sweep.clock, trees.counts[0] + trees.counts[1] + SEGMENT_LOOKS):
-            break
+            return -1, -1, last
         draw(space, trees.q[0, 0], index, terms.seed, trees.drawn)
         fine = COARSE if index % 4 != 3 else FINER if index % 16 != 15 else FINEST
-        own = Terms(terms.step, terms.spacing, terms.least * fine, terms.finest * fine, terms.back * fine, terms.seed)
+        own = _as_fine(terms, fine)
         side, behind = index % 2 if fine == COARSE else index // 4 % 2, _behind(trees)
         if behind >= 0:
             side = behind if index % 4 > 0 else 1 - behind
@@ -138,8 +157,70 @@ def grow(space: Space, trees: Trees, terms: Terms, first: int, last: int) -> tup
         if new >= 0:
             met = _connect(space, trees, 1 - side, trees.q[side, new], own)
             if met >= 0:
-                return (new, met) if side == 0 else (met, new)
-    return -1, -1
+                return (new, met, index + 1) if side == 0 else (met, new, index + 1)
+    return -1, -1, last
+
+
+@kernel
+def _as_fine(terms: Terms, fine: float) -> Terms:
+    """The same terms for a draw that is so fine."""
+    return Terms(
+        terms.step,
+        terms.spacing,
+        terms.least * fine,
+        terms.finest * fine,
+        terms.back * fine,
+        terms.seed,
+        terms.proves,
+    )
+
+
+@kernel
+def cut(trees: Trees, first: int, second: int, edge: int) -> None:
+    """Take out of a tree what hangs on one edge of the path that `path_through` found, 0 = the first one."""
+    before, at = 0, first
+    while trees.parents[0, at] >= 0:
+        before, at = before + 1, trees.parents[0, at]
+    side = 0 if edge < before else 1
+    at, steps = (first, before - 1 - edge) if side == 0 else (second, edge - before)
+    for _ in range(steps):
+        at = trees.parents[side, at]
+    _take_out_from(trees, side, at)
+
+
+@kernel
+def _take_out(trees: Trees, side: int, i: int) -> None:
+    """Take a node out of a tree: it stays where it is, and is near to nothing."""
+    trees.parents[side, i] = GONE
+    trees.q[side, i] = math.inf
+
+
+@kernel
+def _take_out_from(trees: Trees, side: int, root: int) -> None:
+    """Take a node out of a tree, and all that grows from it."""
+    _take_out(trees, side, root)
+    for i in range(root + 1, trees.counts[side]):  # a node comes after its parent
+        if _has_lost_parent(trees, side, i):
+            _take_out(trees, side, i)
+
+
+@kernel
+def _has_lost_parent(trees: Trees, side: int, i: int) -> bool:
+    above = trees.parents[side, i]
+    return bool(above >= 0 and trees.parents[side, above] == GONE)
+
+
+@kernel
+def prove_trees(space: Space, trees: Trees, finest: float) -> None:
+    """Prove all edges, and take out of the trees what hangs on one that is not proved clear."""
+    for side in range(2):
+        for i in range(trees.counts[side]):
+            above = trees.parents[side, i]
+            if above < 0:
+                continue
+            q = trees.q[side]
+            if _has_lost_parent(trees, side, i) or prove_edge(space, q[above], q[i], 1.0, finest)[0] != CLEAR:
+                _take_out(trees, side, i)
 
 
 @kernel

@@ -18,7 +18,7 @@ def grown(question: Question, ends: Ends) -> Iterator[Way | None]:
 
     In the first round they grow from the ends as they are, then from where these have room.
     """
-    trees, seed = Trees(question.robot, question.scene), question.seed
+    trees, seed = question.trees or Trees(question.robot, question.scene), question.seed
     goals, first, last = question.goals(question.start[None]), 0, ROUNDS[0]
     roots = roots_of([question.start], [[goal] for goal in goals])
     way = trees.grow(roots, seed, (first, last), question.watch.seconds_left(), question.shortcuts)

@@ -7,6 +7,7 @@ from sinuous.checks import Floats
 from sinuous.motion.planning.watch import Watch
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.planning.trees import Trees
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,8 @@ class Question:
         How many are tried on a way that was found.
     watch : Watch
         Says how many seconds are left.
+    trees : Trees, optional
+        Of this robot and scene, to grow in.
     """
 
     robot: Robot
@@ -36,3 +39,4 @@ class Question:
     seed: int
     shortcuts: int
     watch: Watch
+    trees: Trees | None = None

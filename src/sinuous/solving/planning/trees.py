@@ -38,7 +38,6 @@ class Trees:
         self._robot, self._groups = robot, (packing.robot_group(robot), scene._kernel_group)
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
-        self._nodes = 0
 
     def grow(self, ends: Floats, seed: int, draws: tuple[int, int], seconds: float, shortcuts: int = 0) -> Way | None:
         """Grow by draws from the first to before the last of `draws`; when the first is 0, both trees are planted anew.
@@ -47,8 +46,9 @@ class Trees:
         """
         asked = float(self._robot.mount), self._robot.mean_length, seconds, seed, *draws, shortcuts
         work = self._scratch, self._workspace, self._q, self._answers
-        count, self._nodes, _ = plan(*self._groups, ends, asked, *work)
-        return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
+        count, _, _ = plan(*self._groups, ends, asked, *work)
+        way = self._proved(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
+        return way if way is not None and (way.answers[:, VERDICT] == CLEAR).all() else None
 
     def tighten(self, q: Floats, seed: int, seconds: float, shortcuts: int = 0) -> Way:
         """Leave out what can be left out of knots (T, n, 3); what lies between neighbours is clear."""
@@ -59,6 +59,12 @@ class Trees:
         work = self._scratch, self._workspace, self._q, self._answers
         count = tighten(*self._groups, len(q), asked, *work)
         return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy())
+
+    def load(self) -> None:
+        """Compile what grows trees, or load it."""
+        still = np.zeros((1, len(self._robot), 3))
+        self.grow(still, 0, (0, 0), 0.0)
+        self.tighten(still, 0, 0.0)
 
     @cached_property
     def _prover(self) -> Prover:
@@ -78,12 +84,10 @@ class Trees:
     @property
     def sizes(self) -> tuple[int, int]:
         """How many nodes the tree of the start has, and that of the goals."""
-        first = len(self.reached)
-        return first, self._nodes - first
+        first, second = (len(nodes_of(self._workspace, len(self._robot), side)) for side in (0, 1))
+        return first, second
 
 
 def load_trees(robot: Robot, scene: Snapshot) -> None:
     """Compile what grows trees, or load it."""
-    trees, still = Trees(robot, scene), np.zeros((1, len(robot), 3))
-    trees.grow(still, 0, (0, 0), 0.0)
-    trees.tighten(still, 0, 0.0)
+    Trees(robot, scene).load()

@@ -1,0 +1,91 @@
+"""Trees of configurations: what is cut off hangs on one edge of a path, and what is left is clear."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.kernels.planning.query import GLANCES
+from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
+from sinuous.scene.scene import Scene
+from sinuous.solving.between import prove_steps
+from sinuous.solving.planning.trees import Trees as GrownTrees
+from tests.helpers import Floats
+from tests.kernels.between.motions import shape
+
+SEGMENTS, NODES = 2, 40
+ROBOT = sn.Robot([sn.Segment(1.0, 2.8, radius=0.03)] * 3)
+
+
+def random_trees(seed: int) -> Trees:
+    """Two trees of random nodes, each hanging on one before it; of the goals' tree the first three are roots."""
+    rng = np.random.default_rng(seed)
+    parents = np.full((2, NODES), -1)
+    for side, roots in ((0, 1), (1, 3)):
+        parents[side, roots:] = [rng.integers(i) for i in range(roots, NODES)]
+    q = rng.random((2, NODES, SEGMENTS, 3))
+    return Trees(q, parents, np.array([NODES, NODES]), np.zeros((SEGMENTS, 3)))
+
+
+def below(parents: list[int], node: int) -> set[int]:
+    """All nodes that a node is among the ancestors of, and itself."""
+    found = {node}
+    for i, parent in enumerate(parents):
+        if parent in found:
+            found.add(i)
+    return found
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_hangs_on_an_edge_is_cut_off_and_nothing_else(seed: int) -> None:
+    first, second = NODES - 1, NODES - 2
+    path = np.zeros((2 * NODES, SEGMENTS, 3))
+    whole = random_trees(seed)
+    count = path_through(whole, first, second, path)
+    nodes = [[tuple(q.ravel()) for q in side] for side in whole.q]
+    before = sum(tuple(q.ravel()) in nodes[0] for q in path[:count]) - 1
+    for edge in range(count - 1):
+        trees = random_trees(seed)
+        cut(trees, first, second, edge)
+        side = 0 if edge < before else 1
+        child = second  # it is where the first tree's node is, and stands for it
+        if edge != before:
+            child = nodes[side].index(tuple(path[edge + 1 if side == 0 else edge].ravel()))
+        gone = below(whole.parents[side].tolist(), child)
+        assert set(np.flatnonzero(trees.parents[side] == GONE).tolist()) == gone
+        assert np.isinf(trees.q[side, sorted(gone)]).all()
+        kept = sorted(set(range(NODES)) - gone)
+        np.testing.assert_array_equal(trees.q[side, kept], whole.q[side, kept])
+        np.testing.assert_array_equal(trees.q[1 - side], whole.q[1 - side])
+
+
+def thin_walls(seed: int) -> tuple[Scene, Floats]:
+    """Walls so thin that looks miss them, and two clear configurations (2, n, 3) among them."""
+    rng = np.random.default_rng(seed)
+    while True:
+        walls = [sn.Box(rng.uniform(-2.5, 2.5, 3), np.roll([2.0, 1.5, 0.004], rng.integers(3))) for _ in range(14)]
+        scene = Scene([wall for wall in walls if np.linalg.norm(wall.center[:2]) > 1.2])
+        drawn = [shape(ROBOT, rng) for _ in range(12)]
+        ends = [q for q in drawn if prove_steps(ROBOT, scene.snapshot(), np.stack([q, q])).proved.all()]
+        if len(ends) >= 2:
+            return scene, np.stack(ends[:2])
+
+
+def test_what_looks_miss_is_on_no_path_and_in_no_tree() -> None:
+    met = 0
+    for seed in range(24):
+        scene, ends = thin_walls(seed)
+        trees = GrownTrees(ROBOT, scene.snapshot())
+        way = trees.grow(ends, seed, (0, GLANCES), 60.0)
+        if way is None:
+            reached = trees.reached
+            assert np.isfinite(reached).all()
+            np.testing.assert_array_equal(reached[0], ends[0])
+            assert sum(trees.sizes) >= 2
+            for q in reached:
+                assert prove_steps(ROBOT, scene.snapshot(), np.stack([q, q]), slack=1.0).proved.all()
+            way = trees.grow(ends[:1], seed, (GLANCES, 4096), 60.0)
+            met += 1
+        assert way is not None, seed
+        np.testing.assert_array_equal(way.q[[0, -1]], ends)
+        assert prove_steps(ROBOT, scene.snapshot(), way.q).proved.all()
+    assert met > 0

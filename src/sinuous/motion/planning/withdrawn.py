@@ -26,8 +26,9 @@ STEPS = 16
 """Steps of the first retreat in its first turn. Trees from ends that have room may be there before it goes on, so they
 have two turns then."""
 
-PAIRS, MOST_PAIRS = 16, 256
-"""Draws of the trees that give way in the first turn, twice as many in each that follows, and the most in one turn."""
+PAIRS, MOST_PAIRS = 24, 192
+"""Draws of the trees that give way in a turn that has drawn back an end, and in others: a retreat of another kind often
+leads to where it takes few of them."""
 
 ROOTS = 12
 """Knots of one retreat that trees grow from."""
@@ -91,9 +92,10 @@ class _Join:
 
     def give_way(self, turn: int) -> Way | None:
         """Let trees whose bodies give way grow from the start and its retreats, and from the goals'."""
+        new = turn == len(self._outs) + len(self._ins) - 1
         self._yielding.plant(0, [self._ends.start, *self._outs])
         self._yielding.plant(1, self._ins)
-        found = self._yielding.grow(min(PAIRS << turn, MOST_PAIRS))
+        found = self._yielding.grow(PAIRS if new else MOST_PAIRS)
         return None if found is None else self._ends.whole(self._trees, found)
 
     def _some(self, knots: Chain, out: Floats) -> Chain:

@@ -16,7 +16,7 @@ from sinuous.motion.planning.ends import Chain
 from sinuous.motion.planning.means import ROOMS, Means
 from sinuous.motion.planning.nodes import Nodes
 
-FIRST, LONGEST, SHORTEST = 0.1, 0.5, 3e-3
+FIRST, LONGEST, SHORTEST = 0.1, 0.5, 0.01
 """Steps, in robot lengths: twice as long after one that succeeds, half as long after one that does not."""
 
 NEARER = 0.1

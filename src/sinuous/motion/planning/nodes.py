@@ -27,7 +27,8 @@ class Nodes:
         return len(self._parents)
 
     def __getitem__(self, node: int) -> Floats:
-        return self._q[node]
+        q: Floats = self._q[node]
+        return q
 
     def add(self, q: Floats, parent: int) -> int:
         """Add a configuration (n, 3) that is reached from a node (-1: from none), and return its node."""

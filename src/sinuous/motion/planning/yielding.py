@@ -136,7 +136,8 @@ class Yielding:
         low, high, most = self._limits
         angle, bend = 2.0 * np.pi * self._rng.random(len(low)), most * np.sqrt(self._rng.random(len(low)))
         drawn = [bend * np.cos(angle), bend * np.sin(angle), self._rng.uniform(low, high)]
-        return within_limits(self._means.robot, np.stack(drawn, axis=-1)[None])[0]
+        result: Floats = within_limits(self._means.robot, np.stack(drawn, axis=-1)[None])[0]
+        return result
 
     def _run_of(self, q: Floats) -> Floats:
         """The configuration (n, 3), but for a random run of segments."""

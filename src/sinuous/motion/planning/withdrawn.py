@@ -28,7 +28,7 @@ have two turns then."""
 
 PAIRS, MOST_PAIRS = 24, 192
 """Draws of the trees that give way in a turn that has drawn back an end, and in others: a retreat of another kind often
-leads to where it takes few of them."""
+leads to where it takes few of them. In the first turn they have none: plain trees are sooner where they get there."""
 
 ROOTS = 12
 """Knots of one retreat that trees grow from."""
@@ -95,7 +95,7 @@ class _Join:
         new = turn == len(self._outs) + len(self._ins) - 1
         self._yielding.plant(0, [self._ends.start, *self._outs])
         self._yielding.plant(1, self._ins)
-        found = self._yielding.grow(PAIRS if new else MOST_PAIRS)
+        found = self._yielding.grow(0 if turn == 0 else PAIRS if new else MOST_PAIRS)
         return None if found is None else self._ends.whole(self._trees, found)
 
     def _some(self, knots: Chain, out: Floats) -> Chain:

@@ -16,7 +16,8 @@ NARROW = 0.1875
 def grown(question: Question, ends: Ends) -> Iterator[Way | None]:
     """Yield the way that the trees find; see `Source`.
 
-    In the first round they grow from the ends as they are, then from where these have room.
+    In the first round they grow from the ends as they are, then from where these have room. Where an end is in a narrow
+    place, others have two turns for one of trees that are planted anew.
     """
     trees, seed = question.trees or Trees(question.robot, question.scene), question.seed
     goals, first, last = question.goals(question.start[None]), 0, ROUNDS[0]
@@ -31,5 +32,7 @@ def grown(question: Question, ends: Ends) -> Iterator[Way | None]:
         yield ends.joined(trees, chains, known, seed, (first, last))
         known = len(chains)
     while True:
+        if ends.narrow:
+            yield None
         seed, last = (seed + 1) % 2**31, 2 * last
         yield ends.joined(trees, ends.goals(trees.reached), 0, seed, (0, last))

@@ -78,6 +78,10 @@ class Means:
                 return [q] if np.array_equal(roomy, q) else [q, roomy]
         return [q]
 
+    def give_way(self, q: Floats, room: float) -> Floats | None:
+        """Return a shape near one (n, 3) that may overlap: so much room (radii), and the tip about where it is."""
+        return self._solve(Target(self.robot.tip(q)[:3, 3]), q, room, LOOSE * max(self.robot.radii))
+
     def is_clear(self, p: Floats, q: Floats) -> bool:
         """Whether the motion from `p` to `q` (n, 3) is proved clear."""
         return self._clear(self._prover, p, q)

@@ -9,6 +9,7 @@ from sinuous.checks import Floats
 from sinuous.motion.planning.ends import Chain, Ends, roots_of
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.retreat import KINDS, Retreat
+from sinuous.motion.planning.yielding import Yielding
 from sinuous.motion.times import lever_metric
 from sinuous.solving.planning.trees import Trees, Way
 
@@ -25,6 +26,10 @@ STEPS = 16
 """Steps of the first retreat in its first turn. Trees from ends that have room may be there before it goes on, so they
 have two turns then."""
 
+PAIRS, MOST_PAIRS = 24, 192
+"""Draws of the trees that give way in a turn that has drawn back an end, and in others: a retreat of another kind often
+leads to where it takes few of them. In the first turn they have none: plain trees are sooner where they get there."""
+
 ROOTS = 12
 """Knots of one retreat that trees grow from."""
 
@@ -39,7 +44,8 @@ def withdrawn(question: Question, ends: Ends) -> Iterator[Way | None]:
         yield from (None for _ in range(ALONE))
     for turn in count():
         yield from join.draw_back(turn)
-        yield join.grow(turn)
+        way = join.grow(turn)
+        yield join.give_way(turn) if way is None else way
 
 
 class _Join:
@@ -50,6 +56,7 @@ class _Join:
         self._trees = Trees(question.robot, question.scene)
         self._outs: list[Chain] = []
         self._ins: list[Chain] = []
+        self._yielding = Yielding(ends.means, question.seed)
 
     def draw_back(self, turn: int) -> Iterator[None]:
         """Draw back a goal, or the start; `None` where a turn ends before that does."""
@@ -82,6 +89,14 @@ class _Join:
         if way is None:
             return None
         return self._ends.whole(self._trees, [*out, *way.q[1:-1], *_into(self._ins, way.q[-1])])
+
+    def give_way(self, turn: int) -> Way | None:
+        """Let trees whose bodies give way grow from the start and its retreats, and from the goals'."""
+        new = turn == len(self._outs) + len(self._ins) - 1
+        self._yielding.plant(0, [self._ends.start, *self._outs])
+        self._yielding.plant(1, self._ins)
+        found = self._yielding.grow(0 if turn == 0 else PAIRS if new else MOST_PAIRS)
+        return None if found is None else self._ends.whole(self._trees, found)
 
     def _some(self, knots: Chain, out: Floats) -> Chain:
         """Some of the knots, the last one first, and the one that is nearest to a configuration (n, 3)."""

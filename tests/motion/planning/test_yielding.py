@@ -1,0 +1,98 @@
+"""Trees whose bodies give way: past what stops a straight edge, by motions that are clear."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from benchmarks.motion.judged import collides
+from benchmarks.motion.places.known import make
+from sinuous.motion.planning import yielding
+from sinuous.motion.planning.ends import Chain
+from sinuous.motion.planning.goals import FixedGoal
+from sinuous.motion.planning.means import Means
+from sinuous.motion.planning.nodes import Nodes
+from sinuous.motion.planning.question import Question
+from sinuous.motion.planning.retreat import Retreat
+from sinuous.motion.planning.watch import Watch
+from sinuous.motion.planning.yielding import Yielding
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats
+from tests.motion.planning.places import INSIDE, OUTSIDE, ROBOT, bore
+
+LEFT: Floats = np.array([[0.25, 0.0, 1.0]] * 5)
+RIGHT: Floats = LEFT * [-1.0, 1.0, 1.0]
+BALL = sn.Sphere([0.0, 0.15, 3.0], 0.4)
+"""Between both, a little beside the middle of the way."""
+
+
+def means(scene: Scene, start: Floats = OUTSIDE, goal: Floats = INSIDE, seconds: float = 60.0) -> Means:
+    return Means(Question(ROBOT, scene.snapshot(), start, FixedGoal(goal), 0, 0, Watch(seconds)))
+
+
+def grown(scene: Scene, seed: int = 0, seconds: float = 60.0) -> Chain | None:
+    """The way into a bore that trees find from how far its goal can be drawn back."""
+    own = means(scene, seconds=seconds)
+    retreat = Retreat(own, INSIDE, 0, OUTSIDE)
+    retreat.run()
+    trees = Yielding(own, seed)
+    trees.plant(0, [[OUTSIDE]])
+    trees.plant(1, [retreat.knots])
+    return trees.grow(200)
+
+
+def test_an_edge_goes_on_beside_what_stops_it() -> None:
+    scene = Scene([BALL])
+    straight = np.stack([LEFT, RIGHT])
+    assert collides(ROBOT, scene, straight[:1]) == collides(ROBOT, scene, straight[1:]) == ""
+    assert collides(ROBOT, scene, straight) == "obstacle"
+    tree = Nodes(ROBOT)
+    tree.plant([LEFT])
+    node, there = Yielding(means(scene, LEFT, RIGHT), 0)._towards(tree, 0, RIGHT, np.inf, 0.05)
+    assert there
+    way = np.stack(tree.way(node))
+    np.testing.assert_array_equal(way[[0, -1]], straight)
+    assert collides(ROBOT, scene, way) == ""
+
+
+def test_the_way_is_clear_and_the_same_each_time() -> None:
+    scene = Scene(bore())
+    one, other = grown(scene), grown(scene)
+    assert one is not None
+    np.testing.assert_array_equal(np.stack(one)[[0, -1]], [OUTSIDE, INSIDE])
+    assert collides(ROBOT, scene, np.stack(one)) == ""
+    np.testing.assert_array_equal(one, other)
+
+
+def test_all_that_is_in_a_tree_is_clear() -> None:
+    scene = Scene(bore())
+    trees = Yielding(means(scene), 3)
+    trees.plant(0, [[OUTSIDE]])
+    trees.plant(1, [[INSIDE]])
+    trees.grow(12)
+    for tree in trees._trees:
+        for node in range(1, len(tree)):
+            assert collides(ROBOT, scene, np.stack(tree.way(node)[-2:])) == ""
+
+
+def test_trees_that_are_large_are_planted_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = Scene(bore())
+    monkeypatch.setattr(yielding, "MOST_NODES", 30)
+    trees = Yielding(means(scene), 0)
+    trees.plant(0, [[OUTSIDE]])
+    trees.plant(1, [[INSIDE]])
+    trees.grow(40)
+    for tree, end in zip(trees._trees, (OUTSIDE, INSIDE), strict=True):
+        assert len(tree) < 100
+        np.testing.assert_array_equal(tree.way(len(tree) - 1)[0], end)
+
+
+def test_without_time_there_is_none() -> None:
+    assert grown(Scene(bore()), seconds=0.0) is None
+
+
+def test_a_fold_becomes_another_fold() -> None:
+    """Retreats and straight edges alone need longer here than anybody waits."""
+    place = make("folded", 12)
+    motion = sn.plan(place.robot, place.knots[0], place.knots[-1], place.scene, time=60.0)
+    assert motion.solved
+    assert collides(place.robot, place.scene, motion.q) == ""

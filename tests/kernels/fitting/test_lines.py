@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import respace_line, room_along
+from sinuous.kernels.fitting.lines import measure_line, respace_line, room_along
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 
@@ -20,6 +20,14 @@ def test_distances_are_those_of_the_scene_up_to_a_reach(seed: int) -> None:
     assert not near.all()
     np.testing.assert_allclose(found[near], true[near])
     assert (found[~near] >= reach).all()
+
+
+@pytest.mark.parametrize("count", [1, 2, 30])
+def test_the_length_of_a_line_is_that_of_its_steps(count: int) -> None:
+    line, along = np.random.default_rng(count).normal(size=(count, 3)), np.empty(count)
+    measure_line(line, along)
+    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    np.testing.assert_allclose(along, [steps[:i].sum() for i in range(count)], rtol=1e-14)
 
 
 def test_a_line_of_one_place_stays_there() -> None:

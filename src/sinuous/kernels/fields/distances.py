@@ -13,8 +13,9 @@ from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.shapes import shaped
-from sinuous.kernels.maths.vectors import Array, Vec, get_mat, get_vec, mat_vec, norm, sub, vec_mat
+from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import (
+    BALL,
     CENTER,
     FIRST_SAMPLE,
     KIND,
@@ -61,6 +62,9 @@ def _own(scene: Scene, i: int, p: Vec) -> Vec:
 def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     if scene.table[i, KIND] >= TREE:
         return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
+    far, away = reach + scene.table[i, BALL], sub(p, get_vec(scene.table, i, CENTER))
+    if far <= 0.0 or dot(away, away) >= far * far:
+        return reach, math.inf
     d, _ = primitive(scene.table, i, p)
     return d, d
 
@@ -70,7 +74,7 @@ def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, 
     """Signed distance of the point `p` to obstacle `i`, and an upper bound of it: the same where it is exact.
 
     `mode` is one of STEP, BOUND, EXACT and ABOVE of `solids`; primitives are always exact. What is not less than
-    `reach` need not be exact: any lower bound that is not less than `reach` either will do.
+    `reach` need not be exact: any lower bound that is not less than `reach` either will do, and infinity above.
     """
     if scene.table[i, KIND] != SPHERE:
         return _look_at_other(scene, i, p, reach, mode)
@@ -81,8 +85,14 @@ def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, 
 @kernel
 def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
     """Signed distance of the point `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
+    return slope_known(scene, i, p, reach, mode, math.inf)
+
+
+@kernel
+def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
+    """The same, where the distance in this mode is `known` already, which saves a search; infinite where it is not."""
     if scene.table[i, KIND] >= TREE:
-        d, g = solids.slope(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
+        d, g = solids.slope(scene.table, scene.store, i, _own(scene, i, p), reach, mode, known)
         if scene.table[i, PLACED] != 0.0:
             g = mat_vec(get_mat(scene.table, i, PLACE + POSE_ROTATION), g)
         return d, g
@@ -103,9 +113,12 @@ def beside_chord(scene: Scene, i: int, center: Vec, chord: Vec, aside: float) ->
 
 
 @kernel
-def obstacle(scene: Scene, i: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to obstacle `i` and its gradient: interpolated where there are samples."""
-    return slope(scene, i, p, math.inf, STEP)
+def obstacle(scene: Scene, i: int, p: Vec, known: float) -> tuple[float, Vec]:
+    """Signed distance of the point `p` to obstacle `i` and its gradient: interpolated where there are samples.
+
+    `known` is that distance, where it is known already, else infinite.
+    """
+    return slope_known(scene, i, p, math.inf, STEP, known)
 
 
 @kernel

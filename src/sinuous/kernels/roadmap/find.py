@@ -110,16 +110,33 @@ def _put_lines(
 
 
 @kernel
+def _straight(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array) -> bool:
+    """Whether the goal is in sight from the start: a search would look there first, and needs no other places then."""
+    put_vec(roadmap.places, START, 0, grid.start)
+    put_vec(roadmap.places, GOAL, 0, grid.goal)
+    for i in range(RECENT):
+        roadmap.recent[i] = -1
+    by, asked = cutting(scene, triangles, grid.start, grid.goal, roadmap.recent)
+    far = SHORTENED * norm(sub(grid.goal, grid.start)) > grid.longest
+    if far or by >= 0 or spend(roadmap.clock, asked):
+        return False
+    seen, looked = in_sight(scene, grid, grid.start, grid.goal)
+    roadmap.before[GOAL] = START
+    return seen and not spend(roadmap.clock, looked * price(scene))
+
+
+@kernel
 def _search(roadmap: Roadmap, grid: Grid, scene: Scene, triangles: Array, count: int) -> bool:
-    """Search for a route from place to place, as far as the time allows; `before` leads back from the goal."""
+    """Search for a route from place to place, as far as the time allows; `before` leads back from the goal.
+
+    What cut the line from the start to the goal is among what is `recent` already, see `_straight`.
+    """
     looks = price(scene)
     for i in range(count):
         roadmap.cost[i], roadmap.cut[i] = math.inf, -1
     roadmap.cost[START], roadmap.before[START] = 0.0, -1
     queue = _queue(roadmap, grid)
     _put_lines(roadmap, queue, grid, scene, triangles, count, START)
-    for i in range(RECENT):
-        roadmap.recent[i] = -1
     tried = spent = 0
     while tried < CUTS and spent < LOOKS:
         line = buckets.pop(queue)
@@ -176,9 +193,10 @@ def _find(roadmap: Roadmap, scene: Scene, query: Query, edges: Array, triangles:
     straight, points = 0.0, 0
     for _ in range(2):
         grid = route_grid(query, scene, straight, True)
-        count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
-        if not _search(roadmap, grid, scene, triangles, count):
-            return 0
+        if not _straight(roadmap, grid, scene, triangles):
+            count = put_places(scene, grid, edges, roadmap.places, roadmap.clock)
+            if not _search(roadmap, grid, scene, triangles, count):
+                return 0
         points = _draw(roadmap, grid, scene, query, route)
         straight = straight_length(query, span(route, points))
         if straight <= query.free_length:

@@ -93,8 +93,6 @@ def primitive_row(
     row[t.CENTER : t.CENTER + 3] = center
     row[t.AXES : t.AXES + 9] = np.ravel(axes)
     row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
-    bounded = not inside and kind != t.HALF_SPACE
-    row[t.BALL] = (1.0 + 1e-12) * (np.linalg.norm(half_extents) + rounding) if bounded else np.inf
     return row
 
 

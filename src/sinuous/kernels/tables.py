@@ -72,9 +72,6 @@ the place of the first (3), and the distance between neighbours."""
 CUBE_HALF = 16
 """Column of a TREE of cubes: half of their edge."""
 
-BALL = 18
-"""Column of a primitive: radius of the ball about its center that holds all of it; infinite where there is none."""
-
 PLACED, PLACE = 18, 19
 """Columns of whatever is in the store: 1 where it lies there as it is described, in a frame of its own, and has been
 moved; and the pose of that frame in the world, as `POSE_ROTATION` and `POSE_POSITION` lay it out (12)."""

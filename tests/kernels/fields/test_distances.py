@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from sinuous.kernels.fields import distances
-from sinuous.kernels.fields.solids import EXACT
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
@@ -206,26 +205,6 @@ def test_the_nearest_of_many() -> None:
             d, g = distances.obstacle(scene, int(which[i]), vec(p), known)
             assert d == values[i]
             np.testing.assert_array_equal(g, gradients[i])
-
-
-def test_what_is_not_within_reach_is_told_to_be_no_nearer_than_that() -> None:
-    """And what is within reach is exact."""
-    rng = np.random.default_rng(51)
-    beyond = within = 0
-    for kind in KINDS * 3:
-        scene = kernel_scene(Scene([draw(kind, rng)[0]]))
-        for p in rng.normal(size=(40, 3)) * 2:
-            exact, _ = distances.look(scene, 0, vec(p), math.inf, EXACT)
-            for reach in (exact - 0.3, exact - 1e-9, exact + 1e-9, exact + 1.0):
-                d, most = distances.look(scene, 0, vec(p), reach, EXACT)
-                if reach > exact:
-                    assert d == most == exact
-                    within += 1
-                else:
-                    assert reach <= d <= exact <= most
-                    beyond += most == math.inf
-    assert within > 100
-    assert beyond > 100
 
 
 def test_nothing_is_infinitely_far() -> None:

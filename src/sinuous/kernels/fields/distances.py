@@ -13,9 +13,8 @@ from sinuous.kernels.fields import primitives, solids
 from sinuous.kernels.fields.primitives import primitive
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.maths.shapes import shaped
-from sinuous.kernels.maths.vectors import Array, Vec, dot, get_mat, get_vec, mat_vec, norm, sub, vec_mat
+from sinuous.kernels.maths.vectors import Array, Vec, get_mat, get_vec, mat_vec, norm, sub, vec_mat
 from sinuous.kernels.tables import (
-    BALL,
     CENTER,
     FIRST_SAMPLE,
     KIND,
@@ -62,9 +61,6 @@ def _own(scene: Scene, i: int, p: Vec) -> Vec:
 def _look_at_other(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, float]:
     if scene.table[i, KIND] >= TREE:
         return solids.look(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
-    far, away = reach + scene.table[i, BALL], sub(p, get_vec(scene.table, i, CENTER))
-    if far <= 0.0 or dot(away, away) >= far * far:
-        return reach, math.inf
     d, _ = primitive(scene.table, i, p)
     return d, d
 
@@ -74,7 +70,7 @@ def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, 
     """Signed distance of the point `p` to obstacle `i`, and an upper bound of it: the same where it is exact.
 
     `mode` is one of STEP, BOUND, EXACT and ABOVE of `solids`; primitives are always exact. What is not less than
-    `reach` need not be exact: any lower bound that is not less than `reach` either will do, and infinity above.
+    `reach` need not be exact: any lower bound that is not less than `reach` either will do.
     """
     if scene.table[i, KIND] != SPHERE:
         return _look_at_other(scene, i, p, reach, mode)

@@ -256,13 +256,13 @@ def test_steps_see_nearly_the_truth_and_its_own_slope(name: str) -> None:
     assert len(points) > 50
     step = 1e-7
     for p, d in zip(points, true, strict=True):
-        seen, slope = distances.obstacle(scene, 0, vec(p))
+        seen, slope = distances.obstacle(scene, 0, vec(p), math.inf)
         assert abs(seen - d) <= cell + 1e-9
         assert distances.look(scene, 0, vec(p), math.inf, solids.STEP)[0] == pytest.approx(seen, abs=1e-14)
         if rich:
             place = (p - low) / cell % 1.0
             if ((place > 1e-5) & (place < 1 - 1e-5)).all():
-                ahead = [distances.obstacle(scene, 0, vec(p + step * axis))[0] for axis in np.eye(3)]
+                ahead = [distances.obstacle(scene, 0, vec(p + step * axis), math.inf)[0] for axis in np.eye(3)]
                 np.testing.assert_allclose((np.array(ahead) - seen) / step, slope, atol=1e-4)
 
 

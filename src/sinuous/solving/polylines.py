@@ -3,12 +3,14 @@
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.lines import respace_line
+from sinuous.kernels.fitting.lines import measure_line, respace_line
 
 
 def lengths_along(line: Floats) -> Floats:
     """Return the length (K,) of a line (K, 3) up to each of its points."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+    along = np.empty(len(line))
+    measure_line(np.array(line, order="C"), along)  # a copy, as in `respaced`
+    return along
 
 
 def points_at(line: Floats, along: Floats, wanted: Floats) -> Floats:

@@ -201,9 +201,10 @@ def test_the_nearest_of_many() -> None:
     np.testing.assert_array_equal(which, single.argmin(axis=0))
     for i, p in enumerate(points[:10]):
         assert distances.nearest(scene, vec(p)) == (values[i], which[i])
-        d, g = distances.obstacle(scene, int(which[i]), vec(p))
-        assert d == values[i]
-        np.testing.assert_array_equal(g, gradients[i])
+        for known in (math.inf, values[i]):
+            d, g = distances.obstacle(scene, int(which[i]), vec(p), known)
+            assert d == values[i]
+            np.testing.assert_array_equal(g, gradients[i])
 
 
 def test_nothing_is_infinitely_far() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.fitting.lines import ASIDE, SIDES, respace_line, room_along, room_beside
+from sinuous.kernels.fitting.lines import ASIDE, SIDES, measure_line, respace_line, room_along, room_beside
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -69,6 +69,14 @@ def test_there_is_room_beside_a_wall_and_none_in_a_door() -> None:
 def test_a_line_that_stays_at_a_place_has_the_room_of_that() -> None:
     scene = Scene([Sphere((0.0, 0.0, 0.0), 0.5)])
     np.testing.assert_allclose(beside(scene, np.full((3, 3), 0.4), 0.1, 9.0), 0.4 * np.sqrt(3.0) - 0.5)
+
+
+@pytest.mark.parametrize("count", [1, 2, 30])
+def test_the_length_of_a_line_is_that_of_its_steps(count: int) -> None:
+    line, along = np.random.default_rng(count).normal(size=(count, 3)), np.empty(count)
+    measure_line(line, along)
+    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    np.testing.assert_allclose(along, [steps[:i].sum() for i in range(count)], rtol=1e-14)
 
 
 def test_a_line_of_one_place_stays_there() -> None:

@@ -80,6 +80,17 @@ def test_a_wall_of_a_mesh_is_one_of_boxes() -> None:
     assert np.linalg.norm(find(meshes)[::10] - find(Scene(boxes))[::10], axis=1).max() < 0.1
 
 
+def test_where_the_goal_is_in_sight_no_place_is_looked_for() -> None:
+    scene, buffer = Scene(wall(1.0, (0.0, 0.0), 0.5)), np.full(roadmap_size(POINTS), np.nan)
+    route = np.empty((POINTS, 3))
+    group, walls = scene.snapshot().group.copy(), walls_of(scene.snapshot())
+    count = find_by_edges(group, query(longest=9.0), *walls, 60.0, buffer, route)
+    assert np.abs(route[:count, :2]).max() < 1e-9
+    assert np.isfinite(buffer[:6]).all()  # both ends
+    assert np.isnan(buffer[6:9]).all()
+    check(route[:count], scene)
+
+
 def test_a_closed_room_has_no_route() -> None:
     assert len(find(room(0.02, 0.3, (0.0, 0.0, 2.0)))) == 0
 

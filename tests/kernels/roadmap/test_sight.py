@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.roadmap.sight import KEPT, cutting, in_sight
+from sinuous.kernels.roadmap.sight import KEPT, cuts, cutting, in_sight
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
@@ -45,8 +45,11 @@ def test_a_line_that_keeps_away_is_in_sight_and_one_that_does_not_is_not(seed: i
 def test_a_box_cuts_a_line_where_points_of_it_are_within(seed: int) -> None:
     scene = Scene(boxes(seed))
     packed = kernel_scene(scene)
-    for guess, line in enumerate(lines(seed, 60)):
-        found = cutting(packed, NO_TRIANGLES, vec(line[0]), vec(line[1]), guess % 6)
+    recent = np.full(3, -1)
+    for line in lines(seed, 60):
+        found, asked = cutting(packed, NO_TRIANGLES, vec(line[0]), vec(line[1]), recent)
+        assert 1 <= asked <= 3 + 6
+        assert found in (-1, recent[0])
         inside = scene.snapshot().distance_to(found, along(line))[0] if found >= 0 else scene.distance(along(line))
         assert inside.min() < 1e-3 if found >= 0 else inside.min() >= 0.0
 
@@ -59,12 +62,34 @@ def test_faces_are_crossed_where_the_line_changes_sides(seed: int) -> None:
     cube = Scene([Mesh(corners, faces)])
     triangles, nothing = walls_of(cube.snapshot()).triangles, kernel_scene(Scene())
     crossed = 0
-    for guess, line in enumerate(lines(seed, 60)):
+    recent = np.full(4, -1)
+    for line in lines(seed, 60):
         inside = np.abs(along(line)).max(axis=1) < 0.5
-        found = cutting(nothing, triangles, vec(line[0]), vec(line[1]), guess % 12)
+        found, _ = cutting(nothing, triangles, vec(line[0]), vec(line[1]), recent)
+        assert found < 0 or cuts(nothing, triangles, found, vec(line[0]), vec(line[1]))
         assert (found >= 0) == (inside[1:] != inside[:-1]).any()
         crossed += found >= 0
     assert crossed > 3
+
+
+def test_what_cut_a_line_of_late_is_asked_first_and_each_is_there_once() -> None:
+    packed = kernel_scene(Scene([Box((0.0, 0.0, z), (1.0, 1.0, 0.1)) for z in (0.0, 1.0, 2.0, 3.0)]))
+    recent = np.full(2, -1)
+
+    def ask(z: float, which: int, looks: int) -> None:
+        line = (0.0, 0.0, z - 0.5), (0.0, 0.0, z + 0.5)
+        assert cutting(packed, NO_TRIANGLES, *line, recent) == (which, looks)
+
+    ask(2.0, 2, 1 + 4)
+    ask(2.0, 2, 1)
+    ask(1.0, 1, 2 + 4)
+    assert recent.tolist() == [1, 2]
+    ask(2.0, 2, 2)
+    assert recent.tolist() == [2, 1]
+    ask(3.0, 3, 2 + 4)
+    assert recent.tolist() == [3, 2]
+    ask(9.0, -1, 2 + 4)
+    assert recent.tolist() == [3, 2]
 
 
 def test_nothing_is_in_sight_that_lies_behind_an_end() -> None:

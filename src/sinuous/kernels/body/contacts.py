@@ -8,8 +8,8 @@ from sinuous.kernels.body.rows import INNER, SOFT, Place, Rows, put_body_row
 from sinuous.kernels.chain.kinematics import body_point
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, slope
-from sinuous.kernels.maths.vectors import scale
+from sinuous.kernels.fields.distances import Scene, slope_known
+from sinuous.kernels.maths.vectors import Vec, scale
 from sinuous.kernels.tables import RADIUS
 
 PER_SEGMENT = 32
@@ -55,7 +55,7 @@ def contacts(
         width = part / (1 << level)
         s = start + (piece + 0.5) * width
         p = body_point(q, frames, k, s)
-        d, _, _ = closest(scene, among, count, p, wished + 0.5 * length * width, look.mode)
+        d, _, nearest = closest(scene, among, count, p, wished + 0.5 * length * width, look.mode)
         if level < look.depth and d < wished + 0.5 * length * width:
             level, piece = level + 1, 2 * piece
             continue
@@ -64,17 +64,19 @@ def contacts(
         if d < wished:
             for j in range(count):
                 if at < last:
-                    at = _contact(body, scene, among[j], (k, s, p), (needed, wished), look.mode, rows, at)
+                    known = d if among[j] == nearest else math.inf
+                    at = _contact(body, scene, among[j], (k, s, p), (needed, wished, known), look.mode, rows, at)
     return at, least
 
 
 @kernel
-def _contact(
-    body: Body, scene: Scene, i: int, place: Place, distances: tuple[float, float], mode: int, rows: Rows, at: int
-) -> int:
-    """Write the row of a place near obstacle `i`; `distances`: what is needed, and what is wished for."""
-    needed, wished = distances
-    d, g = slope(scene, i, place[2], wished, mode)
+def _contact(body: Body, scene: Scene, i: int, place: Place, distances: Vec, mode: int, rows: Rows, at: int) -> int:
+    """Write the row of a place near obstacle `i`.
+
+    `distances`: what is needed, what is wished for, and what is there, where that is known, else infinite.
+    """
+    needed, wished, known = distances
+    d, g = slope_known(scene, i, place[2], wished, mode, known)
     if d >= wished:
         return at
     soft = d >= needed

@@ -52,6 +52,7 @@ PIECES = (
         "routes among obstacles",
         40,
         (
+            "kernels.fitting.lines.measure_line",
             "kernels.fitting.lines.respace_line",
             "kernels.fitting.lines.room_along",
             "kernels.fitting.lines.room_beside",

@@ -17,15 +17,16 @@ from sinuous.kernels.maths.vectors import Array, Vec, dot, norm, sub
 from sinuous.kernels.tables import FIRST_CELL, NORMALS, TRIANGLE_SIZE
 
 CELL_SIZE, FIRST, NUMBER, DISTANCE = 3, 0, 1, 2
-"""Numbers of a cell: where its list begins, counted from the first cell; how many are in it; and the signed distance of
-its middle from the mesh."""
+"""Numbers of a cell: where its list begins, counted from the first cell; how many are in it, negative where others are
+left out; and the signed distance of its middle from the mesh."""
 
-ENTRY_SIZE = 2
-"""Numbers of an entry of a list: a triangle, and how far it is from the middle of the cell."""
+LISTED = 128
+"""Most triangles of a list. Where some are left out, and all that are in it are too near to the middle to tell, the
+tree is asked, which takes as long as some hundred triangles."""
 
-LISTED = 32
-"""Most triangles of a list. One that is full may lack some: where all in it are too near to the middle to tell, the
-tree is asked."""
+LESS = 2.0**-43
+"""What is taken off a distance in an entry, as a share of the `span`, so that rounding never makes it larger: there are
+fewer than 512 triangles."""
 
 BLOCK = 4
 """Cells of a block along each axis: what cannot be the closest in any of them is left out once for all."""
@@ -63,22 +64,34 @@ def cell_of(grid: Grid, p: Vec) -> tuple[int, float]:
 
 
 @kernel
-def closest(store: Array, tree: Tree, first: int, cell: tuple[int, float], p: Vec, best: float) -> tuple[int, float]:
+def span(grid: Grid) -> float:
+    """More than any triangle of a list is away from the middle of its cell."""
+    return grid.spacing * (grid.shape[0] + grid.shape[1] + grid.shape[2] + 4)
+
+
+@kernel
+def listed(entry: float, span: float) -> tuple[int, float]:
+    """Return the triangle of an entry, and how far it is from the middle of the cell: hardly less than that."""
+    item = int(entry)
+    return item, (entry - item) * span
+
+
+@kernel
+def closest(store: Array, tree: Tree, grid: Grid, cell: tuple[int, float], p: Vec, best: float) -> tuple[int, float]:
     """Find the triangle closest to `p`, if it is closer than `best` (lifted): its number or -1, and how far it is.
 
-    `first` is where the first cell is in the store; `cell` is that of `p`, see `cell_of`.
+    `cell` is that of `p`, see `cell_of`.
     """
-    found, reach = -1, unlift(best) + cell[1]
-    at, number = first + int(store[cell[0] + FIRST]), int(store[cell[0] + NUMBER])
-    for _ in range(number):
-        if store[at + 1] >= reach:
+    found, reach, most = -1, unlift(best) + cell[1], span(grid)
+    first, number = grid.at + int(store[cell[0] + FIRST]), int(store[cell[0] + NUMBER])
+    for at in range(first, first + abs(number)):
+        item, from_middle = listed(store[at], most)
+        if from_middle >= reach:
             return found, best
-        item = int(store[at])
         d = triangles.square_distance(store, tree.items + TRIANGLE_SIZE * item, p, best)
         if d < best:
             found, best, reach = item, d, math.sqrt(d) + cell[1]
-        at += ENTRY_SIZE
-    if number < LISTED:
+    if number > 0:
         return found, best
     other, d = trees.closest(store, tree, p, best)
     return (found, best) if other < 0 else (other, d)
@@ -93,18 +106,20 @@ def to_chord(store: Array, tree: Tree, grid: Grid, center: Vec, chord: Vec) -> f
     cell, far = cell_of(grid, center)
     if cell < 0:
         return -math.inf
-    at, number = grid.at + int(store[cell + FIRST]), int(store[cell + NUMBER])
-    half, least = 0.5 * norm(chord), math.inf
-    unlisted = store[at + 1] + math.sqrt(3.0) * grid.spacing
-    if number == LISTED:
-        unlisted = min(unlisted, store[at + ENTRY_SIZE * (number - 1) + 1])
-    for _ in range(number):
-        if store[at + 1] - far - half >= least:
+    first, number = grid.at + int(store[cell + FIRST]), int(store[cell + NUMBER])
+    if number == 0:
+        return -math.inf
+    half, least, most = 0.5 * norm(chord), math.inf, span(grid)
+    unlisted = listed(store[first], most)[1] + math.sqrt(3.0) * grid.spacing
+    if number < 0:
+        unlisted = min(unlisted, listed(store[first - number - 1], most)[1])
+    for at in range(first, first + abs(number)):
+        item, from_middle = listed(store[at], most)
+        if from_middle - far - half >= least:
             return least
-        away, _ = triangles.offset(store, tree.items + TRIANGLE_SIZE * int(store[at]), center)
+        away, _ = triangles.offset(store, tree.items + TRIANGLE_SIZE * item, center)
         d = norm(away)
         least = min(least, d - (0.5 * abs(dot(away, chord)) / d if half < FLAT * d else half))
-        at += ENTRY_SIZE
     return min(least, unlisted - far - half)
 
 
@@ -139,25 +154,27 @@ def _sort(work: Array, row: int, count: int) -> None:
 
 
 @kernel
-def _fill(store: Array, tree: Tree, normals: int, p: Vec, count: int, work: Array, cell: Array, lists: Array) -> int:
-    """Fill the cell (3,) about `p` but for where its list is, and the list, of `count` triangles; say how many fit."""
-    number = min(count, LISTED)
+def _fill(work: Array, count: int, most: float, cell: Array, lists: Array) -> int:
+    """Fill the number of a cell (3,), and its list, of the `count` triangles in the last two rows; say how many fit.
+
+    `lists` (l,) is what there is room for; `most` is the `span`.
+    """
+    number = min(count, LISTED, lists.shape[0])
     for e in range(number):
-        lists[e, 0], lists[e, 1] = work[2, e], work[3, e]
-    nearest = int(work[2, 0])
-    cell[NUMBER] = number
-    cell[DISTANCE], _ = triangles.signed(store, tree.items + TRIANGLE_SIZE * nearest, normals, nearest, p)
+        lists[e] = work[2, e] + max(0.0, work[3, e] / most - LESS)
+    cell[NUMBER] = number if number == count else -number
     return number
 
 
 @entry
 def list_candidates(table: Array, store: Array, work: Array, cells: Array, lists: Array) -> int:
-    """Fill `cells` (nx, ny, nz, 3) and `lists` (32 nx ny nz, 2) of the one obstacle, a mesh.
+    """Fill `cells` (nx, ny, nz, 3) and `lists` (l,) of the one obstacle, a mesh of m triangles, m < 512.
 
-    `work` (4, m) is scratch, for m triangles. Returns how many entries all lists have.
+    `work` (4, m) is scratch. An entry of a list is the number of a triangle, and how far it is from the middle of the
+    cell as a share of the `span`. Returns how many entries all lists have.
     """
     tree, grid, normals = tree_of(table, 0), grid_of(table, 0, FIRST_CELL), int(table[0, NORMALS])
-    nx, ny, nz = grid.shape
+    (nx, ny, nz), most = grid.shape, span(grid)
     radius, off = 0.5 * math.sqrt(3.0) * grid.spacing, 0.5 * (BLOCK - 1)
     used = 0
     for a in range(0, nx, BLOCK):
@@ -171,6 +188,9 @@ def list_candidates(table: Array, store: Array, work: Array, cells: Array, lists
                             p = middle(grid, i, j, k)
                             number = _near(store, tree, p, radius, count, work, 2)
                             _sort(work, 2, number)
-                            cells[i, j, k, FIRST] = cells.size + ENTRY_SIZE * used
-                            used += _fill(store, tree, normals, p, number, work, cells[i, j, k], lists[used:])
+                            nearest = int(work[2, 0])
+                            at = tree.items + TRIANGLE_SIZE * nearest
+                            cells[i, j, k, DISTANCE], _ = triangles.signed(store, at, normals, nearest, p)
+                            cells[i, j, k, FIRST] = cells.size + used
+                            used += _fill(work, number, most, cells[i, j, k], lists[used:])
     return used

@@ -81,8 +81,14 @@ def look(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, 
 @kernel
 def slope(scene: Scene, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
     """Signed distance of the point `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
+    return slope_known(scene, i, p, reach, mode, math.inf)
+
+
+@kernel
+def slope_known(scene: Scene, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
+    """The same, where the distance in this mode is `known` already, which saves a search; infinite where it is not."""
     if scene.table[i, KIND] >= TREE:
-        d, g = solids.slope(scene.table, scene.store, i, _own(scene, i, p), reach, mode)
+        d, g = solids.slope(scene.table, scene.store, i, _own(scene, i, p), reach, mode, known)
         if scene.table[i, PLACED] != 0.0:
             g = mat_vec(get_mat(scene.table, i, PLACE + POSE_ROTATION), g)
         return d, g
@@ -103,9 +109,12 @@ def beside_chord(scene: Scene, i: int, center: Vec, chord: Vec, aside: float) ->
 
 
 @kernel
-def obstacle(scene: Scene, i: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to obstacle `i` and its gradient: interpolated where there are samples."""
-    return slope(scene, i, p, math.inf, STEP)
+def obstacle(scene: Scene, i: int, p: Vec, known: float) -> tuple[float, Vec]:
+    """Signed distance of the point `p` to obstacle `i` and its gradient: interpolated where there are samples.
+
+    `known` is that distance, where it is known already, else infinite.
+    """
+    return slope_known(scene, i, p, math.inf, STEP, known)
 
 
 @kernel

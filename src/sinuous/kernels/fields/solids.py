@@ -38,6 +38,10 @@ STEP, BOUND, EXACT, ABOVE = MODES
 int, because Numba would compile once more for each value."""
 
 
+KNOWN = 1e-9
+"""What a distance that is known may be wrong by, as a share of it."""
+
+
 @kernel
 def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[float, Vec]:
     """Signed distance of `p` to obstacle `i`, and its gradient, where primitive `item` is the closest."""
@@ -56,8 +60,8 @@ def at_item(table: Array, store: Array, i: int, item: int, p: Vec) -> tuple[floa
 
 
 @kernel
-def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int, float, bool]:
-    """Find the primitive closest to `p`, if it is closer than `reach`.
+def _find(table: Array, store: Array, i: int, p: Vec, reach: float, known: float) -> tuple[int, float, bool]:
+    """Find the primitive closest to `p`, if it is closer than `reach`; its signed distance may be `known` (else inf).
 
     Returns its number or -1, its lifted distance, and whether that is the signed one: of a triangle it is where `p` is
     known to be free. Samples tell how far the closest one is at most, and whether `p` is free; only then may a surface
@@ -69,7 +73,7 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
         cells = grid_of(table, i, FIRST_CELL)
         cell, far = candidates.cell_of(cells, p)
         if cell >= 0:
-            return _find_in_cell(table, store, i, p, reach, (cells.at, cell, far))
+            return _find_in_cell(table, store, i, p, reach, known, (cells, cell, far))
     if table[i, FIRST_SAMPLE] < 0.0:
         # Out of the box of everything a point is free, whatever it is to.
         free = table[i, NORMALS] < 0.0 or (
@@ -97,19 +101,20 @@ def _find(table: Array, store: Array, i: int, p: Vec, reach: float) -> tuple[int
 
 @kernel
 def _find_in_cell(
-    table: Array, store: Array, i: int, p: Vec, reach: float, where: tuple[int, int, float]
+    table: Array, store: Array, i: int, p: Vec, reach: float, known: float, where: tuple[Grid, int, float]
 ) -> tuple[int, float, bool]:
-    """The same by a list; `where`: the first cell in the store, that of `p`, and how far `p` is from its middle."""
-    first, cell, far = where
+    """The same by a list; `where`: the grid of cells, that of `p` in the store, and how far `p` is from its middle."""
+    grid, cell, far = where
     tree = tree_of(table, i)
     away, middle = reach + table[i, ROUNDING], store[cell + candidates.DISTANCE]
     slack = candidates.SLACK * (abs(middle) + far)
     low = table[i, SIGN] * (middle - table[i, ROUNDING]) - far - slack
     if low >= reach:
         return -1, lift(away), True
-    most = abs(middle) + far + slack
+    surface = abs(table[i, SIGN] * known + table[i, ROUNDING])
+    most = min(abs(middle) + far + slack, (1.0 + KNOWN) * surface + slack)
     free = table[i, NORMALS] < 0.0 or low > 0.0
-    item, d = candidates.closest(store, tree, first, (cell, far), p, lift(min(most, away) if free else most))
+    item, d = candidates.closest(store, tree, grid, (cell, far), p, lift(min(most, away) if free else most))
     if item < 0 and not (free and away <= most):
         item, d = closest(store, tree, p, math.inf)
     return item, d, free
@@ -161,7 +166,7 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) ->
     """
     exact = mode in (EXACT, ABOVE)
     if table[i, FIRST_SAMPLE] < 0.0 or (exact and table[i, KIND] == TREE):
-        item, d, free = _find(table, store, i, p, reach)
+        item, d, free = _find(table, store, i, p, reach, math.inf)
         if item < 0:
             return reach, math.inf
         exact_one = unlift(d) - table[i, ROUNDING] if free else at_item(table, store, i, item, p)[0]
@@ -188,11 +193,14 @@ def _look_at_samples(corners: grids.Corners, t: Vec, gap: float, spacing: float,
 
 
 @kernel
-def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) -> tuple[float, Vec]:
-    """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`."""
+def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, known: float) -> tuple[float, Vec]:
+    """Distance of `p` to obstacle `i`, STEP or EXACT, and its gradient; `reach` as for `look`.
+
+    `known` is that distance, where it is known already, else infinite.
+    """
     kind = table[i, KIND]
     if table[i, FIRST_SAMPLE] < 0.0 or (mode == EXACT and kind == TREE):
-        item, _, _ = _find(table, store, i, p, reach)
+        item, _, _ = _find(table, store, i, p, reach, known)
         return at_item(table, store, i, item, p) if item >= 0 else (reach, (0.0, 0.0, 1.0))
     grid = grid_of(table, i, FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)

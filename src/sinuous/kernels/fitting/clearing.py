@@ -77,7 +77,7 @@ def push_off(problem: Problem, state: State, curve: Curve) -> tuple[float, int]:
                 continue
             wished = _wished(problem, curve, k, along / total, p)
             if d < wished:
-                d, gradient = obstacle(problem.scene, which, p)
+                d, gradient = obstacle(problem.scene, which, p, d)
                 force = scale(1.0 / problem.unit, gradient)
                 at = put_body_row(rows, at, q, state.frames, (k, s, p), force, INNER, (wished - d) / problem.unit)
                 pushed += 1

@@ -1,4 +1,4 @@
-"""Lines of points, whole: evenly spaced, how far they are from the obstacles, and how much room is beside them."""
+"""Lines of points, whole: evenly spaced, how long, how far from the obstacles, and how much room is beside them."""
 
 import math
 
@@ -22,6 +22,14 @@ def respace_line(line: Array, out: Array) -> None:
 
 
 @entry
+def measure_line(line: Array, along: Array) -> None:
+    """Fill `along` (K,) with the length of `line` (K, 3), one point at least, up to each of its points."""
+    along[0] = 0.0
+    for i in range(1, line.shape[0]):
+        along[i] = along[i - 1] + norm(sub(get_vec(line, i, 0), get_vec(line, i - 1, 0)))
+
+
+@entry
 def room_along(scene: Array, points: Array, reach: float, distances: Array) -> None:
     """Fill `distances` (K,) with those of `points` (K, 3) from the obstacles of the group `scene`, in the length unit.
 
@@ -39,7 +47,7 @@ def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: fl
     if not 0.0 < most < enough:
         return most
     x, y = across(ahead)
-    _, away = obstacle(scene, which, place)
+    _, away = obstacle(scene, which, place, math.inf)
     first, begun = math.atan2(dot(away, y), dot(away, x)), most
     for side in range(SIDES):
         angle = first + 2.0 * math.pi * side / SIDES

@@ -55,7 +55,7 @@ def push_off(scene: Scene, p: Vec, wanted: float, most: float) -> Vec:
     d, which = closest(scene, p, wanted, STEP)
     if which < 0 or d >= wanted:
         return p
-    _, g = obstacle(scene, which, p)
+    _, g = obstacle(scene, which, p, d)
     return add_scaled(p, min(most, wanted - d), g)
 
 
@@ -87,7 +87,7 @@ def tighten(scene: Scene, grid: Grid, route: Array, scratch: Array, clock: Array
                 d, which = closest(scene, p, wanted + RESPACED * most, STEP)
                 free[i, 0] = d - wanted
                 if d < wanted:
-                    _, g = obstacle(scene, which, p)
+                    _, g = obstacle(scene, which, p, d)
                     p = add_scaled(p, min(most, wanted - d), g)
             put_vec(route, i, 0, p)
         if sweep % RESPACED == RESPACED - 1:

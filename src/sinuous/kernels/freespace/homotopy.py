@@ -211,7 +211,7 @@ def _off(scene: Scene, p: Vec, keep: float) -> Vec:
         d, which = closest(scene, p, keep, EXACT)
         if d >= keep:
             break
-        _, g = obstacle(scene, which, p)
+        _, g = obstacle(scene, which, p, math.inf)
         p = add_scaled(p, 1.01 * (keep - d), g)
     return p
 

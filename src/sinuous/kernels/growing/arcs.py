@@ -124,10 +124,11 @@ def count_of(problem: Problem, k: int) -> int:
 
 
 @kernel
-def _row(scene: Scene, start: Start, q: Vec, s: float, p: Vec, which: int) -> tuple[float, float]:
-    """What the bends of an arc do to the distance of its place `s` from obstacle `which`."""
+def _row(scene: Scene, start: Start, q: Vec, place: tuple[float, Vec], which: int, d: float) -> tuple[float, float]:
+    """What the bends of an arc do to the distance `d` of a place, at a share `s` of it, from obstacle `which`."""
+    s, p = place
     _, end, x, y, _ = pose_and_columns(s * q[0], s * q[1], s * q[2])
-    _, g = obstacle(scene, which, p)
+    _, g = obstacle(scene, which, p, d)
     force = vec_mat(g, start[0])
     return s * dot(force, add(x[1], cross(x[0], end))), s * dot(force, add(y[1], cross(y[0], end)))
 
@@ -155,7 +156,7 @@ def _look(problem: Problem, new: New, q: Vec, among: Array, count: int) -> tuple
             return math.inf, 0.0, 0.0
         if depth > 0.0:
             deepest = max(deepest, depth)
-            x, y = _row(scene, start, q, s, p, which)
+            x, y = _row(scene, start, q, (s, p), which, d)
             xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
             bx, by = bx + x * depth * radius, by + y * depth * radius
     det = xx * yy - xy * xy

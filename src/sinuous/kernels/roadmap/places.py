@@ -44,7 +44,7 @@ def _push(scene: Scene, radius: float, p: Vec) -> tuple[Vec, float]:
             best, most = p, d
         if which < 0 or d < 0.0 or d >= ROOM * radius:
             break
-        _, g = obstacle(scene, which, p)
+        _, g = obstacle(scene, which, p, d)
         p = add_scaled(p, ROOM * radius - d, g)
     return best, most
 
@@ -58,8 +58,10 @@ def _add(scene: Scene, grid: Grid, places: Array, count: int, p: Vec, clock: Arr
     far = norm(sub(p, grid.start)) + norm(sub(p, grid.goal))
     if d < LEAST * grid.radius or far > grid.longest:
         return count
+    near = (ALIKE * grid.radius) ** 2
     for i in range(2, count):
-        if norm(sub(p, get_vec(places, i, 0))) < ALIKE * grid.radius:
+        away = sub(p, get_vec(places, i, 0))
+        if dot(away, away) < near:
             return count
     put_vec(places, count, 0, p)
     return count + 1

@@ -58,17 +58,18 @@ def _crossed(triangles: Array, i: int, a: Vec, line: Vec) -> bool:
 
 
 @kernel
-def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, guess: int) -> int:
-    """Say what cuts the straight line from `a` to `b`: a box, or one of `triangles`; -1: nothing. `guess` comes first.
-
-    Boxes have their numbers among the obstacles, triangles (t, 12) the numbers after those of all obstacles; each is a
-    corner, the ways from there to both others, and the cross product of these.
-    """
+def cuts(scene: Scene, triangles: Array, which: int, a: Vec, b: Vec) -> bool:
+    """Whether something, numbered as `cutting` does it (-1: nothing), cuts the straight line from `a` to `b`."""
+    if which < 0:
+        return False
     line, obstacles = sub(b, a), scene.table.shape[0]
-    if guess >= obstacles and _crossed(triangles, guess - obstacles, a, line):
-        return guess
-    if 0 <= guess < obstacles and _cut_by(scene, guess, a, line):
-        return guess
+    return _crossed(triangles, which - obstacles, a, line) if which >= obstacles else _cut_by(scene, which, a, line)
+
+
+@kernel
+def _cutting(scene: Scene, triangles: Array, a: Vec, line: Vec) -> int:
+    """What cuts the straight line from `a` on, of all, see `cutting`."""
+    obstacles = scene.table.shape[0]
     for i in range(obstacles):
         if scene.table[i, KIND] == BOX and scene.table[i, SIGN] > 0.0 and _cut_by(scene, i, a, line):
             return i
@@ -76,6 +77,33 @@ def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, guess: int) -> int:
         if _crossed(triangles, i, a, line):
             return obstacles + i
     return -1
+
+
+@kernel
+def cutting(scene: Scene, triangles: Array, a: Vec, b: Vec, recent: Array) -> tuple[int, int]:
+    """Say what cuts the straight line from `a` to `b`: a box, or a triangle; -1: nothing. And how many were asked.
+
+    Boxes have their numbers among the obstacles, triangles (t, 12) the numbers after those of all obstacles; each is a
+    corner, the ways from there to both others, and the cross product of these. What cut other lines, `recent` (r,)
+    int64 (-1: nothing), is asked first: a room has few walls.
+    """
+    which, at = -1, 0
+    for k in range(recent.shape[0]):
+        at = k
+        if recent[k] < 0:
+            break
+        if cuts(scene, triangles, recent[k], a, b):
+            which = recent[k]
+            break
+    asked = at + 1
+    if which < 0:
+        asked += scene.table.shape[0] + triangles.shape[0]
+        which = _cutting(scene, triangles, a, sub(b, a))
+    if which >= 0:
+        for k in range(at, 0, -1):
+            recent[k] = recent[k - 1]
+        recent[0] = which
+    return int(which), asked
 
 
 @kernel

@@ -49,7 +49,7 @@ def push_away(
         travel += q[k, 2]
         overlap = max(overlap, -clearance)
         if clearance < 0.0:
-            _, away = obstacle(problem.scene, which, place)
+            _, away = obstacle(problem.scene, which, place, math.inf)
             push = strength * (margin - clearance)
             put_vec(chain.joints, k, 0, add_scaled(get_vec(chain.joints, k, 0), push, away))
             if k > 0:

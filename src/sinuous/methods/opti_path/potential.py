@@ -48,7 +48,7 @@ def exact(scene: Scene, potential: Potential, p: Vec) -> tuple[float, Vec]:
     c, slope = hinge(d - potential.radius, potential.slope, potential.reach)
     if c == 0.0:
         return 0.0, ZERO
-    return c, scale(slope, obstacle(scene, which, p)[1])
+    return c, scale(slope, obstacle(scene, which, p, math.inf)[1])
 
 
 @kernel

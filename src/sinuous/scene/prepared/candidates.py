@@ -1,14 +1,12 @@
 """Lists of the triangles of a small mesh that may be the closest, for every cell of a grid about it."""
 
-import math
-
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import COUNT
 
-CELLS = 29_000
-"""Most cells about a mesh: 16 MB where all lists are full."""
+CELLS, ENTRIES = 29_000, 1_900_000
+"""Most cells about a mesh, and most triangles of all their lists: 16 MB."""
 
 
 def candidates(row: Floats, store: Floats, shape: tuple[int, int, int]) -> Floats:
@@ -16,8 +14,8 @@ def candidates(row: Floats, store: Floats, shape: tuple[int, int, int]) -> Float
 
     Of a mesh whose row says where the middles of the cells are.
     """
-    from sinuous.kernels.fields.candidates import CELL_SIZE, ENTRY_SIZE, LISTED, WORK, list_candidates  # noqa: PLC0415
+    from sinuous.kernels.fields.candidates import CELL_SIZE, WORK, list_candidates  # noqa: PLC0415
 
-    cells, lists = np.empty((*shape, CELL_SIZE)), np.empty((LISTED * math.prod(shape), ENTRY_SIZE))
+    cells, lists = np.empty((*shape, CELL_SIZE)), np.empty(ENTRIES)
     count = list_candidates(row.reshape(1, -1).copy(), store, np.empty((WORK, int(row[COUNT]))), cells, lists)
-    return np.concatenate([cells.ravel(), lists[:count].ravel()])
+    return np.concatenate([cells.ravel(), lists[:count]])

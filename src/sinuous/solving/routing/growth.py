@@ -49,9 +49,11 @@ ARRIVAL = 5
 def _in_order(groups: Groups) -> dict[int, int]:
     """By each segment whose end is asked to be somewhere, from the base on, the number of the target that says so."""
     robot, _, _, targets = groups
-    segments = np.where(targets[:, TARGET_SEGMENT] < 0.0, robot[0] - 1.0, targets[:, TARGET_SEGMENT]).astype(int)
-    places = np.flatnonzero(targets[:, HAS_POSITION])
-    return {int(segments[place]): int(place) for place in places[np.unique(segments[places], return_index=True)[1]]}
+    last, order = int(robot[0]) - 1, dict[int, int]()
+    for number, row in enumerate(targets[:, : HAS_POSITION + 1].tolist()):
+        if row[HAS_POSITION] != 0.0:
+            order.setdefault(last if row[TARGET_SEGMENT] < 0.0 else int(row[TARGET_SEGMENT]), number)
+    return dict(sorted(order.items()))
 
 
 def segments_of(groups: Groups) -> list[int]:

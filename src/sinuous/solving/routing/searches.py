@@ -24,8 +24,9 @@ from sinuous.problem.tolerance import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.routing.buffers import BufferPool
-from sinuous.solving.routing.edges import rims_of, walls_of
+from sinuous.solving.routing.edges import Walls, rims_of, walls_of
 from sinuous.solving.routing.gates import FAR, WIDE
 from sinuous.solving.routing.growth import FEW, grown, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
@@ -87,6 +88,7 @@ class Searches:
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self._robot = robot
         self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
+        self._walls: tuple[Snapshot, Walls] | None = None
         self.plans = plans_of(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
         self._nowhere: Problem | None = nowhere  # to load the entries with
@@ -149,14 +151,21 @@ class Searches:
         route = np.empty((POINTS, 3))
         with MEMORY.borrow(roadmap_size(POINTS)) as buffer:
             count = find_by_edges(
-                problem.scene._kernel_group, planned, *walls_of(problem.scene), seconds, buffer, route
+                problem.scene._kernel_group, planned, *self._walls_of(problem.scene), seconds, buffer, route
             )
         return route[:count] if count > 0 else None
 
     def only_boxes(self, problem: Problem) -> bool:
         """Whether all edges that a route may lead around are those of boxes."""
         scene = problem.scene
-        return not len(walls_of(scene).edges) and any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+        return not len(self._walls_of(scene).edges) and any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+
+    def _walls_of(self, scene: Snapshot) -> Walls:
+        """What is sharp-edged in a scene, looked for once."""
+        known = self._walls
+        if known is None or known[0] is not scene:
+            known = self._walls = scene, walls_of(scene)
+        return known[1]
 
     def only_balls(self, problem: Problem) -> bool:
         """Whether all obstacles are balls or capsules: nothing is enclosed, and nothing has edges."""

@@ -5,6 +5,7 @@ route within it the tube is followed both ways to its mouths. The part of the ro
 first mouth, what is in it is laid along its axis, and the rest goes on from where that ends.
 """
 
+from bisect import bisect_right
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -111,6 +112,8 @@ class Tunnel:
     def __init__(self, groups: Groups, legs: Floats, axis: Floats, radius: float) -> None:
         self._legs, self._axis, self._radius = legs, axis, radius
         self._segments, self._elbows = segments_in(groups), segments_of(groups)[-len(legs) : -1]
+        low, high = lengths_of_first(self._segments)
+        self._lengths = low.tolist(), high.tolist(), (0.5 * (low + high)).tolist()
         self._along = lengths_along(axis)
         self._length = float(self._along[-1])
         points = legs.reshape(-1, 3)
@@ -124,8 +127,7 @@ class Tunnel:
             return
         gone = lengths_along(points)
         before, after = gone[first], gone[-1] - gone[last]
-        low, high = lengths_of_first(self._segments)
-        mean, n = 0.5 * (low + high), len(self._segments)
+        (_, high, mean), n = self._lengths, len(self._segments)
         for place in range(len(PLACES)):
             counts, gaps = [], []
             for m in range(1, n):
@@ -184,12 +186,12 @@ class Tunnel:
 
     def _inside(self, place: int, count: int) -> tuple[int, float, float]:
         """How many segments lie in it after so many, how deep they begin, and their length."""
-        own, (fewer, filled, slack) = self._segments[count:], PLACES[place]
-        low, high = lengths_of_first(own)
+        fewer, filled, slack = PLACES[place]
+        (low, high, mean), longest = self._lengths, self._segments[count, MAX_LENGTH]
         room = self._length - INTO * self._radius
-        mean = 0.5 * (low + high)
-        held = int(np.searchsorted(mean, room + BARELY * own[0, MAX_LENGTH], side="right")) - 1
-        inside = max(0, min(held, len(own) - 1) - fewer)
-        length = float(mean[inside] + filled * (min(max(room, low[inside]), high[inside]) - mean[inside]))
+        held = bisect_right(mean, mean[count] + room + BARELY * longest, count) - 1 - count
+        end = count + max(0, min(held, len(self._segments) - count - 1) - fewer)
+        least, most, length = low[end] - low[count], high[end] - high[count], mean[end] - mean[count]
+        inside, length = end - count, length + filled * (min(max(room, least), most) - length)
         depth = INTO * self._radius + slack * max(0.0, room - length)
         return inside, min(depth, self._length - INTO * self._radius), length

@@ -11,7 +11,7 @@ from benchmarks.motion.pairs import Pair
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.solving.between import Prover
+from sinuous.solving.between.steps import Prover
 
 OPTIMAL = "BITstar"
 PLANNERS = ("RRTConnect", OPTIMAL)

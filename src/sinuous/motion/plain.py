@@ -12,7 +12,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
-from sinuous.solving.between import Steps
+from sinuous.solving.between.steps import Steps
 
 if TYPE_CHECKING:
     from sinuous.motion.motion import Motion

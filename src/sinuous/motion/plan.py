@@ -34,7 +34,7 @@ from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solving.between import Steps, load_motions
+from sinuous.solving.between.steps import Steps, load_motions
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.planning.trees import Way
 from sinuous.solving.solver import Initial, OneSolve, Solver

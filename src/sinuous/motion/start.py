@@ -8,7 +8,7 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.robot.robot import Robot
 from sinuous.solution.verification import Worst, find_overlap
-from sinuous.solving.between import Prover
+from sinuous.solving.between.steps import Prover
 
 SLACK = 1e-9
 """By how much a configuration may exceed limits, in robot lengths or rad: rounding."""

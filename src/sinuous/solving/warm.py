@@ -15,7 +15,8 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.nearest import least_gap
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solving.between import load_motions
+from sinuous.solving.between.steps import load_motions
+from sinuous.solving.between.tip import Tip
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.planning.trees import load_trees
@@ -72,6 +73,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
 
 def _motions() -> None:
     load_motions(ROBOT, MOVING.snapshot())
+    Tip(ROBOT)
 
 
 def _plans() -> None:

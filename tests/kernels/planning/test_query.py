@@ -13,7 +13,7 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size
 from sinuous.packing import robot_group
 from sinuous.scene.scene import Scene
-from sinuous.solving.between import prove_steps
+from sinuous.solving.between.steps import prove_steps
 from tests.helpers import Floats
 from tests.kernels.between.motions import shape
 

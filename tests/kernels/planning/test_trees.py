@@ -7,7 +7,7 @@ import sinuous as sn
 from sinuous.kernels.planning.query import GLANCES
 from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
 from sinuous.scene.scene import Scene
-from sinuous.solving.between import prove_steps
+from sinuous.solving.between.steps import prove_steps
 from sinuous.solving.planning.trees import Trees as GrownTrees
 from tests.helpers import Floats
 from tests.kernels.between.motions import shape

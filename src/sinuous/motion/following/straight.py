@@ -5,11 +5,8 @@ import math
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.kernels.between.tip import leave_line
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
 
 
 class Straight:
@@ -52,40 +49,6 @@ class Straight:
             return self.end.position if share else self.begin.position
         place: Floats = (1.0 - share) * self.begin.position + share * self.end.position
         return place
-
-
-class Tip:
-    """Bounds how far the tip of a robot leaves straight lines, one motion after the other.
-
-    Parameters
-    ----------
-    robot : Robot
-    """
-
-    def __init__(self, robot: Robot) -> None:
-        self._group, self._q = packing.robot_group(robot), np.empty((len(robot), 3))
-        self._frames, self._line = np.empty((len(robot) + 1, 12)), np.zeros((2, 3))
-        self._bound(np.zeros((2, len(robot), 3)), 0.0)  # compiled, or loaded
-
-    def deviation(self, ends: Floats, way: Straight, shares: tuple[float, float], enough: float) -> float:
-        """Return an upper bound of how far the tip is from the line while it moves from one share of it to another.
-
-        Parameters
-        ----------
-        ends : ndarray (2, n, 3)
-            First and last configuration of the step, linear in q.
-        way : Straight
-        shares : (float, float)
-            Where on the line these are meant to be.
-        enough : float
-            What is not above this need not be bounded more tightly (length unit).
-        """
-        way.draw(shares, self._line)
-        return self._bound(ends, enough)
-
-    def _bound(self, ends: Floats, enough: float) -> float:
-        bound: float = leave_line(self._group, ends, self._line, enough, self._q, self._frames)
-        return bound
 
 
 def _kind(target: Target) -> tuple[bool, bool, bool, int | None]:

@@ -13,7 +13,7 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.following.entries import Entry
 from sinuous.motion.following.knots import Knot
 from sinuous.motion.following.shortest import Means, metric_of, shorten
-from sinuous.motion.following.straight import Straight, Tip
+from sinuous.motion.following.straight import Straight
 from sinuous.motion.following.timetable import Timetable
 from sinuous.motion.in_time.find import find_in_time
 from sinuous.motion.in_time.question import TimedQuestion
@@ -29,7 +29,8 @@ from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
-from sinuous.solving.between import Prover, Steps, load_motions
+from sinuous.solving.between.steps import Prover, Steps, load_motions
+from sinuous.solving.between.tip import Tip
 from sinuous.solving.planning.trees import Way, load_trees
 from sinuous.solving.solver import Initial, Solver
 
@@ -138,6 +139,8 @@ class Tracker:
         initial = self._knots[-1].q if self._knots else None
         solution = self._solver.told(targets, entry.outcome, entry.solve_seconds, initial)
         self._knots += entry.knots
+        if entry.knots and solution.solved:  # the last one is the waypoint
+            self._knots[-1] = self._knots[-1]._replace(solution=solution)
         self._approaches = entry.approaches
         if entry.reconfigured:
             self._reconfigured.append(len(self._tried) + 1)
@@ -201,8 +204,8 @@ class Tracker:
         """Return what is proved of a step that stays near enough to the line and is clear; `None` of any other."""
         ends, times = self._two(before.q, knot.q), None
         if knot.way is not None:
-            enough = self._deviation
-            if self._tip.deviation(ends, knot.way, knot.shares, enough) > enough:
+            knot.way.draw(knot.shares, self._tip.line)
+            if self._tip.deviation(ends, self._deviation) > self._deviation:
                 return None
         self._known[0], self._known[1] = before.clear, knot.clear
         if self._timetable is not None:

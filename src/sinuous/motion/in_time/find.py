@@ -16,7 +16,7 @@ from sinuous.motion.planning.ways import find_way
 from sinuous.motion.start import overlap_at
 from sinuous.scene.courses.moving import Moving
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between import Prover
+from sinuous.solving.between.steps import Prover
 from sinuous.solving.planning.trees import load_trees
 
 FIRST_GOALS = 4

@@ -14,7 +14,7 @@ from sinuous.motion.timing.scaling import largest
 from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between import LOOSE_SECONDS, SLACK, Prover
+from sinuous.solving.between.steps import LOOSE_SECONDS, SLACK, Prover
 
 ROUNDING = 1e-9
 """Share by which a step may be quicker than rates allow: rounding."""

@@ -18,7 +18,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solving.between import Prover
+from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import OneSolve
 

@@ -21,7 +21,7 @@ from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
-from sinuous.solving.between import Prover, Steps, unproved
+from sinuous.solving.between.steps import Prover, Steps, unproved
 from sinuous.solving.options import TIME
 from sinuous.solving.solver import Solver
 

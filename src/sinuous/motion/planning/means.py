@@ -16,7 +16,7 @@ from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.problem.tolerance import Tolerance
 from sinuous.scene.scene import Scene
-from sinuous.solving.between import Prover
+from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import OneSolve, Solver
 from sinuous.solving.starts.thinner import with_radii

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between import Prover
+from sinuous.solving.between.steps import Prover
 from sinuous.solving.planning.trees import Trees
 
 

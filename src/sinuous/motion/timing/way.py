@@ -10,7 +10,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
-from sinuous.solving.between import Steps
+from sinuous.solving.between.steps import Steps
 
 STRAIGHT = 1e-9
 """Two steps go on in one direction when unit vectors along them differ by no more."""

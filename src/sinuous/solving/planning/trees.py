@@ -13,7 +13,7 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between import LOOSE_SECONDS, Prover, unproved
+from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
 
 MOST_NODES, MOST_NUMBERS = 20_000, 8_000_000
 """Nodes of a tree, and numbers of all nodes."""

@@ -17,7 +17,7 @@ from sinuous.kernels.between.sweep import DRIFT_WIDTH, SEEN_WIDTH, WHEN, sweep_s
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.in_time.drifts import Drifts, divided_knots, together
+from sinuous.solving.between.drifts import Drifts, divided_knots, together
 
 SLACK = 0.1
 """How far below the true clearance its proved bound may be, as a share of it."""

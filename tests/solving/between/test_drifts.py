@@ -12,7 +12,7 @@ from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
 from sinuous.kernels.between.sweep import LEAST, LOW, WHEN
 from sinuous.kernels.body.proof import CLEAR, TOUCHING
 from sinuous.measures.obstacles import measure
-from sinuous.solving.between import Prover
+from sinuous.solving.between.steps import Prover
 from tests.helpers import Floats, random_rotation, refused
 from tests.kernels.between.motions import Case, random_case, shape
 from tests.scene.shapes import cube

@@ -1,1 +1,0 @@
-"""Motions among obstacles that move."""

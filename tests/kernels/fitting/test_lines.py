@@ -66,6 +66,16 @@ def test_there_is_room_beside_a_wall_and_none_in_a_door() -> None:
     assert room.argmin() in (9, 10, 11)
 
 
+def test_a_wall_between_two_points_is_not_stepped_over() -> None:
+    door = Scene([Box((side * 1.15, 0.0, 0.0), (2.0, 4.0, 0.1)) for side in (-1.0, 1.0)])
+    coarse = np.array([(0.0, 0.0, z) for z in (-3.6, -2.1, -0.6, 0.9, 2.4)])
+    assert door.distance(coarse).min() > 0.4
+    room = beside(door, coarse, 0.1, 0.4)
+    assert room[2] == pytest.approx(0.15, abs=0.01)
+    assert (room[[0, 1, 4]] >= 0.4).all()
+    assert (beside(door, coarse, 0.0, 0.4) >= 0.4).all()
+
+
 def test_a_line_that_stays_at_a_place_has_the_room_of_that() -> None:
     scene = Scene([Sphere((0.0, 0.0, 0.0), 0.5)])
     np.testing.assert_allclose(beside(scene, np.full((3, 3), 0.4), 0.1, 9.0), 0.4 * np.sqrt(3.0) - 0.5)

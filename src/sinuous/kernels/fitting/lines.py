@@ -14,6 +14,9 @@ SIDES = 8
 ASIDE = 3
 """How far aside at most, in radii of the body."""
 
+MOST_PIECES = 32
+"""Into how many pieces a line is divided between two of its points, at most, each of a radius."""
+
 
 @entry
 def respace_line(line: Array, out: Array) -> None:
@@ -44,9 +47,10 @@ def room_along(scene: Array, points: Array, reach: float, distances: Array) -> N
 def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: float) -> float:
     """Most distance from the obstacles in the plane across a line; away from the nearest one it is looked first."""
     most, which = closest(scene, place, enough, EXACT)
-    if not 0.0 < most < enough:
+    length = norm(ahead)
+    if not 0.0 < most < enough or length == 0.0:
         return most
-    x, y = across(ahead)
+    x, y = across(scale(1.0 / length, ahead))
     _, away = obstacle(scene, which, place, math.inf)
     first, begun = math.atan2(dot(away, y), dot(away, x)), most
     for side in range(SIDES):
@@ -67,14 +71,20 @@ def room_beside(scene: Array, line: Array, radius: float, enough: float, room: A
     """Fill `room` (K,) with the most distance from the obstacles across a `line` (K, 3), in the length unit.
 
     That is of places up to `ASIDE` radii aside. Along a wall it grows with every step aside, in a door it does not.
-    From `enough` on it may be anything that is not less; where a point overlaps it is that of the point itself.
+    Points that are farther apart than a radius have the least of what is nearer to them than to others: a wall between
+    them is not stepped over. From `enough` on it may be anything that is not less; where the line overlaps an obstacle
+    it is the distance of the place itself.
     """
     obstacles, last = read_scene(scene), line.shape[0] - 1
     for i in range(last + 1):
         place = get_vec(line, i, 0)
         ahead = sub(get_vec(line, min(i + 1, last), 0), get_vec(line, max(i - 1, 0), 0))
-        length = norm(ahead)
-        if length > 0.0:
-            room[i] = _most_beside(obstacles, place, scale(1.0 / length, ahead), radius, enough)
-        else:
-            room[i], _ = closest(obstacles, place, enough, EXACT)
+        room[i] = _most_beside(obstacles, place, ahead, radius, enough)
+    for i in range(last):
+        place = get_vec(line, i, 0)
+        ahead = sub(get_vec(line, i + 1, 0), place)
+        pieces = math.ceil(min(MOST_PIECES, norm(ahead) / radius)) if radius > 0.0 else 1
+        for k in range(1, pieces):
+            nearer = i if 2 * k <= pieces else i + 1
+            between = _most_beside(obstacles, add_scaled(place, k / pieces, ahead), ahead, radius, enough)
+            room[nearer] = min(room[nearer], between)

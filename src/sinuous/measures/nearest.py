@@ -42,7 +42,7 @@ def least_distances(points: Floats, centers: Floats, reach: Floats, exact: Exact
     for members, tree in sizes:
         within = np.maximum(best + float(reach[members].max()), 0.0) * (1.0 + 1e-12)
         counts = np.asarray(tree.query_ball_point(points, within, return_length=True))
-        for block in blocks(counts):
+        for block in _blocks(counts):
             lists = tree.query_ball_point(points[block], within[block])
             point = np.repeat(block, counts[block])
             thing = members[np.concatenate([np.asarray(entry, np.intp) for entry in lists])]
@@ -58,7 +58,7 @@ def _alike(reach: Floats) -> list[Indices]:
     return [np.flatnonzero(exponents == e) for e in np.unique(exponents)]
 
 
-def blocks(counts: Indices) -> Iterator[Indices]:
+def _blocks(counts: Indices) -> Iterator[Indices]:
     """Split points that have this many neighbours into blocks that have about `BLOCK` together."""
     number = np.cumsum(counts) // BLOCK
     for n in np.unique(number):

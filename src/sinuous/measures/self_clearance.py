@@ -5,10 +5,10 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.measures.body import SAMPLES, arc_poses
+from sinuous.measures.nearest import Indices
 from sinuous.robot.robot import Robot
 
 MOST_PLACES = 20_000
@@ -19,8 +19,6 @@ FEWEST = 8
 
 RUN, PAIRS = 16, 64
 """Places in a row that are held against others in a row, and pairs of such runs that are looked at together."""
-
-Indices = NDArray[np.intp]
 
 
 class Meeting(NamedTuple):
@@ -61,7 +59,7 @@ def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
     return least
 
 
-def _places(q: Floats, ends: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
+def _places(q: Floats, ends: Floats) -> tuple[Floats, Floats, Indices]:
     """Sampled places (m, 3) of the backbone, how far along it they are (m,), and the segments (m,), 0 = first."""
     count = min(SAMPLES, max(FEWEST, MOST_PLACES // len(q)))
     fractions = np.linspace(0.0, 1.0, count + 1)

@@ -37,7 +37,6 @@ STEP, BOUND, EXACT, ABOVE = MODES
 """Modes of a query: interpolated, as a step of the solver needs it; a lower bound; exact; an upper bound. They are not
 int, because Numba would compile once more for each value."""
 
-
 KNOWN = 1e-9
 """What a distance that is known may be wrong by, as a share of it."""
 

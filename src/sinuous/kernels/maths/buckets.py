@@ -20,7 +20,6 @@ AT, SPARE, NEW = range(3)
 """No bucket before this one has an item; the first link of the chain of those that are free again; and how many links
 were ever used."""
 
-
 MORE = 3
 """Numbers that a queue takes beside one for each bucket and two for each item."""
 

@@ -45,7 +45,7 @@ class Straight:
     def _place(self, share: float) -> Floats:
         assert self.begin.position is not None
         assert self.end.position is not None
-        if share in (0.0, 1.0):
+        if share in (0.0, 1.0):  # the waypoints themselves, to the last digit
             return self.end.position if share else self.begin.position
         place: Floats = (1.0 - share) * self.begin.position + share * self.end.position
         return place

@@ -140,8 +140,8 @@ class Passage:
         self._first = ends[self._which] + 1
         self._own = segments[self._first : ends[self._which + 1] + 1]
         self._length = float(np.linalg.norm(np.diff(legs[self._which], axis=0), axis=1).max())  # corners are cut
-        self.room = least_room(groups, distances)
         self._narrow = float(looked[self._which].min())
+        self.room = self._narrow / float(segments[:, RADIUS].min())
         self._stretch = _stretch(looked[self._which], skipped)
         mean = self._own[:, MAX_LENGTH].mean()
         self._inwards = bool((self._stretch[1] - self._stretch[0]) * self._length > mean)

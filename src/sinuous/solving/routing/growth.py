@@ -61,6 +61,15 @@ def segments_of(groups: Groups) -> list[int]:
     return list(_in_order(groups))
 
 
+def query_of(groups: Groups) -> Floats | None:
+    """Return what a route to the most distal target has to keep (28,); `None`: no target has a position.
+
+    See `sinuous.kernels.tables`.
+    """
+    query = np.zeros(QUERY_WIDTH)
+    return query if route_query(*groups, query) else None
+
+
 def leg_queries(groups: Groups) -> list[Floats]:
     """What routes have to keep from target to target (l, 28): none where one target has a position, or none has.
 

@@ -11,12 +11,11 @@ from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import room_along, room_beside
-from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import QUERY_RADIUS, QUERY_WIDTH
+from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes.axis import MOUTH
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
@@ -28,7 +27,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import Walls, rims_of, walls_of
 from sinuous.solving.routing.gates import FAR, WIDE
-from sinuous.solving.routing.growth import FEW, grown, settled
+from sinuous.solving.routing.growth import FEW, grown, query_of, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond
 from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
@@ -112,10 +111,8 @@ class Searches:
         return tuple(dict.fromkeys(plans))
 
     def query(self, problem: Problem) -> Floats | None:
-        """Return what a route has to keep (28,), see `sinuous.kernels.tables`; `None`: no target has a position."""
-        query = np.zeros(QUERY_WIDTH)
-        asked = route_query(self._group, problem.scene._kernel_group, self._settings, problem._rows, query)
-        return query if asked else None
+        """Return what a route has to keep (28,); see `query_of`."""
+        return query_of(self.groups(problem))
 
     def find(self, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
         """Search for routes, as one plan says, for at most so many seconds."""

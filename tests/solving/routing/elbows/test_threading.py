@@ -1,19 +1,16 @@
 """Chains through the tube that an elbow lies in: in by the mouth that the length of the robot asks for."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.places import Place, make
+from benchmarks.places import Place
 from sinuous import Scene, Solver
-from sinuous.problem.problem import Problem
 from sinuous.solving.routing.elbows.threading import COSTS, Threading
 from sinuous.solving.routing.growth import GLANCE, ONE
-from sinuous.solving.routing.routes import Router
-from sinuous.solving.starts.sources import Batch, Question
+from sinuous.solving.starts.sources import Batch
 from tests.helpers import Floats
+from tests.solving.routing.questions import asked, place
 
 HARD = [
     ("pipe between", 4),
@@ -26,16 +23,8 @@ HARD = [
 """Places whose elbow lies in a pipe, that the body enters by the mouth that is farther from the base."""
 
 
-@cache
-def place(family: str, number: int) -> Place:
-    return make(family, number)
-
-
 def threading(at: Place, several: bool = False, seconds: float = 60.0) -> Threading:
-    router = Router(at.robot, at.scene, at.tolerance)
-    problem = Problem.prepared(at.robot, at.targets, at.scene.snapshot(), at.tolerance)
-    question = Question(problem, np.empty((0, len(at.robot), 3)), lambda: seconds, several)
-    return Threading(router, question)
+    return Threading(*asked(at, several, seconds))
 
 
 def chains(at: Place, several: bool = False, seconds: float = 60.0) -> list[Batch]:

@@ -1,35 +1,26 @@
 """Chains whose ends lie in tubes: found where a route from end to end leaves by the wrong mouth."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.places import Place, make
+from benchmarks.places import Place
 from benchmarks.places.place import right
 from sinuous import Solver
-from sinuous.problem.problem import Problem
 from sinuous.solving.routing.ends.ends import COSTS, Ends
-from sinuous.solving.routing.routes import Router
-from sinuous.solving.starts.sources import Batch, Question
+from sinuous.solving.starts.sources import Batch
 from tests.helpers import Floats
+from tests.solving.routing.questions import asked, place
 
 HARD = [("two tubes", 3), ("two tubes", 4), ("two tubes", 17), ("funnel", 11)]
 """Places that take twenty times as many starts, or more, without these chains."""
 
 
-@cache
-def place(family: str, number: int) -> Place:
-    return make(family, number)
-
-
 def ends(at: Place, several: bool = False, seconds: float = 60.0) -> Ends:
-    router = Router(at.robot, at.scene, at.tolerance)
-    problem = Problem.prepared(at.robot, at.targets, at.scene.snapshot(), at.tolerance)
-    query = router.query(problem)
+    router, question = asked(at, several, seconds)
+    query = router.query(question.problem)
     assert query is not None
-    return Ends(router, Question(problem, np.empty((0, len(at.robot), 3)), lambda: seconds, several), query)
+    return Ends(router, question, query)
 
 
 @pytest.mark.parametrize(("family", "number"), HARD)

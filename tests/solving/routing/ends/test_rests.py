@@ -1,32 +1,23 @@
 """What is left of a robot between tubes: solved, it is a chain of the whole robot that lies in the tubes."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
-from benchmarks.places import Place, make
+from benchmarks.places import Place
 from sinuous import Solver
 from sinuous.kernels.tables import QUERY_ORIGIN
-from sinuous.problem.problem import Problem
 from sinuous.solving.routing.crossing import Part
 from sinuous.solving.routing.ends.axes import axes_from_goal
-from sinuous.solving.routing.ends.rests import HEADS, TAILS, Rest, asked_of, rests
-from sinuous.solving.routing.growth import GLANCE, SOME
-from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.ends.rests import HEADS, TAILS, Rest, rests
+from sinuous.solving.routing.growth import GLANCE, SOME, query_of
 from sinuous.solving.routing.tubes import tube_around
 from sinuous.solving.routing.turned import Groups
 from tests.helpers import Floats
-
-
-@cache
-def place(family: str, number: int) -> Place:
-    return make(family, number)
+from tests.solving.routing.questions import asked, place
 
 
 def taken(at: Place) -> tuple[Groups, list[Rest], list[Floats]]:
-    router = Router(at.robot, at.scene, at.tolerance)
-    problem = Problem.prepared(at.robot, at.targets, at.scene.snapshot(), at.tolerance)
+    router, (problem, *_) = asked(at)
     groups, query = router.groups(problem), router.query(problem)
     assert query is not None
     axes = axes_from_goal(groups[1], query, at.scene.distance, 60.0)
@@ -34,7 +25,7 @@ def taken(at: Place) -> tuple[Groups, list[Rest], list[Floats]]:
 
 
 def solved(rest: Rest) -> Floats | None:
-    query = asked_of(rest.groups)
+    query = query_of(rest.groups)
     assert query is not None
     line = np.linspace(query[QUERY_ORIGIN : QUERY_ORIGIN + 3], query[QUERY_ORIGIN + 6 : QUERY_ORIGIN + 9], 20)
     part = Part(rest.groups, line[None])

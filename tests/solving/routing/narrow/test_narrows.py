@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
-from sinuous import Box, Robot, Scene, Segment, Target, Tolerance, packing
+from sinuous import Box, Robot, Scene, Segment, Target, Tolerance
 from sinuous.kernels.tables import TARGET_POSITION
 from sinuous.problem.problem import Problem
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.growth import LEG_POINTS
 from sinuous.solving.routing.narrow.narrows import Narrows
 from sinuous.solving.routing.searches import Searches
+from tests.helpers import kernel_groups
 
 RADIUS = 0.1
 ROBOT = Robot([Segment((0.3, 0.4), 1.8, radius=RADIUS)] * 14)
@@ -32,9 +33,11 @@ def test_the_gate_is_in_the_door_and_not_along_the_floor() -> None:
     problem = Problem(ROBOT, [Target(ROUTE[-1])], SCENE)
     legs = respaced(ROUTE, LEG_POINTS)[None]
     assert SCENE.distance(legs[0]).argmin() < SCENE.distance(legs[0])[80:].argmin() + 80
-    groups = packing.robot_group(ROBOT), problem.scene.group.copy(), searches.groups(problem)[2], problem.rows.copy()
     narrows = Narrows(
-        groups, lambda points: searches.room(problem, points), lambda line: searches.beside(problem, line), lambda: 60.0
+        kernel_groups(problem),
+        lambda points: searches.room(problem, points),
+        lambda line: searches.beside(problem, line),
+        lambda: 60.0,
     )
     crossing = narrows.crossing(1, legs)
     assert len(crossing) > 0

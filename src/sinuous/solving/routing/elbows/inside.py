@@ -1,7 +1,5 @@
 """The tube that an elbow lies in, followed from there to both of its mouths."""
 
-import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -10,19 +8,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes.axis import END
 from sinuous.solving.routing.growth import departing
-from sinuous.solving.routing.tubes import tube_around
-
-SIDES = 40
-"""Directions about an elbow that are looked along, to find that of the tube: a half of all."""
-
-LOOKS, FAR = 8, 6.0
-"""Looks along each of them, and how far they lead at most, in radii of the body."""
-
-WIDE = 3.5
-"""Distance of an elbow from the obstacles, in radii of the body, from which on it lies in no tube."""
-
-Distance = Callable[[Floats], Floats]
-"""Distance of points (m, 3) from the obstacles."""
+from sinuous.solving.routing.tubes import WIDE, Distance, axis_direction, tube_around
 
 
 class Inside(NamedTuple):
@@ -50,7 +36,7 @@ def tube_of(scene: Floats, query: Floats, elbow: Floats, distance: Distance, sec
     radius = float(query[QUERY_RADIUS])
     if radius <= 0.0 or float(distance(elbow[None])[0]) > WIDE * radius:
         return None
-    along = longest(elbow, radius, distance)
+    along = axis_direction(elbow, radius, distance)
     ways, opens = [], 0
     for ahead in (-along, along):
         asked = query.copy()
@@ -65,17 +51,3 @@ def tube_of(scene: Floats, query: Floats, elbow: Floats, distance: Distance, sec
     one, other = ways
     tangent = other[min(2, len(other) - 1)] - one[min(2, len(one) - 1)]
     return Inside(one, other, tangent / np.linalg.norm(tangent))
-
-
-def longest(elbow: Floats, radius: float, distance: Distance) -> Floats:
-    """The direction (3,) in which one sees farthest from a place, to both sides together."""
-    number = np.arange(SIDES) + 0.5
-    height, turn = number / SIDES, math.pi * (1.0 + math.sqrt(5.0)) * number
-    level = np.sqrt(1.0 - height * height)
-    half = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=-1)
-    rays, seen = np.concatenate([half, -half]), np.zeros(2 * SIDES)
-    for _ in range(LOOKS):
-        gap = distance(elbow + seen[:, None] * rays)
-        seen = np.minimum(seen + np.maximum(gap, 0.0), FAR * radius)
-    best: Floats = half[int((seen[:SIDES] + seen[SIDES:]).argmax())]
-    return best

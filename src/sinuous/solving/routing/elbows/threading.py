@@ -6,7 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN, ROUTE, SOURCES
+from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN
+from sinuous.solving.routing.course import along
 from sinuous.solving.routing.crossing import Parts
 from sinuous.solving.routing.elbows.inside import Inside, tube_of
 from sinuous.solving.routing.elbows.ways import Route, Ways
@@ -14,13 +15,11 @@ from sinuous.solving.routing.gates import Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, leg_queries
 from sinuous.solving.routing.parts import backbone_of
 from sinuous.solving.routing.searches import Searches
+from sinuous.solving.starts.among import among
 from sinuous.solving.starts.sources import Batch, Question
 
 COSTS = {GLANCE: 0, ONE: 10, SOME: 50, FEW: 200, MANY: 600}
 """How much effort is made, and what routes have cost before, in scattered starts."""
-
-A_START = 4
-"""What a start from a route costs, in scattered starts."""
 
 
 class Threading:
@@ -46,14 +45,7 @@ class Threading:
 
     def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
         """Yield batches, and chains with more and more effort between them."""
-        due, cost = list(COSTS), 0
-        for batch in batches:
-            while due and cost >= COSTS[due[0]]:
-                yield from self._chains(due.pop(0))
-            yield batch
-            cost += batch.then + A_START * len(batch.initial)
-        for beam in due:
-            yield from self._chains(beam)
+        return among(batches, COSTS, self._chains)
 
     def _chains(self, beam: Beam) -> Iterator[Batch]:
         """Yield chains whose parts took no more effort than this, each once."""
@@ -65,8 +57,7 @@ class Threading:
                 continue
             self._tried.add(chain.tobytes())
             route = backbone_of(self._groups, chain) if self._guessed else np.concatenate([leg[0] for leg in way.legs])
-            route.setflags(write=False)
-            yield Batch(SOURCES[ROUTE], chain[None], routes=(route,))
+            yield along(chain[None], (route,))
 
     def _all(self) -> Iterator[tuple[Way, Parts]]:
         """Yield the ways that are known, then the others, while there is time."""

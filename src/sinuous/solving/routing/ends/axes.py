@@ -5,9 +5,8 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.tables import QUERY_BACK, QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS
 from sinuous.kernels.tubes.axis import END
-from sinuous.solving.routing.elbows.inside import WIDE, Distance, longest
 from sinuous.solving.routing.growth import departing
-from sinuous.solving.routing.tubes import tube_around
+from sinuous.solving.routing.tubes import WIDE, Distance, axis_direction, tube_around
 
 NEAR = 2.5
 """How far two axes are from each other at most that meet, in radii of the body."""
@@ -23,7 +22,7 @@ def axes_from_goal(scene: Floats, query: Floats, distance: Distance, seconds: fl
     if radius <= 0.0 or float(distance(goal[None])[0]) > WIDE * radius:
         return []
     back, origin = query[QUERY_BACK : QUERY_BACK + 3], query[QUERY_ORIGIN : QUERY_ORIGIN + 3]
-    along = back if back.any() else longest(goal, radius, distance)
+    along = back if back.any() else axis_direction(goal, radius, distance)
     axes = []
     for ahead in (along,) if back.any() else (along, -along):
         asked = query.copy()

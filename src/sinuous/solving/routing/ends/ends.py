@@ -8,23 +8,22 @@ the axes.
 from collections.abc import Iterable, Iterator
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import QUERY_ORIGIN, QUERY_RADIUS, ROUTE, SOURCES
+from sinuous.kernels.tables import QUERY_ORIGIN, QUERY_RADIUS
 from sinuous.solving.polylines import respaced
+from sinuous.solving.routing.course import along
 from sinuous.solving.routing.crossing import Part
 from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, joined
-from sinuous.solving.routing.ends.rests import Rest, asked_of, rests
-from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam, divided
+from sinuous.solving.routing.ends.rests import Rest, rests
+from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam, divided, query_of
 from sinuous.solving.routing.parts import backbone_of, fitted
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.routing.tubes import tube_around
+from sinuous.solving.starts.among import among
 from sinuous.solving.starts.sources import Batch, Question
 
 COSTS = {GLANCE: 21, ONE: 40, SOME: 90, FEW: 200, MANY: 600}
 """How much effort is made, and what routes have cost before, in scattered starts: mostly what leads along these, or out
 of the tube of the base, suffices."""
-
-A_START = 4
-"""What a start from a route costs, in scattered starts."""
 
 
 class Ends:
@@ -49,22 +48,13 @@ class Ends:
 
     def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
         """Yield batches, and chains with more and more effort between them."""
-        due, cost = [] if self._none else list(COSTS), 0
-        for batch in batches:
-            while due and cost >= COSTS[due[0]]:
-                yield from self._made(due.pop(0))
-            yield batch
-            cost += batch.then + A_START * len(batch.initial)
-        for beam in due:
-            yield from self._made(beam)
+        return among(batches, {} if self._none else COSTS, self._made)
 
     def _made(self, beam: Beam) -> Iterator[Batch]:
         for chain in self._chains(beam):
             if chain.tobytes() not in self._tried:
                 self._tried.add(chain.tobytes())
-                route = backbone_of(self._groups, chain)
-                route.setflags(write=False)
-                yield Batch(SOURCES[ROUTE], chain[None], routes=(route,))
+                yield along(chain[None], (backbone_of(self._groups, chain),))
 
     def _chains(self, beam: Beam) -> Iterator[Floats]:
         """Yield chains (n, 3) whose parts took no more effort than this: what came nearest, where none is solved."""
@@ -95,7 +85,7 @@ class Ends:
             rest = next(self._rests, None)
             if rest is None:
                 return
-            query = asked_of(rest.groups)
+            query = query_of(rest.groups)
             route = None if query is None else self._searches.clear_route(self._question.problem, query, self._left)
             if route is not None:
                 legs = divided(rest.groups, route, NEAR * self._query[QUERY_RADIUS])

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.query import route_query
-from sinuous.kernels.tables import MOUNT, QUERY_WIDTH
+from sinuous.kernels.tables import MOUNT
+from sinuous.solving.routing.growth import query_of
 from sinuous.solving.routing.parts import beyond
 from sinuous.solving.routing.tubes import Tube, heads, tube_around
 from sinuous.solving.routing.turned import Groups, turned, turned_back
@@ -51,12 +51,6 @@ def rests(groups: Groups, tube: Tube | None, axes: list[Floats], left: Left) -> 
             yield Rest(other.groups, _after(head, other.whole))
 
 
-def asked_of(groups: Groups) -> Floats | None:
-    """Return what a route for a problem has to keep (28,); `None`: no target has a position."""
-    query = np.zeros(QUERY_WIDTH)
-    return query if route_query(*groups, query) else None
-
-
 def _without_tail(groups: Groups, axes: list[Floats], left: Left) -> Iterator[Rest]:
     """Yield what is left without the segments that lie along an axis (K, 3), from the tip on."""
     robot, scene, settings, targets = groups
@@ -64,7 +58,7 @@ def _without_tail(groups: Groups, axes: list[Floats], left: Left) -> Iterator[Re
     held[MOUNT] = 0.0  # the holder is at the other end: to keep it clear, too, is more than is asked
     for axis in axes:
         other = turned((robot, scene, held, targets), axis[::-1], whole=True)
-        query = None if other is None else asked_of(other)
+        query = None if other is None else query_of(other)
         if other is None or query is None or left() <= 0.0:
             continue
         tube = tube_around(scene, query, left())

@@ -6,7 +6,7 @@ first mouth, what is in it is laid along its axis, and the rest goes on from whe
 """
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from sinuous.solving.polylines import lengths_along, points_at, respaced
 from sinuous.solving.routing.gates import NARROW, WIDE, Laid, Spot, Way, gate_row, run_about
 from sinuous.solving.routing.growth import LEG_POINTS, segments_of
 from sinuous.solving.routing.parts import lengths_of_first, segments_in
+from sinuous.solving.routing.tubes import Distance
 from sinuous.solving.routing.turned import Groups
 
 POINTS = 1000
@@ -44,10 +45,6 @@ STRETCHED = 0.85
 
 TANGENT = 2
 """Points that directions of routes and axes are taken over."""
-
-
-Distance = Callable[[Floats], Floats]
-"""How far points (K, 3) are from the obstacles (K,), in the length unit."""
 
 
 def tunnel_on(groups: Groups, legs: Floats, distances: Floats, distance: Distance, seconds: float) -> "Tunnel | None":

@@ -63,6 +63,14 @@ def until(holds: Callable[[], object], what: str) -> None:
         time.sleep(0.05)
 
 
+def frames(tab: Any, count: int) -> None:
+    """Wait until the browser has drawn so many pictures."""
+    next_ones = (
+        "count => new Promise(done => { const next = () => count-- ? requestAnimationFrame(next) : done(); next(); })"
+    )
+    tab.evaluate(next_ones, count)
+
+
 def pixels(tab: Any) -> NDArray[np.uint8]:
     """What the browser shows, (height, width, 3)."""
     from matplotlib.image import imread

@@ -12,7 +12,7 @@ import sinuous as sn
 from sinuous.viewer.drawing.poses import rotation_of
 from sinuous.viewer.page.page import Page
 from tests.helpers import Floats
-from tests.viewer.browser import chromium, opened, pixels, projected, until
+from tests.viewer.browser import chromium, frames, opened, pixels, projected, until
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
 JOB = sn.Job(ROBOT, sn.Target((1, 0, 2)), [sn.Sphere((0.2, 0.9, 1.2), radius=0.25, name="ball")])
@@ -77,27 +77,49 @@ def camera_of(page: Page) -> Any:
 
 
 def drag(tab: Any, begin: Floats, end: Floats) -> None:
+    """Drag with the mouse, no faster than the browser draws: what it has not drawn yet cannot be taken hold of."""
     tab.mouse.move(*begin)
+    frames(tab, 2)
     tab.mouse.down()
     for share in np.linspace(0.0, 1.0, 6)[1:]:
         tab.mouse.move(*(begin + share * (end - begin)))
-        time.sleep(0.05)
+        frames(tab, 1)
     tab.mouse.up()
 
 
-def pull(page: Page, tab: Any, gizmo: Any, place: Callable[[], Floats]) -> None:
+def still(page: Page, tab: Any) -> None:
+    """Wait until the camera moves no more: a drag that misses the gizmo turns it, and it comes to rest smoothly."""
+
+    def pose() -> tuple[float, ...]:
+        camera = camera_of(page)
+        return (*camera.position, *camera.look_at, *camera.up_direction)
+
+    seen: list[tuple[float, ...]] = []
+
+    def rests() -> bool:
+        frames(tab, 6)
+        time.sleep(0.3)
+        seen.append(pose())
+        return len(seen) > 2 and seen[-1] == seen[-2] == seen[-3]
+
+    until(rests, "a camera at rest")
+
+
+def pull(page: Page, tab: Any, gizmo: Callable[[], Any], place: Callable[[], Floats]) -> None:
     """Drag a gizmo by its arrows until what it holds is elsewhere: a slow browser may not have drawn it yet."""
-    begin = place()
-    time.sleep(1.5)
+    begin, camera = place(), camera_of(page)
+    position, look_at = camera.position, camera.look_at
     for attempt in range(18):
-        camera, turn = camera_of(page), rotation_of(np.array(gizmo.wxyz))
-        axis = turn[:, attempt % 3]
-        ends = [np.array(projected(camera, begin + part * gizmo.scale * axis)) for part in (0.8, 1.5)]
-        if np.linalg.norm(ends[1] - ends[0]) > 10.0:
-            drag(tab, ends[0], ends[1])
-            time.sleep(1.0)
+        still(page, tab)
+        axis = rotation_of(np.array(gizmo().wxyz))[:, attempt % 3]
+        ends = [np.array(projected(camera_of(page), begin + part * gizmo().scale * axis)) for part in (0.8, 1.5)]
+        if np.linalg.norm(ends[1] - ends[0]) < 10.0:  # seen from its end
+            continue
+        drag(tab, ends[0], ends[1])
+        still(page, tab)
         if np.linalg.norm(place() - begin) > 0.05:
             return
+        camera_of(page).position, camera_of(page).look_at = position, look_at
     raise AssertionError("the gizmo does not move")
 
 
@@ -117,7 +139,7 @@ def test_the_page_opens_with_the_robot_and_obstacles_where_they_must_be(page: Pa
 
 
 def test_the_tip_follows_the_gizmo_to_tolerance(page: Page, fresh: Any) -> None:
-    pull(page, fresh, page.scenery._gizmos[0][1], lambda: asked(page))
+    pull(page, fresh, lambda: page.scenery._gizmos[0][1], lambda: asked(page))
     settled(page)
     until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
     target = asked(page)
@@ -148,7 +170,7 @@ def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> No
         assert isinstance(ball, sn.Sphere)
         return ball.center
 
-    pull(page, fresh, page.scenery._grip, center)
+    pull(page, fresh, lambda: page.scenery._grip, center)
     fresh.get_by_role("tab", name="Scene").click()
     fresh.get_by_role("button", name="Delete it").click()
     until(lambda: len(page.model.scene) == 0, "no ball")

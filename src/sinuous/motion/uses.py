@@ -86,8 +86,8 @@ class Uses(Frozen):
         What is proved of a step holds in both directions. Where obstacles move, it is another motion in the same time:
         all of it is proved anew, and it has no solutions.
         """
+        times = self.times[:1] + (self.times[-1:] - self.times[::-1])  # begins at the same time, to the last digit
         if self.scene.moves and len(self.q) > 1:
-            times = self.times[:1] + self.times[-1:] - self.times[::-1]
             return type(self)(self.robot, self.q[::-1], self.scene, times)
         last, tried = len(self.q) - 1, len(self.solutions)
         told = Told(
@@ -101,7 +101,6 @@ class Uses(Frozen):
             ended=self._ended,
             blocking=self._blocking,
         )
-        times = self.times[:1] + self.times[-1:] - self.times[::-1]
         return self.made(self.robot, self.scene, self.q[::-1].copy(), times, self.steps.reversed(), told)
 
     def resampled(self, rate: Number) -> Self:

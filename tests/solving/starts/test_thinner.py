@@ -13,8 +13,9 @@ from sinuous.problem.problem import Problem
 from sinuous.scene.scene import Scene
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import ThinSolve
+from sinuous.solving.starts.among import A_START
 from sinuous.solving.starts.sources import Batch, Question
-from sinuous.solving.starts.thinner import A_START, OF_TIME, SHARES, STEPS, Thinner, with_radii
+from sinuous.solving.starts.thinner import OF_TIME, SHARES, STEPS, Thinner, with_radii
 from tests.helpers import Floats
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), max_bend=2.0, radius=0.1)

@@ -21,6 +21,7 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.rates import Changes
 from sinuous.solution.binding.contacts import Contact, contacts_of, self_contacts_of
 from sinuous.solution.binding.limits import Limit, limits_of, normal
+from sinuous.solution.binding.nonnegative import nonnegative_least_squares
 from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.binding.rates import rates_of
 from sinuous.solution.binding.rest import at_rest
@@ -166,14 +167,12 @@ def _met_limits(limits: Iterable[Limit], unit: float, slack: float) -> Iterator[
 
 def _forces(wanted: Floats, columns: Sequence[_Column], free: Floats) -> list[tuple[float, Limit | Contact]]:
     """The forces that balance `wanted` (3 n,); rows of `free` (m, 3 n) may push and pull, and are not among them."""
-    from scipy.optimize import nnls  # noqa: PLC0415
-
     most = max(1, DENSE // len(wanted))
     kept = sorted(columns, key=lambda column: column.force @ wanted)[:most]
     if not kept or not wanted.any():
         return []
     system = np.column_stack([*(column.force for column in kept), *free, *-free])
-    weights = nnls(system, -wanted)[0][: len(kept)]
+    weights = nonnegative_least_squares(system, -wanted)[: len(kept)]
     forces = weights * np.linalg.norm(system[:, : len(kept)], axis=0)
     largest = max(forces.max(), LEAST * float(np.linalg.norm(wanted)))
     units = system[:, : len(kept)] / np.maximum(np.linalg.norm(system[:, : len(kept)], axis=0), 1e-300)

@@ -7,6 +7,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
+from sinuous.solution.turns import turn_between
 
 
 class Pull(NamedTuple):
@@ -55,14 +56,9 @@ def pull_of(problem: Problem, q: Floats) -> Pull:
 
 def _turn(target: Target, rotation: Floats) -> tuple[Floats, Floats | None]:
     """The rotation vector that is missing, and what it counts of a rotation (3, 3): all, or what turns the tangent."""
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415
-
     if target.rotation is not None:
-        return Rotation.from_matrix(target.rotation @ rotation.T).as_rotvec(), np.eye(3)
+        return turn_between(rotation, target.rotation), np.eye(3)
     if target.direction is None:
         return np.zeros(3), None
     tangent = rotation[:, 2]
-    axis, cosine = np.cross(tangent, target.direction), float(tangent @ target.direction)
-    sine = float(np.linalg.norm(axis))
-    turn = axis * (np.arctan2(sine, cosine) / sine) if sine > 1e-14 else axis
-    return turn, np.eye(3) - np.outer(tangent, tangent)
+    return turn_between(tangent, target.direction), np.eye(3) - np.outer(tangent, tangent)

@@ -11,6 +11,7 @@ from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.binding.limits import Limit, limits_of, normal
+from sinuous.solution.binding.nonnegative import nonnegative_least_squares
 from sinuous.solution.binding.pull import pull_of
 
 STEPS = 30
@@ -18,6 +19,9 @@ STEPS = 30
 
 GAIN = 1e-8
 """Share of the residual that a step has to gain."""
+
+ROUNDING = 1e-13
+"""Damping, relative to the square of the derivatives, below which rounding could make their factors imaginary."""
 
 MOST = 600
 """Coordinates of the largest robot for which this is done; the cost grows with their cube."""
@@ -53,15 +57,14 @@ def at_rest(problem: Problem, q: Floats) -> Floats:
 
 def _least(rows: Floats, misses: Floats, damping: float, normals: Floats, slacks: Floats) -> Floats:
     """The motion x (3 n,) with least `|rows x - misses|^2 + damping |x|^2` of those with `normals x <= slacks`."""
-    from scipy.optimize import nnls  # noqa: PLC0415
-
-    root = np.linalg.cholesky(rows.T @ rows + damping * np.eye(rows.shape[1]))
+    square = rows.T @ rows
+    root = np.linalg.cholesky(square + (damping + ROUNDING * np.trace(square)) * np.eye(len(square)))
     free = np.linalg.solve(root, rows.T @ misses)
     across = np.linalg.solve(root, normals.T).T
     system = np.vstack([-across.T, across @ free - slacks])
     wanted = np.zeros(len(system))
     wanted[-1] = 1.0
-    left = system @ nnls(system, wanted)[0] - wanted
+    left = system @ nonnegative_least_squares(system, wanted) - wanted
     shift = -left[:-1] / left[-1] if left[-1] != 0.0 else np.zeros_like(free)
     motion: Floats = np.linalg.solve(root.T, free + shift)
     return motion

@@ -15,6 +15,7 @@ from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.remedies.nearest import nearest
 from sinuous.solution.remedies.remedy import Remedy
 from sinuous.solution.remedies.trials import Case, Trials
+from sinuous.solution.turns import turn_between
 from sinuous.words import number, rounded_up
 
 LOOSER = 20.0
@@ -92,7 +93,7 @@ def _turned(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:
         return _with(problem, i, **{key: Rotation.from_rotvec(by).as_matrix() @ before})
 
     ends = (_end(problem, q, target)[:3, :3] for q in _without(trials, case, i, key))
-    firsts = (_between(before, end[:, 2] if key == "direction" else end) for end in ends)
+    firsts = (turn_between(before, end[:, 2] if key == "direction" else end) for end in ends)
     least = nearest(trials, turned, firsts, 0.5 * tolerance, before if key == "direction" else None)
     if least is not None and float(np.linalg.norm(least[0])) <= tolerance:
         yield from _from_there(trials, case, least[1].q)
@@ -123,20 +124,6 @@ def _both(trials: Trials, case: Case, i: int) -> Iterator[Remedy]:
     if trials.whole(_with(case.problem, i, **{"position": end[:3, 3], key: value})) is not None:
         before = {"position": target.position.tolist(), key: getattr(target, key).tolist()}
         yield Remedy("target", before, {"position": end[:3, 3].tolist(), key: value.tolist()})
-
-
-def _between(before: Floats, after: Floats) -> Floats:
-    """The rotation vector that turns a direction (3,) or a rotation (3, 3) to another one."""
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415
-
-    if before.ndim == 2:
-        return Rotation.from_matrix(after @ before.T).as_rotvec()
-    axis, cosine = np.cross(before, after), float(before @ after)
-    sine = float(np.linalg.norm(axis))
-    if sine > 1e-9:
-        return axis * (math.atan2(sine, cosine) / sine)
-    across = np.cross(before, np.eye(3)[np.abs(before).argmin()])
-    return np.zeros(3) if cosine > 0.0 else math.pi * across / np.linalg.norm(across)
 
 
 def _without(trials: Trials, case: Case, i: int, key: str) -> Iterator[Floats]:

@@ -16,6 +16,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
 from sinuous.solving.options import SolveOptions
+from sinuous.solving.starts.among import A_START
 from sinuous.solving.starts.sources import Batch, Question, Source
 
 if TYPE_CHECKING:
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
 
 SHARES = ((0.7, 60), (0.5, 150))
 """Of the radii, those with which it begins; and what routes have cost before, in scattered starts."""
-
-A_START = 4
-"""What a start from a route costs, in scattered starts."""
 
 OF_TIME = 0.5
 """Of the time that is left, what one of them may take: routes that come later may be better."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous import pose
-from sinuous.kernels.fitting.query import route_query
+from sinuous.kernels.fitting.query import THINNEST, route_query
 from sinuous.kernels.freespace.query import read_query
 from sinuous.kernels.tables import QUERY_WIDTH
 from sinuous.problem.problem import Problem
@@ -52,6 +52,14 @@ def test_the_numbers_of_a_robot_are_those_of_its_segments() -> None:
     assert query.goal == (0.1, 0.2, 2.5)
     assert query.goal_slack == pytest.approx(1e-3, rel=1e-4)
     assert (query.goal_radius, query.back) == (0.0, (0.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("thin", [0.0, 1e-9, 0.99 * THINNEST])
+def test_segments_of_hardly_any_thickness_do_not_count(thin: float) -> None:
+    segments = [Segment(1.0, 2.0, radius=radius) for radius in (0.2, thin, 0.1, 0.15)]
+    assert read(Robot(segments), Target((0.0, 0.0, 3.0))).radius == 0.1
+    without = [segment.changed(radius=thin) for segment in segments]
+    assert read(Robot(without), Target((0.0, 0.0, 3.0))).radius == pytest.approx(4.0 * THINNEST)
 
 
 def test_only_segments_up_to_the_target_count() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.kernels.roadmap.sight import KEPT, cuts, cutting, in_sight
+from sinuous.kernels.roadmap.sight import KEPT, STEPS, cuts, cutting, in_sight
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene
@@ -39,6 +39,13 @@ def test_a_line_that_keeps_away_is_in_sight_and_one_that_does_not_is_not(seed: i
         assert not visible or least > KEPT - 0.08  # no step is shorter than 0.15 radii
         seen += visible
     assert 5 < seen < 55
+
+
+def test_a_thin_body_goes_along_a_wall_in_steps_that_can_be_counted() -> None:
+    wall = kernel_scene(Scene([Box((0.0, 0.0, -1.0), (20.0, 20.0, 2.0))]))
+    visible, looks = in_sight(wall, grid()._replace(radius=1e-9), (-9.0, 0.0, 1e-9), (9.0, 0.0, 1e-9))
+    assert visible
+    assert STEPS <= looks <= STEPS + 1
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -18,6 +18,7 @@ from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.searches import MEMORY, Found
 from sinuous.solving.starts.sources import Question
 from tests.helpers import Floats
+from tests.solving.routing.questions import place
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 HIDDEN = np.array([[0.9, 0.2, 1.0], [-0.8, 1.2, 1.1], [0.3, -1.5, 0.9], [1.2, 0.4, 1.0], [-1.0, -0.9, 1.0]])
@@ -321,3 +322,27 @@ def test_what_is_decided_needs_no_route(narrow: Scene, target: Target) -> None:
 def test_all_solutions_come_from_no_more_starts_than_allowed(narrow: Scene, target: Target) -> None:
     solver = Solver(ROBOT, narrow, time=60.0, max_starts=2)
     assert solver.solve_all(target) == []
+
+
+@pytest.mark.parametrize("family", ["cells", "bore"])
+@pytest.mark.parametrize("without", [slice(None), slice(1), slice(-1, None), slice(0, None, 2)])
+def test_segments_of_no_thickness_find_routes(family: str, without: slice) -> None:
+    there = place(family, 0)
+    segments = list(there.robot.segments)
+    segments[without] = [segment.changed(radius=0.0) for segment in segments[without]]
+    solver = Solver(there.robot.changed(segments=segments), there.scene, tolerance=there.tolerance, time=10.0)
+    assert solver.solve(there.targets).verify().ok
+
+
+@pytest.mark.parametrize("tip", [0.0, 1e-5])
+def test_what_is_too_narrow_for_thick_segments_is_open_to_the_thin_ones(tip: float) -> None:
+    robot = Robot([Segment((0.8, 1.2), 2.0, radius=radius) for radius in (0.1, 0.1, 0.1, tip, tip)])
+    hole, target = 0.05, Target((0.3, 0.1, 3.3))
+    room = [Box((0, 0, -0.55), (4, 4, 0.1))]
+    for side in (-1, 1):
+        room += [Box((1.95 * side, 0, 1), (0.1, 4, 3.2)), Box((0, 1.95 * side, 1), (4, 0.1, 3.2))]
+        beside = (1 + hole / 2) * side
+        room += [Box((beside, 0, 2.55), (2 - hole, 4, 0.1)), Box((0, beside, 2.55), (2 * hole, 2 - hole, 0.1))]
+    assert Solver(robot, room, time=10.0).solve(target).verify().ok
+    thick = robot.changed(segments=[segment.changed(radius=0.1) for segment in robot.segments])
+    assert Solver(thick, room, time=10.0).solve(target).status is Status.NO_ROUTE

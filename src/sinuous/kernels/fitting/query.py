@@ -28,19 +28,36 @@ from sinuous.kernels.tables import (
     RADIUS,
 )
 
+THINNEST = 1e-4
+"""Least radius of the ball that routes are found for, in lengths of the robot: a smaller one would go along walls in
+steps without number. It is as thick as the thinnest segment that has this radius at least: a thinner segment mostly has
+none because nobody said it, and the others have to go there, too. Where there is such a segment, no route proves
+nothing."""
+
+
+def ball_radius(limits: Array) -> float:
+    """Radius of the ball that routes of segments (n, SEGMENT_WIDTH) are found for, see `THINNEST`; length unit."""
+    radius, least = math.inf, THINNEST * limits[:, MAX_LENGTH].sum()
+    for k in range(limits.shape[0]):
+        if limits[k, RADIUS] >= least:
+            radius = min(radius, limits[k, RADIUS])
+    return radius if radius < math.inf else least
+
+
+_ball_radius = kernel(ball_radius)
+
 
 @kernel
 def _body(problem: Problem, last: int) -> tuple[float, float, float, float]:
-    """Of the segments up to `last`: the smallest radius, least and greatest length, and radius of the tightest turn."""
-    radius, shortest, longest, turn = math.inf, 0.0, 0.0, math.inf
+    """Of the segments up to `last`: radius of the ball, least and greatest length, and radius of the tightest turn."""
+    shortest, longest, turn = 0.0, 0.0, math.inf
     for k in range(last + 1):
-        radius = min(radius, problem.limits[k, RADIUS])
         low, high, bend = problem.limits[k, MIN_LENGTH], problem.limits[k, MAX_LENGTH], problem.limits[k, MAX_BEND]
         shortest += low
         longest += high
         if bend > 0.0 and high > 0.0:
             turn = min(turn, (low if low > 0.0 else high) / bend)
-    return radius, shortest, longest, min(turn, 0.25 * longest)
+    return _ball_radius(problem.limits[: last + 1]), shortest, longest, min(turn, 0.25 * longest)
 
 
 @kernel

@@ -16,6 +16,9 @@ along it still finds more."""
 FINEST = 0.15
 """Shortest step along a line, in radii of the body."""
 
+STEPS = 8192
+"""Most steps along a line."""
+
 AROUND = 0.25
 """Longest step near an end, in units of the turn that a body needs there."""
 
@@ -126,7 +129,7 @@ def in_sight(scene: Scene, grid: Grid, a: Vec, b: Vec) -> tuple[bool, int]:
         looks += 1
         if d < clear:
             return False, looks
-        step = max(d - clear, FINEST * grid.radius)
+        step = max(d - clear, FINEST * grid.radius, length / STEPS)
         if grid.turn > 0.0:
             step = min(step, _step_about(grid, p, grid.start), _step_about(grid, p, grid.goal))
         gone += step

@@ -99,7 +99,7 @@ class Part:
 
     def _fits(self) -> bool:
         """Whether the chain is about as long as its leg: what is longer, and laid along it, is in a heap."""
-        shortest = segments_in(self._groups)[:, MIN_LENGTH].sum()
+        shortest = segments_in(self._groups[0])[:, MIN_LENGTH].sum()
         return bool(len(self._legs) == 1 and shortest <= TAUT * lengths_along(self._legs[0])[-1])
 
     def _follow(self, chains: Floats, own: tuple[int, int], left: Left) -> Floats | None:

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.tables import (
     DIRECTION,
     GOAL,
     HAS_POSITION,
     MAX_LENGTH,
     ORIENTATION,
-    RADIUS,
     TARGET_POSITION,
     TARGET_SEGMENT,
     TARGET_WIDTH,
@@ -131,7 +131,7 @@ class Passage:
     """
 
     def __init__(self, groups: Groups, legs: Floats, distances: Floats) -> None:
-        segments = segments_in(groups)
+        segments = segments_in(groups[0])
         skipped = _skipped(legs.shape[1])
         looked = distances[:, skipped:-skipped]
         self._legs, self._skipped = legs, skipped
@@ -141,7 +141,7 @@ class Passage:
         self._own = segments[self._first : ends[self._which + 1] + 1]
         self._length = float(np.linalg.norm(np.diff(legs[self._which], axis=0), axis=1).max())  # corners are cut
         self._narrow = float(looked[self._which].min())
-        self.room = self._narrow / float(segments[:, RADIUS].min())
+        self.room = self._narrow / ball_radius(segments)
         self._stretch = _stretch(looked[self._which], skipped)
         mean = self._own[:, MAX_LENGTH].mean()
         self._inwards = bool((self._stretch[1] - self._stretch[0]) * self._length > mean)
@@ -198,7 +198,7 @@ class Passage:
 def least_room(groups: Groups, distances: Floats) -> float:
     """Return the least of the distances (l, K) of legs from the obstacles, but for their ends, in radii of the body."""
     skipped = _skipped(distances.shape[1])
-    return float(distances[:, skipped:-skipped].min() / segments_in(groups)[:, RADIUS].min())
+    return float(distances[:, skipped:-skipped].min()) / ball_radius(segments_in(groups[0]))
 
 
 def _skipped(points: int) -> int:

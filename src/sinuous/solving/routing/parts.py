@@ -9,6 +9,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.chain.batch import frames_of, points_of
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
+from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.tables import (
     ACTUATOR_WIDTH,
     ANGLE_TOLERANCE,
@@ -20,7 +21,6 @@ from sinuous.kernels.tables import (
     POSE_POSITION,
     POSE_WIDTH,
     POSITION_TOLERANCE,
-    RADIUS,
     ROBOT_HEADER,
     SEGMENT_WIDTH,
     TARGET_SEGMENT,
@@ -51,7 +51,7 @@ def before(groups: Groups, row: Floats) -> Groups:
     last = row.copy()
     last[TARGET_SEGMENT] = -1.0
     told = _scaled(settings, segments[:count])
-    told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * segments[:, RADIUS].min())
+    told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * ball_radius(segments))
     told[ANGLE_TOLERANCE] = max(told[ANGLE_TOLERANCE], SLANT)
     return first(robot, count), scene, told, np.vstack([own, last])
 
@@ -105,9 +105,9 @@ def backbone_of(groups: Groups, chain: Floats) -> Floats:
     return line
 
 
-def segments_in(groups: Groups) -> Floats:
-    """Return the rows (n, 7) of the segments of a robot, see `sinuous.kernels.tables`."""
-    return _split(groups[0])[0]
+def segments_in(robot: Floats) -> Floats:
+    """Return the rows (n, 7) of the segments of a robot, of which the group is given, see `sinuous.kernels.tables`."""
+    return _split(robot)[0]
 
 
 def lengths_of_first(segments: Floats) -> tuple[Floats, Floats]:

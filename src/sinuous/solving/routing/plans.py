@@ -7,8 +7,8 @@ from sinuous.checks import Floats
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam
 
-COARSE, FINE = 64, 20_000
-"""Finest cells in the length of the longest robot: most of them at first, and most at all."""
+COARSE = 64
+"""Finest cells in the length of the longest robot, at most, at first."""
 
 BETWEEN = 3.0
 """Edge of the coarse cells, in those of the fine ones, from which on cells of twice the finest come between."""
@@ -82,17 +82,16 @@ def wide_enough(radius: float, cell: float) -> float:
     return max(radius - 0.5 * cell, 0.25 * radius)
 
 
-def plans_of(radius: float, length: float) -> tuple[Plan, ...]:
-    """Searches for a body of this radius and a robot of this length, from the quickest to the most thorough.
+def plans_of(radius: float, length: float, proves: bool) -> tuple[Plan, ...]:
+    """Searches for a ball of this radius and a robot of this length, from the quickest to the most thorough.
 
-    Cells of half the radius and less cannot leak through a wall, however thin it is, and prove that a room is closed.
-    Coarser ones miss narrow passages.
+    Cells of half the radius and less cannot leak through a wall, however thin it is, and prove that a room is closed,
+    if the ball is no thicker than the robot. Coarser ones miss narrow passages.
     """
-    fine = max(0.5 * radius, length / FINE)
+    fine = 0.5 * radius
     coarse = max(fine, length / COARSE)
     through = radius - HALF_DIAGONAL * fine
     wide = wide_enough(radius, coarse)
-    proves = fine <= 0.5 * radius
     few, many, most = CELLS
     first = [Plan(coarse, wide, few, 1, 5, False, False, 8)] if coarse > fine else []
     if coarse > BETWEEN * fine:

@@ -11,6 +11,7 @@ from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import room_along, room_beside
+from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
@@ -29,7 +30,7 @@ from sinuous.solving.routing.edges import Walls, rims_of, walls_of
 from sinuous.solving.routing.gates import FAR, WIDE
 from sinuous.solving.routing.growth import FEW, grown, query_of, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
-from sinuous.solving.routing.parts import beyond
+from sinuous.solving.routing.parts import beyond, segments_in
 from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
@@ -87,8 +88,10 @@ class Searches:
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self._robot = robot
         self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
+        self._radius = ball_radius(segments_in(self._group))
         self._walls: tuple[Snapshot, Walls] | None = None
-        self.plans = plans_of(min(robot.radii), sum(segment.length[1] for segment in robot.segments))
+        longest = sum(segment.length[1] for segment in robot.segments)
+        self.plans = plans_of(self._radius, longest, proves=min(robot.radii) >= self._radius)
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
         self._nowhere: Problem | None = nowhere  # to load the entries with
 
@@ -97,7 +100,7 @@ class Searches:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
         few, many, _ = CELLS
         coarse, fine = self.plans[0], self.plans[-1]
-        first = coarser(coarse, min(self._robot.radii))
+        first = coarser(coarse, self._radius)
         among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
         plans = [plan._replace(cells=cells, routes=1, exact=False, prove=False) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
@@ -120,7 +123,7 @@ class Searches:
             query,
             cell=plan.cell,
             clearance=plan.clearance,
-            room=max(min(self._robot.radii), 0.5 * plan.cell),
+            room=max(self._radius, 0.5 * plan.cell),
             most_cells=plan.cells,
             exact=plan.exact,
             prove=plan.prove,
@@ -135,12 +138,12 @@ class Searches:
 
     def by_edges(self, problem: Problem, query: Floats, seconds: float) -> Floats | None:
         """Return a route (K, 3) around edges, found in at most so many seconds; `None` proves nothing."""
-        fine, radius = self.plans[-1], min(self._robot.radii)
+        fine = self.plans[-1]
         planned = packing.plan_search(
             query,
             cell=fine.cell,
             clearance=fine.clearance,
-            room=max(radius, 0.5 * fine.cell),
+            room=max(self._radius, 0.5 * fine.cell),
             most_cells=0,
             exact=False,
             prove=False,
@@ -248,13 +251,13 @@ class Searches:
     def room(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `FAR` radii."""
         distances = np.empty(len(points))
-        room_along(problem.scene._kernel_group, points, FAR * max(self._robot.radii), distances)
+        room_along(problem.scene._kernel_group, points, FAR * max(self._radius, *self._robot.radii), distances)
         return distances
 
     def beside(self, problem: Problem, line: Floats) -> Floats:
         """Return the room (K,) across a line (K, 3); from `WIDE` radii on it may be anything that is not less."""
-        room, radius = np.empty(len(line)), min(self._robot.radii)
-        room_beside(problem.scene._kernel_group, line, radius, WIDE * radius, room)
+        room = np.empty(len(line))
+        room_beside(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, room)
         return room
 
     def groups(self, problem: Problem) -> Groups:

@@ -154,7 +154,7 @@ def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Ite
 def heads(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iterator[tuple[Floats, Floats]]:
     """Yield chains (m, 3) of the segments that a tube holds, and the lines (K, 3) along which they lie."""
     robot, scene, settings, targets = groups
-    n, segments = int(groups[0][0]), segments_in(groups)
+    n, segments = int(groups[0][0]), segments_in(groups[0])
     least, most = segments[:, MIN_LENGTH], segments[:, MAX_LENGTH]
     length, tried = lengths_along(tube.axis)[-1], set()
     for share, fewer in SHARES:

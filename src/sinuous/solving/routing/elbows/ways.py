@@ -70,7 +70,7 @@ class Ways:
     """
 
     def __init__(self, groups: Groups, queries: list[Floats], tube: Inside, route: Route) -> None:
-        self._segments = segments_in(groups)
+        self._segments = segments_in(groups[0])
         self._elbow, self._last = (segment + 1 for segment in segments_of(groups))
         self._queries, self._tube, self._route = queries, tube, route
         self._routes: dict[bytes, Floats | None] = {}

@@ -12,7 +12,8 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.clock import CLOCK_SIZE
-from sinuous.kernels.tables import MAX_LENGTH, RADIUS
+from sinuous.kernels.fitting.query import ball_radius
+from sinuous.kernels.tables import MAX_LENGTH
 from sinuous.kernels.tubes.axis import BRANCH, MOUTH, follow_tube
 from sinuous.solving.polylines import lengths_along, points_at, respaced
 from sinuous.solving.routing.gates import NARROW, WIDE, Laid, Spot, Way, gate_row, run_about
@@ -52,9 +53,9 @@ def tunnel_on(groups: Groups, legs: Floats, distances: Floats, distance: Distanc
 
     `distances` (l, K) are those of the legs.
     """
-    radius = float(segments_in(groups)[:, RADIUS].min())
+    radius = ball_radius(segments_in(groups[0]))
     which = int(distances.min(axis=1).argmin())
-    if radius <= 0.0 or distances[which].min() > WIDE * radius:
+    if distances[which].min() > WIDE * radius:
         return None
     at = min(max(_middle(distances[which]), TANGENT), legs.shape[1] - 1 - TANGENT)
     ahead = legs[which, at + TANGENT] - legs[which, at - TANGENT]
@@ -108,7 +109,7 @@ class Tunnel:
 
     def __init__(self, groups: Groups, legs: Floats, axis: Floats, radius: float) -> None:
         self._legs, self._axis, self._radius = legs, axis, radius
-        self._segments, self._elbows = segments_in(groups), segments_of(groups)[-len(legs) : -1]
+        self._segments, self._elbows = segments_in(groups[0]), segments_of(groups)[-len(legs) : -1]
         low, high = lengths_of_first(self._segments)
         self._lengths = low.tolist(), high.tolist(), (0.5 * (low + high)).tolist()
         self._along = lengths_along(axis)

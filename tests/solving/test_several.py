@@ -2,11 +2,13 @@
 
 import math
 from functools import cache
+from typing import Literal
 
 import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.places import make
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solving.solver import Solver
 from tests.solving.classes.places import BARS, DOORS, ROBOT, TARGET, ball, bars, crossing, pillar, wall
@@ -94,6 +96,19 @@ def test_without_obstacles_shapes_are_distinct_and_have_no_class() -> None:
     assert all(solution.route_class is None for solution in found)
     (one,) = sn.solve_all(ROBOT, TARGET, count=3, max_starts=40, time=60.0, by="route")
     assert one.route_class is not None
+
+
+@pytest.mark.parametrize(
+    ("family", "number", "by"),
+    [("folded", 0, "shape"), ("two doors", 4, "shape"), ("cells pipe", 4, "shape"), ("cells pipe", 4, "route")],
+)
+def test_what_one_solve_finds_is_among_them(family: str, number: int, by: Literal["route", "shape"]) -> None:
+    there = make(family, number)
+    in_there = Solver(there.robot, there.scene, tolerance=there.tolerance, time=60.0, max_starts=400)
+    assert in_there.solve(there.targets).solved
+    found = in_there.solve_all(there.targets, count=1, by=by)
+    assert len(found) == 1
+    assert found[0].verify().ok
 
 
 def test_no_time_is_no_answer() -> None:

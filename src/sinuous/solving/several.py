@@ -31,6 +31,10 @@ SEARCHING = 0.8
 """Share of the time for the search among obstacles; the rest is for telling classes apart."""
 
 
+FIRST = 0.5
+"""Share of it, and of the starts, for a first solution."""
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What several solutions are to be.
@@ -84,11 +88,34 @@ class Several:
             self.search = Distinct(CANDIDATES * wanted.count, *own)
 
     def batches(self, portfolio: Portfolio, router: Router | None, question: Question) -> Iterator[Batch]:
-        """Return the starts of the portfolio; by route, before its routes, those through different passages, too."""
-        if self._curves is None or not isinstance(self.search, ByClass) or router is None:
-            return portfolio.batches(question)
-        explorer = Explorer(router, self._curves, self.search.has)
-        return Portfolio(self._wanted.max_starts, OneAfterAnother(explorer, router)).batches(question)
+        """Yield the starts of `solve` up to a first solution, then those of the portfolio for several.
+
+        By route these have, before its routes, those through different passages, too.
+        """
+        yield from portfolio.opening.batches(question)
+        if router is not None:
+            yield from self._up_to_first(portfolio, question._replace(several=False))
+        if self._curves is not None and isinstance(self.search, ByClass) and router is not None:
+            explorer = Explorer(router, self._curves, self.search.has)
+            portfolio = Portfolio(self._wanted.max_starts, OneAfterAnother(explorer, router))
+        yield from portfolio.further(question)
+
+    def _up_to_first(self, portfolio: Portfolio, question: Question) -> Iterator[Batch]:
+        """Yield starts as `solve` follows them, one by one, until one is solved, or a share of time or starts is spent.
+
+        What leads to one solution soonest is left out, or put off, where others are looked for beside it.
+        """
+        seconds, starts = (1.0 - FIRST) * question.seconds_left(), (1.0 - FIRST) * self.search.starts_left
+        for batch in portfolio.further(question._replace(seconds_left=lambda: question.seconds_left() - seconds)):
+            if batch.closed is not None:
+                yield batch
+                return
+            for part in batch.parts(lambda: 1):
+                if self.search.found or question.seconds_left() <= seconds or self.search.starts_left <= starts:
+                    return
+                yield part
+            if self.search.found or question.seconds_left() <= seconds:
+                return
 
     def best(self) -> list[tuple[Outcome, RouteClass | None]]:
         """Return the solutions, best first, each with its class: `None` where that is not known."""

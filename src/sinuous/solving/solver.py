@@ -258,16 +258,17 @@ class Solver(Stepping):
     ) -> list[Solution]:
         """Find several solutions, best first: one of every class of routes, or all distinct shapes.
 
-        Every start of `solve`, in the same order, is followed to its own solution; by route, after the first few, also
-        starts along routes through other passages. Solutions belong to one class when the bodies were found to deform
-        into each other and stay clear, so what differs passes some obstacle on another side, or goes through another
-        door; `Solution.route_class` says which. The best one of each class is returned. By shape, two solutions are the
-        same when no point of the backbone is farther from its counterpart than `apart`.
+        The first solution is looked for as `solve` does it, in half of the time and of the starts at most. Then every
+        start is followed to its own solution; by route also starts along routes through other passages. Solutions
+        belong to one class when the bodies were found to deform into each other and stay clear, so what differs passes
+        some obstacle on another side, or goes through another door; `Solution.route_class` says which. The best one of
+        each class is returned. By shape, two solutions are the same when no point of the backbone is farther from its
+        counterpart than `apart`.
 
         The search ends with the starts, the time, a proof that there is no solution, or `CANDIDATES * count` distinct
-        solutions (by route: of `count` classes); by route also after `PATIENCE` starts that brought no new class. The
-        order: less bending first (sum of squared bends); with an initial configuration, less distance to it (bends in
-        rad, lengths relative to the mean length of a segment).
+        solutions (by route: of `count` classes); by route also after `PATIENCE` starts that brought no class after the
+        first. The order: less bending first (sum of squared bends); with an initial configuration, less distance to it
+        (bends in rad, lengths relative to the mean length of a segment).
 
         Parameters
         ----------

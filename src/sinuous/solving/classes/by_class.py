@@ -13,7 +13,7 @@ CANDIDATES = 4
 """Distinct solutions of a class that are kept, the best ones."""
 
 PATIENCE = 400
-"""Starts in a row, routes not counted, that bring no new class, before nobody looks for more."""
+"""Starts in a row, routes not counted, that bring no class after the first, before nobody looks for more."""
 
 Dislike = Callable[[list[Floats]], Floats]
 """A number (m,) for each of m configurations (n, 3): what is smaller is better."""
@@ -69,7 +69,7 @@ class ByClass(Distinct):
         """Keep a solution that differs from all before, among the best of its class."""
         before = len(self.found)
         super().keep(found)
-        if found.source != ROUTE:
+        if found.source != ROUTE and self.classes:
             self._in_vain += found.starts
         if len(self.found) == before:
             return

@@ -1,6 +1,7 @@
 """Two trees of configurations, from a start and from goals, and the way where they meet: see `kernels.planning`."""
 
 from functools import cached_property
+from time import monotonic
 from typing import NamedTuple
 
 import numpy as np
@@ -44,21 +45,23 @@ class Trees:
 
         `ends` (1 + g, n, 3): the start and goals, or more goals.
         """
+        end = monotonic() + seconds
         asked = float(self._robot.mount), self._robot.mean_length, seconds, seed, *draws, shortcuts
         work = self._scratch, self._workspace, self._q, self._answers
         count, _, _ = plan(*self._groups, ends, asked, *work)
-        way = self._proved(self._q[:count].copy(), self._answers[: count - 1].copy()) if count else None
+        way = self._proved(self._q[:count].copy(), self._answers[: count - 1].copy(), end) if count else None
         return way if way is not None and (way.answers[:, VERDICT] == CLEAR).all() else None
 
     def tighten(self, q: Floats, seed: int, seconds: float, shortcuts: int = 0) -> Way:
         """Leave out what can be left out of knots (T, n, 3); what lies between neighbours is clear."""
+        end = monotonic() + seconds
         if len(q) > MOST_KNOTS:
-            return self._proved(q, unproved(len(q) - 1))
+            return self._proved(q, unproved(len(q) - 1), end)
         self._q[: len(q)] = q
         asked = float(self._robot.mount), self._robot.mean_length, seconds, seed, 0, 0, shortcuts
         work = self._scratch, self._workspace, self._q, self._answers
         count = tighten(*self._groups, len(q), asked, *work)
-        return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy())
+        return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy(), end)
 
     def load(self) -> None:
         """Compile what grows trees, or load it."""
@@ -70,10 +73,18 @@ class Trees:
     def _prover(self) -> Prover:
         return Prover(self._robot, self._scene)
 
-    def _proved(self, q: Floats, answers: Floats) -> Way:
-        """Prove again, less exactly, what took too long to prove with a tight bound: among clouds and meshes."""
+    def _proved(self, q: Floats, answers: Floats, end: float) -> Way:
+        """Prove again, less exactly, what took too long to prove with a tight bound: among clouds and meshes.
+
+        That ends at a time, and with the first step of which it is in vain.
+        """
         for i in np.flatnonzero(answers[:, VERDICT] != CLEAR).tolist():
-            answers[i] = self._prover.prove(q[i : i + 2], slack=1.0, seconds=LOOSE_SECONDS)[0]
+            seconds = min(LOOSE_SECONDS, end - monotonic())
+            if seconds <= 0.0:
+                break
+            answers[i] = self._prover.prove(q[i : i + 2], slack=1.0, seconds=seconds)[0]
+            if answers[i, VERDICT] != CLEAR:
+                break
         return Way(q, answers)
 
     @property

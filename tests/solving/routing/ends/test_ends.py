@@ -51,8 +51,14 @@ def test_it_makes_nothing_in_the_open_without_time_or_for_several_solutions() ->
     assert list(ends(place("spheres 12", 0)).among([])) == []
 
 
-def test_effort_grows_with_what_the_other_starts_have_cost() -> None:
-    source, made = ends(place(*HARD[0])), list[object]()
+@pytest.mark.parametrize(
+    ("where", "efforts", "counts"),
+    [(HARD[0], [None, *COSTS], [0, 2, 4]), (("open pipe 1.6", 0), list(COSTS), [0, 1, 3])],
+)
+def test_effort_grows_with_what_the_other_starts_have_cost(
+    where: tuple[str, int], efforts: list[object], counts: list[int]
+) -> None:
+    source, made = ends(place(*where)), list[object]()
 
     def some(beam: object) -> list[Batch]:
         made.append(beam)
@@ -61,6 +67,13 @@ def test_effort_grows_with_what_the_other_starts_have_cost() -> None:
     source._made = some  # type: ignore[method-assign, assignment]
     nothing: Floats = np.empty((0, 20, 3))
     others = iter([Batch("route", nothing, then=then) for then in (30, 60, 0)])
-    counts = [len(made) for _ in source.among(others)]
-    assert counts == [0, 1, 3]
-    assert made == list(COSTS)
+    assert [len(made) for _ in source.among(others)] == counts
+    assert made == efforts
+
+
+def test_a_look_goes_on_to_a_glance_where_the_tip_lies_in_a_tube(monkeypatch: pytest.MonkeyPatch) -> None:
+    for where, count in ((HARD[0], 1), (("cells", 15), 0)):
+        source, parts = ends(place(*where)), list[bool]()
+        monkeypatch.setattr(source, "_parts", lambda parts=parts: parts.append(True) or iter(()))
+        list(source._made(None))
+        assert len(parts) == count

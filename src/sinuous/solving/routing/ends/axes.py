@@ -12,6 +12,12 @@ NEAR = 2.5
 """How far two axes are from each other at most that meet, in radii of the body."""
 
 
+def in_the_open(query: Floats, distance: Distance) -> bool:
+    """Whether the goal of a route, as `query` (28,) says, is too far from obstacles to lie in a tube."""
+    radius, goal = float(query[QUERY_RADIUS]), query[QUERY_GOAL : QUERY_GOAL + 3]
+    return float(distance(goal[None])[0]) > WIDE * radius
+
+
 def axes_from_goal(scene: Floats, query: Floats, distance: Distance, seconds: float) -> list[Floats]:
     """Return the axes (K, 3) of the tube that the goal of a route lies in, from there to its mouths, or to a branch.
 
@@ -19,7 +25,7 @@ def axes_from_goal(scene: Floats, query: Floats, distance: Distance, seconds: fl
     comes from there. An axis that leads past the beginning of the route ends there.
     """
     radius, goal = float(query[QUERY_RADIUS]), query[QUERY_GOAL : QUERY_GOAL + 3]
-    if radius <= 0.0 or float(distance(goal[None])[0]) > WIDE * radius:
+    if in_the_open(query, distance):
         return []
     back, origin = query[QUERY_BACK : QUERY_BACK + 3], query[QUERY_ORIGIN : QUERY_ORIGIN + 3]
     along = back if back.any() else axis_direction(goal, radius, distance)

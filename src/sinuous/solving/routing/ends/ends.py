@@ -12,7 +12,7 @@ from sinuous.kernels.tables import QUERY_ORIGIN, QUERY_RADIUS
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.course import along
 from sinuous.solving.routing.crossing import Part
-from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, joined
+from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, in_the_open, joined
 from sinuous.solving.routing.ends.rests import Rest, rests
 from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam, divided, query_of
 from sinuous.solving.routing.parts import backbone_of, fitted
@@ -21,9 +21,13 @@ from sinuous.solving.routing.tubes import tube_around
 from sinuous.solving.starts.among import among
 from sinuous.solving.starts.sources import Batch, Question
 
-COSTS = {GLANCE: 21, ONE: 40, SOME: 90, FEW: 200, MANY: 600}
+COSTS: dict[Beam | None, int] = {GLANCE: 21, ONE: 40, SOME: 90, FEW: 200, MANY: 600}
 """How much effort is made, and what routes have cost before, in scattered starts: mostly what leads along these, or out
 of the tube of the base, suffices."""
+
+LOOK = 3
+"""What routes have cost before it is looked whether the tip lies in a tube, too. Where it does, there is a glance at
+once: what leads out of the tube of the base, or around edges, seldom gets into another one."""
 
 
 class Ends:
@@ -43,25 +47,33 @@ class Ends:
         # limits of actuators join what is in a tube and what is not; and several solutions lead not only through tubes
         self._none = question.several or self._groups[0][1] > 0.0
         self._rests: Iterator[Rest] | None = None
+        self._into_tube = False
         self._known: list[tuple[Rest, Part]] = []
         self._tried: set[bytes] = set()
 
     def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
         """Yield batches, and chains with more and more effort between them."""
-        return among(batches, {} if self._none else COSTS, self._made)
+        return among(batches, self._costs(), self._made)
 
-    def _made(self, beam: Beam) -> Iterator[Batch]:
+    def _costs(self) -> dict[Beam | None, int]:
+        """What has been tried before each effort; `None`: a glance, if the tip lies in a tube."""
+        if self._none:
+            return {}
+        open_there = in_the_open(self._query, self._question.problem.scene.distance)
+        return COSTS if open_there else {None: LOOK, **COSTS}
+
+    def _made(self, beam: Beam | None) -> Iterator[Batch]:
         for chain in self._chains(beam):
             if chain.tobytes() not in self._tried:
                 self._tried.add(chain.tobytes())
                 yield along(chain[None], (backbone_of(self._groups, chain),))
 
-    def _chains(self, beam: Beam) -> Iterator[Floats]:
+    def _chains(self, beam: Beam | None) -> Iterator[Floats]:
         """Yield chains (n, 3) whose parts took no more effort than this: what came nearest, where none is solved."""
         if self._rests is None and self._left() > 0.0:
             yield from self._begun()
-        for rest, part in self._parts():
-            chain = part.solved(beam, self._left)
+        for rest, part in self._parts() if beam is not None or self._into_tube else ():
+            chain = part.solved(GLANCE if beam is None else beam, self._left)
             chain = part.nearest if chain is None else chain
             if chain is not None:
                 yield rest.whole(chain)
@@ -72,6 +84,7 @@ class Ends:
         axes = axes_from_goal(scene, self._query, self._question.problem.scene.distance, self._left())
         tube = tube_around(scene, self._query, self._left())
         self._rests = rests(self._groups, tube, axes, self._left)
+        self._into_tube = len(axes) > 0
         first = self._query[None, QUERY_ORIGIN : QUERY_ORIGIN + 3] if tube is None else tube.axis
         for axis in axes:
             line = joined(first, axis, NEAR * self._query[QUERY_RADIUS])

@@ -22,6 +22,9 @@ HARD = [
 ]
 """Places whose elbow lies in a pipe, that the body enters by the mouth that is farther from the base."""
 
+AMONG_WALLS = ("box duct", 28)
+"""A place with an elbow, and walls about the base."""
+
 
 def threading(at: Place, several: bool = False, seconds: float = 60.0) -> Threading:
     return Threading(*asked(at, several, seconds))
@@ -77,8 +80,9 @@ def test_it_makes_no_chains_without_an_elbow_in_a_tube_without_time_or_for_sever
     assert chains(one) == []
 
 
-def test_effort_grows_with_what_the_other_starts_have_cost() -> None:
-    source = threading(place(*HARD[0]))
+@pytest.mark.parametrize(("where", "counts"), [(HARD[0], [1, 1, 3]), (AMONG_WALLS, [0, 0, 3])])
+def test_effort_grows_with_what_the_other_starts_have_cost(where: tuple[str, int], counts: list[int]) -> None:
+    source = threading(place(*where))
     made: list[object] = []
 
     def some(beam: object) -> list[Batch]:
@@ -91,6 +95,5 @@ def test_effort_grows_with_what_the_other_starts_have_cost() -> None:
     source._chains = some  # type: ignore[method-assign, assignment]
     nothing: Floats = np.empty((0, 20, 3))
     others = iter([empty(0), empty(60), empty(0)])
-    counts = [len(made) for _ in source.among(others)]
-    assert counts == [1, 1, 3]
+    assert [len(made) for _ in source.among(others)] == counts
     assert made == list(COSTS)

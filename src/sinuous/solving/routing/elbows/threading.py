@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN
+from sinuous.kernels.tables import QUERY_AXIS, QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS
 from sinuous.solving.routing.course import along
 from sinuous.solving.routing.crossing import Parts
 from sinuous.solving.routing.elbows.inside import Inside, tube_of
@@ -20,6 +20,12 @@ from sinuous.solving.starts.sources import Batch, Question
 
 COSTS = {GLANCE: 0, ONE: 10, SOME: 50, FEW: 200, MANY: 600}
 """How much effort is made, and what routes have cost before, in scattered starts."""
+
+FROM_INSIDE = {**COSTS, GLANCE: 1}
+"""The same where the base stands among walls: the first way out of there often leads through the elbow's tube, too."""
+
+AHEAD, AMONG_WALLS = 2.0, 7.0
+"""How far ahead of the base it is looked for walls, and how near these are at most. In radii of the body."""
 
 
 class Threading:
@@ -45,7 +51,16 @@ class Threading:
 
     def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
         """Yield batches, and chains with more and more effort between them."""
-        return among(batches, COSTS, self._chains)
+        return among(batches, FROM_INSIDE if self._from_inside() else COSTS, self._chains)
+
+    def _from_inside(self) -> bool:
+        """Whether the base stands among walls, and there may be an elbow."""
+        query = self._searches.query(self._problem) if len(self._problem.targets) > 1 else None
+        if query is None:
+            return False
+        radius, axis = query[QUERY_RADIUS], query[QUERY_AXIS : QUERY_AXIS + 3]
+        place = query[QUERY_ORIGIN : QUERY_ORIGIN + 3] + AHEAD * radius * axis
+        return bool(self._problem.scene.distance(place[None])[0] <= AMONG_WALLS * radius)
 
     def _chains(self, beam: Beam) -> Iterator[Batch]:
         """Yield chains whose parts took no more effort than this, each once."""

@@ -18,6 +18,7 @@ from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.searches import MEMORY, Found
 from sinuous.solving.starts.sources import Question
 from tests.helpers import Floats
+from tests.solving.routing.questions import asked as asked_of
 from tests.solving.routing.questions import place
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
@@ -346,3 +347,14 @@ def test_what_is_too_narrow_for_thick_segments_is_open_to_the_thin_ones(tip: flo
     assert Solver(robot, room, time=10.0).solve(target).verify().ok
     thick = robot.changed(segments=[segment.changed(radius=0.1) for segment in robot.segments])
     assert Solver(thick, room, time=10.0).solve(target).status is Status.NO_ROUTE
+
+
+@pytest.mark.parametrize(
+    ("family", "number", "first"),
+    [("cells", 0, True), ("cells mesh", 0, True), ("plates", 0, False), ("bore", 0, False), ("spheres 40", 0, False)],
+)
+def test_edges_come_first_where_they_are_those_of_boxes_or_about_the_base(
+    family: str, number: int, first: bool
+) -> None:
+    finder, asked = asked_of(place(family, number))
+    assert finder.edges_first(asked.problem) is first

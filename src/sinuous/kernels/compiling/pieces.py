@@ -59,6 +59,7 @@ PIECES = (
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
             "kernels.freespace.lengthen.lengthen_route",
+            "kernels.roadmap.enclosed.rays_met",
             "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",
             "kernels.tubes.axis.follow_tube",

@@ -22,7 +22,8 @@ CELLS_A_START = 400
 """Cells that a search looks at in the time of a scattered start, about."""
 
 FIRST = 3
-"""Scattered starts before any search, where that takes longer: beside meshes, and where nothing has edges."""
+"""Scattered starts before any search, where that takes longer: beside meshes, unless these enclose the base, and where
+nothing has edges."""
 
 AFTER_EDGES = (5, 10)
 """Scattered starts that follow a route around edges: after what is tried `AT_ONCE`, and after `SOON`."""
@@ -84,7 +85,7 @@ class Course:
         """Yield what comes of the tube that the base lies in, of a route around edges, then of those over cells."""
         if not self._question.several:
             yield from self._tube()
-        if self._question.seconds_left() > 0.0 and not (self._enclosed or self._searches.only_boxes(self._problem)):
+        if self._question.seconds_left() > 0.0 and not (self._enclosed or self._searches.edges_first(self._problem)):
             yield self._scattered(FIRST)
         plans, route = self._searches.plans, self._around(self._query)
         if route is not None:

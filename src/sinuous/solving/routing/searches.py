@@ -15,6 +15,7 @@ from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
+from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes.axis import MOUTH
@@ -46,6 +47,10 @@ ROD_POINTS = 160
 
 CLEAR = 0.9
 """Room, in radii of the body, that a clear route over coarse cells keeps: else the finest ones are asked."""
+
+AHEAD, ENCLOSED = 2.0, 12
+"""How far ahead of the base, in radii, it is looked whether it is enclosed; and how many of `enclosed.RAYS` rays, as
+long as the robot, meet an obstacle then: not all do where there is a door."""
 
 MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
 """What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
@@ -90,6 +95,7 @@ class Searches:
         self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
         self._radius = ball_radius(segments_in(self._group))
         self._walls: tuple[Snapshot, Walls] | None = None
+        self._about: tuple[Snapshot, bool] | None = None
         longest = sum(segment.length[1] for segment in robot.segments)
         self.plans = plans_of(self._radius, longest, proves=min(robot.radii) >= self._radius)
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
@@ -155,10 +161,26 @@ class Searches:
             )
         return route[:count] if count > 0 else None
 
-    def only_boxes(self, problem: Problem) -> bool:
-        """Whether all edges that a route may lead around are those of boxes."""
+    def edges_first(self, problem: Problem) -> bool:
+        """Whether to look for a route around edges before any more scattered starts.
+
+        It is quick where all edges are those of boxes. Where walls stand around the base, hardly any start gets out.
+        """
         scene = problem.scene
-        return not len(self._walls_of(scene).edges) and any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+        if len(self._walls_of(scene).edges):
+            return self._enclosed(scene)
+        return any(isinstance(obstacle, Box) for obstacle in scene.obstacles)
+
+    def _enclosed(self, scene: Snapshot) -> bool:
+        """Whether the base is enclosed by obstacles, looked at once a scene."""
+        known = self._about
+        if known is None or known[0] is not scene:
+            base, ahead = self._robot.base, self._robot.mount + AHEAD * self._radius
+            place, frame = base[:3, 3] + ahead * base[:3, 2], base[:3, :3].reshape(1, 9).copy()
+            length = sum(segment.length[1] for segment in self._robot.segments)
+            met = rays_met(scene._kernel_group, frame, place[None].copy(), length)
+            known = self._about = scene, met >= ENCLOSED
+        return known[1]
 
     def _walls_of(self, scene: Snapshot) -> Walls:
         """What is sharp-edged in a scene, looked for once."""
@@ -229,6 +251,7 @@ class Searches:
                 self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
+            self._enclosed(problem.scene)
             self.room(problem, line)
             self.beside(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))

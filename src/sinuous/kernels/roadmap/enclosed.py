@@ -1,0 +1,63 @@
+"""Whether a place is enclosed: obstacles all around, seen along a few rays."""
+
+import math
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.fields.distances import Scene, closest, read_scene
+from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.maths.vectors import Array, Vec, add_scaled, get_mat, get_vec, mat_vec
+
+RAYS = 14
+"""Along the axes of a frame and between three of them, both ways."""
+
+LOOKS = 16
+"""Most looks along a ray: one that goes along a wall as far as this meets it."""
+
+MET = 0.02
+"""Distance from the obstacles at which a ray ends, as a share of its length."""
+
+
+@kernel
+def _direction(i: int) -> Vec:
+    """Unit vector of a ray in the frame."""
+    if i < 6:
+        sign = 1.0 if i < 3 else -1.0
+        return (sign if i % 3 == 0 else 0.0, sign if i % 3 == 1 else 0.0, sign if i % 3 == 2 else 0.0)
+    size = 1.0 / math.sqrt(3.0)
+    return (size if i & 1 else -size, size if i & 2 else -size, size if (i - 6) & 4 else -size)
+
+
+@kernel
+def _meets(scene: Scene, p: Vec, direction: Vec, length: float) -> bool:
+    """Whether a ray meets an obstacle."""
+    gone = 0.0
+    for _ in range(LOOKS):
+        d, _ = closest(scene, add_scaled(p, gone, direction), length, STEP)
+        gone += d
+        if d < MET * length:
+            return True
+        if gone > length:
+            return False
+    return True
+
+
+@entry
+def rays_met(scene: Array, frame: Array, place: Array, length: float) -> int:
+    """Return how many of `RAYS` rays from a place meet an obstacle.
+
+    Parameters
+    ----------
+    scene : ndarray
+        Group, laid out as `sinuous.kernels.tables` says.
+    frame : ndarray (1, 9)
+        Rotation, row by row, by whose axes the rays go.
+    place : ndarray (1, 3)
+        In the length unit.
+    length : float
+        How far they lead, in the length unit.
+    """
+    obstacles, rotation, p = read_scene(scene), get_mat(frame, 0, 0), get_vec(place, 0, 0)
+    count = 0
+    for i in range(RAYS):
+        count += int(_meets(obstacles, p, mat_vec(rotation, _direction(i)), length))
+    return count

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous import pose
-from sinuous.kernels.fitting.query import THINNEST, route_query
+from sinuous.kernels.fitting.query import ASSUMED, THINNEST, route_query
 from sinuous.kernels.freespace.query import read_query
 from sinuous.kernels.tables import QUERY_WIDTH
 from sinuous.problem.problem import Problem
@@ -59,7 +59,7 @@ def test_segments_of_hardly_any_thickness_do_not_count(thin: float) -> None:
     segments = [Segment(1.0, 2.0, radius=radius) for radius in (0.2, thin, 0.1, 0.15)]
     assert read(Robot(segments), Target((0.0, 0.0, 3.0))).radius == 0.1
     without = [segment.changed(radius=thin) for segment in segments]
-    assert read(Robot(without), Target((0.0, 0.0, 3.0))).radius == pytest.approx(4.0 * THINNEST)
+    assert read(Robot(without), Target((0.0, 0.0, 3.0))).radius == pytest.approx(4.0 * ASSUMED)
 
 
 def test_only_segments_up_to_the_target_count() -> None:

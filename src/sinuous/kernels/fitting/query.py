@@ -31,8 +31,12 @@ from sinuous.kernels.tables import (
 THINNEST = 1e-4
 """Least radius of the ball that routes are found for, in lengths of the robot: a smaller one would go along walls in
 steps without number. It is as thick as the thinnest segment that has this radius at least: a thinner segment mostly has
-none because nobody said it, and the others have to go there, too. Where there is such a segment, no route proves
-nothing."""
+none because nobody said it, and the others have to go there, too. Where there is such a segment it is never proved that
+there is no route."""
+
+ASSUMED = 5e-3
+"""Radius of the ball where no segment is that thick, in lengths of the robot, like that of a slender one: to a thinner
+ball no pipe is narrow, and what helps in narrow places is not tried."""
 
 
 def ball_radius(limits: Array) -> float:
@@ -41,7 +45,7 @@ def ball_radius(limits: Array) -> float:
     for k in range(limits.shape[0]):
         if limits[k, RADIUS] >= least:
             radius = min(radius, limits[k, RADIUS])
-    return radius if radius < math.inf else least
+    return radius if radius < math.inf else ASSUMED * limits[:, MAX_LENGTH].sum()
 
 
 _ball_radius = kernel(ball_radius)

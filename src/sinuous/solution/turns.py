@@ -15,9 +15,9 @@ def turn_between(before: Floats, after: Floats) -> Floats:
 
     Of two opposite unit vectors it is a turn by pi about some normal of them.
     """
-    from scipy.spatial.transform import Rotation  # noqa: PLC0415
-
     if before.ndim == 2:
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
         return Rotation.from_matrix(after @ before.T).as_rotvec()
     axis, cosine = np.cross(before, after), float(before @ after)
     sine = float(np.linalg.norm(axis))

@@ -30,9 +30,8 @@ BY_ROUTE, BY_SHAPE = KINDS
 SEARCHING = 0.8
 """Share of the time for the search among obstacles; the rest is for telling classes apart."""
 
-
 FIRST = 0.5
-"""Share of it, and of the starts, for a first solution."""
+"""Share of the time for the search, and of the starts, that a first solution may take."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ class Several:
         By route these have, before its routes, those through different passages, too.
         """
         yield from portfolio.opening.batches(question)
-        if router is not None:
+        if router is not None and not self.search.found:
             yield from self._up_to_first(portfolio, question._replace(several=False))
         if self._curves is not None and isinstance(self.search, ByClass) and router is not None:
             explorer = Explorer(router, self._curves, self.search.has)
@@ -107,15 +106,10 @@ class Several:
         """
         seconds, starts = (1.0 - FIRST) * question.seconds_left(), (1.0 - FIRST) * self.search.starts_left
         for batch in portfolio.further(question._replace(seconds_left=lambda: question.seconds_left() - seconds)):
-            if batch.closed is not None:
-                yield batch
-                return
-            for part in batch.parts(lambda: 1):
+            for part in (batch,) if batch.closed is not None else batch.parts(lambda: 1):
+                yield part
                 if self.search.found or question.seconds_left() <= seconds or self.search.starts_left <= starts:
                     return
-                yield part
-            if self.search.found or question.seconds_left() <= seconds:
-                return
 
     def best(self) -> list[tuple[Outcome, RouteClass | None]]:
         """Return the solutions, best first, each with its class: `None` where that is not known."""

@@ -49,6 +49,7 @@ def ball_radius(limits: Array) -> float:
 
 
 _ball_radius = kernel(ball_radius)
+"""The same for kernels: what is compiled for these cannot be called from Python."""
 
 
 @kernel

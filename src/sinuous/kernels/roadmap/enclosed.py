@@ -23,8 +23,8 @@ def _direction(i: int) -> Vec:
     if i < 6:
         sign = 1.0 if i < 3 else -1.0
         return (sign if i % 3 == 0 else 0.0, sign if i % 3 == 1 else 0.0, sign if i % 3 == 2 else 0.0)
-    size = 1.0 / math.sqrt(3.0)
-    return (size if i & 1 else -size, size if i & 2 else -size, size if (i - 6) & 4 else -size)
+    corner, size = i - 6, 1.0 / math.sqrt(3.0)  # each of three bits of its number is a side
+    return (size if corner & 1 else -size, size if corner & 2 else -size, size if corner & 4 else -size)
 
 
 @kernel

@@ -17,7 +17,7 @@ FINEST = 0.15
 """Shortest step along a line, in radii of the body."""
 
 STEPS = 8192
-"""Most steps along a line."""
+"""Most steps along a line, but for those that are short because an end is near."""
 
 AROUND = 0.25
 """Longest step near an end, in units of the turn that a body needs there."""

@@ -96,8 +96,8 @@ class Searches:
         self._radius = ball_radius(segments_in(self._group))
         self._walls: tuple[Snapshot, Walls] | None = None
         self._about: tuple[Snapshot, bool] | None = None
-        longest = sum(segment.length[1] for segment in robot.segments)
-        self.plans = plans_of(self._radius, longest, proves=min(robot.radii) >= self._radius)
+        self._longest = sum(segment.length[1] for segment in robot.segments)
+        self.plans = plans_of(self._radius, self._longest, proves=min(robot.radii) >= self._radius)
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
         self._nowhere: Problem | None = nowhere  # to load the entries with
 
@@ -177,8 +177,7 @@ class Searches:
         if known is None or known[0] is not scene:
             base, ahead = self._robot.base, self._robot.mount + AHEAD * self._radius
             place, frame = base[:3, 3] + ahead * base[:3, 2], base[:3, :3].reshape(1, 9).copy()
-            length = sum(segment.length[1] for segment in self._robot.segments)
-            met = rays_met(scene._kernel_group, frame, place[None].copy(), length)
+            met = rays_met(scene._kernel_group, frame, place[None].copy(), self._longest)
             known = self._about = scene, met >= ENCLOSED
         return known[1]
 

@@ -117,6 +117,11 @@ def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> T
     return Tube(known, ended)
 
 
+def in_the_open(place: Floats, radius: float, distance: Distance) -> bool:
+    """Whether a place (3,) is too far from obstacles to lie in a tube."""
+    return float(distance(place[None])[0]) > WIDE * radius
+
+
 def axis_direction(place: Floats, radius: float, distance: Distance) -> Floats:
     """Return the direction (3,) in which one sees farthest from a place (3,), to both sides together.
 

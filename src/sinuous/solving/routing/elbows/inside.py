@@ -8,7 +8,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes.axis import END
 from sinuous.solving.routing.growth import departing
-from sinuous.solving.routing.tubes import WIDE, Distance, axis_direction, tube_around
+from sinuous.solving.routing.tubes import Distance, axis_direction, in_the_open, tube_around
 
 
 class Inside(NamedTuple):
@@ -34,7 +34,7 @@ class Inside(NamedTuple):
 def tube_of(scene: Floats, query: Floats, elbow: Floats, distance: Distance, seconds: float) -> Inside | None:
     """Return the tube, open at both ends, that an elbow (3,) lies in, for what a route has to keep (28,)."""
     radius = float(query[QUERY_RADIUS])
-    if radius <= 0.0 or float(distance(elbow[None])[0]) > WIDE * radius:
+    if in_the_open(elbow, radius, distance):
         return None
     along = axis_direction(elbow, radius, distance)
     ways, opens = [], 0

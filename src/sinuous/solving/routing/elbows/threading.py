@@ -14,7 +14,7 @@ from sinuous.solving.routing.elbows.ways import Route, Ways
 from sinuous.solving.routing.gates import Way
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, leg_queries
 from sinuous.solving.routing.parts import backbone_of
-from sinuous.solving.routing.searches import Searches
+from sinuous.solving.routing.searches import AHEAD, Searches
 from sinuous.solving.starts.among import among
 from sinuous.solving.starts.sources import Batch, Question
 
@@ -24,8 +24,8 @@ COSTS = {GLANCE: 0, ONE: 10, SOME: 50, FEW: 200, MANY: 600}
 FROM_INSIDE = {**COSTS, GLANCE: 1}
 """The same where the base stands among walls: the first way out of there often leads through the elbow's tube, too."""
 
-AHEAD, AMONG_WALLS = 2.0, 7.0
-"""How far ahead of the base it is looked for walls, and how near these are at most. In radii of the body."""
+AMONG_WALLS = 7.0
+"""How near walls are at most to a place `AHEAD` of the base that stands among them, in radii of the body."""
 
 
 class Threading:

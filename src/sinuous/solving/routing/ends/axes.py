@@ -6,16 +6,10 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import QUERY_BACK, QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS
 from sinuous.kernels.tubes.axis import END
 from sinuous.solving.routing.growth import departing
-from sinuous.solving.routing.tubes import WIDE, Distance, axis_direction, tube_around
+from sinuous.solving.routing.tubes import Distance, axis_direction, in_the_open, tube_around
 
 NEAR = 2.5
 """How far two axes are from each other at most that meet, in radii of the body."""
-
-
-def in_the_open(query: Floats, distance: Distance) -> bool:
-    """Whether the goal of a route, as `query` (28,) says, is too far from obstacles to lie in a tube."""
-    radius, goal = float(query[QUERY_RADIUS]), query[QUERY_GOAL : QUERY_GOAL + 3]
-    return float(distance(goal[None])[0]) > WIDE * radius
 
 
 def axes_from_goal(scene: Floats, query: Floats, distance: Distance, seconds: float) -> list[Floats]:
@@ -25,7 +19,7 @@ def axes_from_goal(scene: Floats, query: Floats, distance: Distance, seconds: fl
     comes from there. An axis that leads past the beginning of the route ends there.
     """
     radius, goal = float(query[QUERY_RADIUS]), query[QUERY_GOAL : QUERY_GOAL + 3]
-    if in_the_open(query, distance):
+    if in_the_open(goal, radius, distance):
         return []
     back, origin = query[QUERY_BACK : QUERY_BACK + 3], query[QUERY_ORIGIN : QUERY_ORIGIN + 3]
     along = back if back.any() else axis_direction(goal, radius, distance)

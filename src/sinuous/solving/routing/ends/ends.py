@@ -8,16 +8,16 @@ the axes.
 from collections.abc import Iterable, Iterator
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import QUERY_ORIGIN, QUERY_RADIUS
+from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.course import along
 from sinuous.solving.routing.crossing import Part
-from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, in_the_open, joined
+from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, joined
 from sinuous.solving.routing.ends.rests import Rest, rests
 from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam, divided, query_of
 from sinuous.solving.routing.parts import backbone_of, fitted
 from sinuous.solving.routing.searches import Searches
-from sinuous.solving.routing.tubes import tube_around
+from sinuous.solving.routing.tubes import in_the_open, tube_around
 from sinuous.solving.starts.among import among
 from sinuous.solving.starts.sources import Batch, Question
 
@@ -59,8 +59,9 @@ class Ends:
         """What has been tried before each effort; `None`: a glance, if the tip lies in a tube."""
         if self._none:
             return {}
-        open_there = in_the_open(self._query, self._question.problem.scene.distance)
-        return COSTS if open_there else {None: LOOK, **COSTS}
+        goal, radius = self._query[QUERY_GOAL : QUERY_GOAL + 3], float(self._query[QUERY_RADIUS])
+        outside = in_the_open(goal, radius, self._question.problem.scene.distance)
+        return COSTS if outside else {None: LOOK, **COSTS}
 
     def _made(self, beam: Beam | None) -> Iterator[Batch]:
         for chain in self._chains(beam):

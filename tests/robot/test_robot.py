@@ -268,3 +268,16 @@ def test_bad_choices_of_segment_and_samples_are_refused() -> None:
     robot, q = posed_robot(0), configurations(0, 4, 1)[0]
     refused_each("segment", (0, 5, 1.0, True, "1"), lambda value: robot.jacobian(q, value), "1 to 4")
     refused_each("samples", (0, 10**9, 1.5, None), lambda value: robot.backbone(q, value))
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-3, 1.0, 1e3, 1e9])
+def test_limits_hold_to_the_same_share_in_every_unit(unit: float) -> None:
+    robot = sn.Robot.uniform(2, (0.8 * unit, 1.2 * unit), 1.0)
+    inside = np.array([[0.5, 0.0, 1.2 * unit], [0.0, 1.0, 0.8 * unit]])
+    for over, ok in ((0.0, True), (1e-12, True), (1e-7, False), (0.9, False)):
+        longer = inside + np.array([[0.0, 0.0, over * unit], [0.0, 0.0, 0.0]])
+        bent = inside + np.array([[0.0, 0.0, 0.0], [0.0, over, 0.0]])
+        assert (not robot.violations(longer)) is ok
+        assert (not robot.violations(bent)) is ok
+        for q in (longer, bent):
+            assert sn.check(robot, q).ok is ok

@@ -55,7 +55,8 @@ class Motion(Shown, Uses):
     ----------
     robot : Robot
     scene : Snapshot
-        The obstacles as they were.
+        The obstacles as they were. Where a live scene was updated on the way, as they were at the end: all steps are
+        proved in that, also those that were made before.
     q : ndarray (T, n, 3)
         The knots, read-only.
     times : ndarray (T,)

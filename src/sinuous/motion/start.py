@@ -6,20 +6,22 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.robot.limits import unit_of
 from sinuous.robot.robot import Robot
 from sinuous.solution.verification import Worst, find_overlap
 from sinuous.solving.between.steps import Prover
 
 SLACK = 1e-9
-"""By how much a configuration may exceed limits, in robot lengths or rad: rounding."""
+"""By how much a configuration may exceed limits, in mean lengths of the robot or rad: rounding."""
 
 
 def violated_by(robot: Robot, q: Floats) -> Worst | None:
     """Return the limit that a configuration (n, 3) violates most; `None` when it is within all of them."""
-    beyond = [found for found in robot.violations(q) if found[2] > SLACK * max(1.0, robot.mean_length)]
-    if not beyond:
+    unit = robot.mean_length
+    found = [(amount / unit_of(limit, unit), limit, segment, amount) for limit, segment, amount in robot.violations(q)]
+    relative, limit, segment, amount = max(found, default=(0.0, "length", 0, 0.0), key=lambda each: each[0])
+    if relative <= SLACK:
         return None
-    limit, segment, amount = max(beyond, key=lambda found: found[2])
     return Worst(limit, segment, None, amount)
 
 
@@ -50,4 +52,4 @@ def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Wo
         return None
     worst = find_overlap(robot, prover.scene.at(when), q)
     # So near to contact that a proof fails: no overlap is seen.
-    return worst if worst.amount > SLACK * max(1.0, robot.mean_length) else None
+    return worst if worst.amount > SLACK * robot.mean_length else None

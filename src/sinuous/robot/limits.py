@@ -28,17 +28,33 @@ def excess(segments: Sequence[Segment], curvatures: Sequence[float], actuation: 
 
 
 def violations(
-    segments: Sequence[Segment], curvatures: Sequence[float], actuation: Actuation, q: Floats, slack: float
+    segments: Sequence[Segment],
+    curvatures: Sequence[float],
+    actuation: Actuation,
+    q: Floats,
+    slack: float,
+    mean_length: float,
 ) -> list[Violation]:
-    """List what a configuration (n, 3) violates by more than `slack`, segment by segment, actuators last."""
+    """List what a configuration (n, 3) violates, segment by segment, actuators last.
+
+    `slack` is allowed: as it is for angles, times the `mean_length` of the robot for lengths, see `unit_of`.
+    """
     found = [
         (name, int(number), float(amount))
         for name, numbers, amounts in _amounts(segments, curvatures, actuation, q)
-        if amounts.size > 0 and amounts.max() > slack
+        if amounts.size > 0 and amounts.max() > slack * unit_of(name, mean_length)
         for number, amount in zip(numbers, amounts, strict=True)
-        if amount > slack
+        if amount > slack * unit_of(name, mean_length)
     ]
     return sorted(found, key=lambda each: (each[0] == "actuator", each[1]))
+
+
+def unit_of(limit: LimitKind, mean_length: float) -> float:
+    """Return the unit of rounding of a limit: 1 rad for angles, the mean length of the robot for lengths.
+
+    A tolerance is a multiple of it. So a tolerance means the same in every unit of length.
+    """
+    return 1.0 if limit in ("bend", "curvature") else mean_length
 
 
 class _Bounds(NamedTuple):

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 
 MOST_SEGMENTS = 10_000
 
+LIMIT_ROUNDING = 1e-11
+"""By how much rounding may exceed a limit: rad, or mean lengths of the robot."""
+
 
 class WholeArguments(TypedDict, total=False):
     """Arguments of `Robot` that are not those of its segments."""
@@ -324,9 +327,9 @@ class Robot(Shown, Frozen):
         `length` and `actuator` count in the length unit, `bend` and `curvature` in rad: the latter is the bend beyond
         what the curvature allows at this length.
         """
-        slack = 1e-11 * max(1.0, self.mean_length)
         checked = checks.array("q", q, (len(self), 3))
-        return limits.violations(self.segments, self.curvatures, self.drive, checked, slack)
+        own = self.segments, self.curvatures, self.drive
+        return limits.violations(*own, checked, LIMIT_ROUNDING, self.mean_length)
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:

@@ -20,6 +20,7 @@ from sinuous.measures.body import SAMPLES, segment_ends
 from sinuous.measures.clearance import least_clearance
 from sinuous.measures.self_clearance import Meeting, least_self_clearance
 from sinuous.measures.targets import target_errors
+from sinuous.robot.limits import unit_of
 from sinuous.scene.nearest import least_gap
 from sinuous.solution.binding.contacts import self_contacts_of
 
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
     from sinuous.scene.snapshot import Snapshot
 
 LIMIT_SLACK = 1e-9
+"""By how much a limit may be exceeded: rad, or mean lengths of the robot."""
+
 ROUNDING = 1e-9
 """What rounding may add to an error, relative to the robot's length."""
 
@@ -179,7 +182,7 @@ def verified(
     ok = (
         off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
-        and excess <= LIMIT_SLACK * max(1.0, robot.mean_length)
+        and all(amount <= LIMIT_SLACK * unit_of(limit, robot.mean_length) for limit, _, amount in robot.violations(q))
         and clearance >= -slack
         and itself.gap >= -slack
     )
@@ -203,7 +206,7 @@ def find_worst(problem: "Problem", q: Floats, overlap: bool) -> Worst:
     if overlap:
         return max(found, key=lambda pair: pair[0])[1]
     for name, segment, amount in robot.violations(q):
-        found.append((amount / (1.0 if name in ("bend", "curvature") else unit), Worst(name, segment, None, amount)))
+        found.append((amount / unit_of(name, unit), Worst(name, segment, None, amount)))
     for target in problem.targets:
         off, turn = target_errors(robot, target, ends)
         segment = len(robot) if target.segment is None else target.segment

@@ -77,6 +77,28 @@ def test_an_update_of_the_scene_is_seen_at_the_next_waypoint() -> None:
     assert motion.scene is motion.solutions[-1].problem.scene
 
 
+@pytest.mark.parametrize(("center", "between"), [((9.0, 0.0, 0.0), "proved"), ((2.0, 0.3, 2.5), "unproved")])
+def test_a_motion_is_proved_in_the_scene_that_it_names(center: tuple[float, ...], between: str) -> None:
+    """Steps were called proved in the last scene although they had been proved in an earlier one."""
+    scene = sn.Scene([sn.Sphere((9.0, 9.0, 9.0), 0.5, name="ball")])
+    seen: list[sn.Solution] = []
+
+    def move(solution: sn.Solution) -> None:
+        seen.append(solution)
+        if len(seen) == 4:
+            scene.move("ball", position=np.subtract(center, (9.0, 9.0, 9.0)))
+
+    motion = sn.track(ROBOT, SPARSE, scene, progress=move)
+    assert len({id(solution.problem.scene) for solution in motion.solutions}) == 2
+    assert motion.scene is motion.solutions[-1].problem.scene
+    assert motion.between == between
+    assert motion.reversed().between == between
+    q = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(motion.q)])
+    assert bool(motion.scene.distance(ROBOT.backbone(q)).min() > 0.05) is (between == "proved")
+    anew = sn.Motion(ROBOT, motion.q, motion.scene, motion.times)
+    np.testing.assert_array_equal(anew.steps.proved, motion.steps.proved)
+
+
 @pytest.mark.parametrize("wrong", [0, -1.0, "near", np.nan, True])
 def test_a_deviation_below_the_tolerance_is_refused(wrong: object) -> None:
     refused("deviation", lambda: sn.track(ROBOT, SPARSE, deviation=wrong))  # type: ignore[arg-type]

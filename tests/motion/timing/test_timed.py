@@ -182,3 +182,27 @@ def test_what_nothing_limits_and_what_stands_still_is_refused() -> None:
         sn.Motion(ARM, MOTION.q[[0, 0]]).timed(FIRST)
     with pytest.raises(sn.InputError, match="t: expected times from 0 to"):
         MOTION.timed(FIRST).at(-1.0)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e7])
+@pytest.mark.parametrize("knots", [50, 1000])
+def test_the_way_is_the_same_in_every_unit_of_length(unit: float, knots: int) -> None:
+    """Small turns between knots add up: in fine units they were one straight leg through what lies between."""
+    arm = sn.Robot.uniform(3, (0.8 * unit, 1.2 * unit), 2.4, radius=0.01 * unit)
+    share = np.linspace(0.0, 1.0, knots)
+    q = np.zeros((knots, 3, 3))
+    q[:, 0, 0], q[:, 1, 1] = 0.3 * share, 0.5 * share**2
+    q[:, :, 2] = unit * (0.85 + 0.3 * share)[:, None]
+    motion = sn.Motion(arm, q, [sn.Sphere((0, 0, 9 * unit), 0.1 * unit)])
+    timed = motion.timed(sn.Rates(bend=1.0, length=unit))
+    places = timed.at(np.linspace(0.0, timed.duration, 400))
+    lengths = (1.0, 1.0, 1.0 / unit)
+    scaled = sn.Motion(sn.Robot.uniform(3, (0.8, 1.2), 2.4), q * lengths, [FAR])
+    assert off_the_way(scaled, places * lengths) < 1e-7
+    assert len(timed.times) >= 50
+
+
+def test_knots_in_one_line_are_one_leg_whatever_their_number() -> None:
+    share = np.linspace(0.0, 1.0, 5001)[:, None, None]
+    q = (1.0 - share) * MOTION.q[0] + share * MOTION.q[3]
+    assert len(sn.Motion(ARM, q, [FAR]).timed(FIRST).times) == 2

@@ -11,11 +11,12 @@ import sinuous as sn
 from benchmarks.places import make
 from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
+from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
 from sinuous.solving.routing.course import CELLS_A_START, FIRST, Course
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.routes import Router
-from sinuous.solving.routing.searches import MEMORY, Found
+from sinuous.solving.routing.searches import MEMORY, Found, Searches
 from sinuous.solving.starts.sources import Question
 from tests.helpers import Floats
 from tests.solving.routing.questions import asked as asked_of
@@ -358,3 +359,19 @@ def test_edges_come_first_where_they_are_those_of_boxes_or_about_the_base(
 ) -> None:
     finder, asked = asked_of(place(family, number))
     assert finder.edges_first(asked.problem) is first
+
+
+@pytest.mark.parametrize(("mount", "proved"), [(0.0, True), (0.5, True), (0.6, False), (0.7, False)])
+def test_nothing_is_proved_where_the_body_may_end_within_its_mount(mount: float, proved: bool) -> None:
+    """A tip that stays in the mount may stand in an obstacle; the shortest body here has length 0.6."""
+    robot = Robot([Segment((0.2, 1.0), 1.0, radius=0.05)] * 3, mount=mount)
+    hidden = np.array([[0.3, 0.1, 0.22], [0.2, 0.0, 0.21], [-0.1, 0.2, 0.22]])
+    scene = Scene([Sphere((0, 0, 0), 0.55, inside=True)])
+    problem = Problem(robot, [Target(robot.tip(hidden)[:3, 3])], scene)
+    searches = Searches(robot, scene, problem.tolerance)
+    query = searches.query(problem)
+    assert query is not None
+    ended = {searches.find(problem, query, plan, 30.0).ended for plan in searches.plans if plan.prove}
+    assert (PROVED_CLOSED in ended) is proved
+    solution = sn.solve(robot, Target(robot.tip(hidden)[:3, 3]), scene, initial=hidden)
+    assert solution.solved is (mount == 0.7)

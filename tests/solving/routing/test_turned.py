@@ -109,3 +109,17 @@ def test_no_chains_are_grown_along_more_legs_than_there_are_ends_of_segments_for
     here = groups(Robot([Segment(1.0, 2.0)] * 3), both)
     assert len(grown(here, legs, Beam(4, 32), 60.0)) == 0
     assert len(grown(here, legs[:1], Beam(4, 32), 60.0)) > 0
+
+
+@pytest.mark.parametrize("count", [2, 3, 100])
+def test_a_route_within_the_length_of_the_tool_and_one_of_two_points_are_turned(count: int) -> None:
+    robot = Robot([Segment((0.8, 1.2), 2.0)] * 4, tool=pose((0.0, 0.0, 3.0)))
+    route = np.linspace((0.0, 0.0, 0.0), (0.0, 0.5, 2.0), count)
+    there = turned(groups(robot, [Target(route[-1])]), route)
+    assert there is not None
+    assert not np.isnan(there[0]).any()
+
+
+def test_a_route_without_a_direction_is_not_turned() -> None:
+    robot = Robot([Segment((0.8, 1.2), 2.0)] * 4)
+    assert turned(groups(robot, [Target((0, 0, 1))]), np.tile([0.0, 0.0, 1.0], (5, 1))) is None

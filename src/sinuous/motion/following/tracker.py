@@ -80,6 +80,7 @@ class Tracker:
         load_motions(solver.robot, scene)
         self._solver, self._began = solver, clock.perf_counter()
         self._prover = Prover(solver.robot, scene)
+        self._outdated = 0  # so many knots, from the first on, were reached before the scene was updated
         self._knots: list[Knot] = []
         self._tried: list[tuple[Solution, int | None]] = []
         self._at: tuple[Target, ...] | None = None
@@ -153,9 +154,7 @@ class Tracker:
     def _move_to(self, solution: Solution) -> Solution:
         """Move to a waypoint; return its solution, which another may replace that is nearer."""
         when = 0.0 if self._timetable is None else self._timetable.of(len(self._tried))
-        updated = self._timetable is None and self._prover.scene is not solution.problem.scene
-        if updated:  # the robot moves after that
-            self._prover = Prover(self._solver.robot, solution.problem.scene)
+        self._look_at(solution)
         if not self._knots:
             self._knots.append(Knot(solution.q, None, solution.problem.targets, solution, time=when))
         elif self._timetable is None and self._stays(solution):
@@ -164,6 +163,27 @@ class Tracker:
             solution = self._go_straight(solution) or self._go_around(solution)
         self._at = solution.problem.targets
         return solution
+
+    def _look_at(self, solution: Solution) -> None:
+        """Prove from now on in the scene that a solution was found in: the robot moves after an update."""
+        if self._timetable is None and self._prover.scene is not solution.problem.scene:
+            self._prover = Prover(self._solver.robot, solution.problem.scene)
+            self._outdated = len(self._knots)
+
+    def _prove_anew(self) -> None:
+        """Prove in the scene of now what was proved before it was updated: a motion is proved in one scene."""
+        count, self._outdated = self._outdated, 0
+        if count > 1:
+            answers = self._prover.prove(np.array([knot.q for knot in self._knots[:count]]), SLACK)
+            for i, came in enumerate(np.split(answers, count - 1), start=1):
+                self._knots[i] = self._knots[i]._replace(came=came)
+
+    def _clear(self, knot: Knot) -> tuple[float, float]:
+        """Proved clearance and self-clearance of a knot in the scene of now; 0 where they are not known."""
+        current = (
+            self._timetable is not None or knot.solution is None or self._prover.scene is knot.solution.problem.scene
+        )
+        return knot.clear if current else (0.0, 0.0)
 
     def _stays(self, solution: Solution) -> bool:
         """Whether a robot that is at its start is at the first waypoint already."""
@@ -189,6 +209,7 @@ class Tracker:
                 found = self._follower().solve(way.at(share) if share < 1.0 else goal, before.begin)
             knot = None
             if found is not None and found.solved:
+                self._look_at(found)
                 knot = Knot(found.q, None, found.problem.targets, found, way, (done, share), time=when)
             came = None if knot is None else self._prove(before, knot)
             if found is not None and knot is not None and came is not None:
@@ -207,7 +228,7 @@ class Tracker:
             knot.way.draw(knot.shares, self._tip.line)
             if self._tip.deviation(ends, self._deviation) > self._deviation:
                 return None
-        self._known[0], self._known[1] = before.clear, knot.clear
+        self._known[0], self._known[1] = self._clear(before), self._clear(knot)
         if self._timetable is not None:
             times = np.array([before.time, knot.time])
         came = self._prover.prove(ends, SLACK, times=times, known=self._known)
@@ -279,6 +300,7 @@ class Tracker:
         """Make the motion so far shorter in configurations or actuators, all knots together."""
         if len(self._knots) < 3 or self.blocked is not None:
             return
+        self._prove_anew()
         robot, means = self._solver.robot, Means(self._meet, self._prove)
         durations = np.diff(self.motion().times)
         self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, means)
@@ -295,6 +317,7 @@ class Tracker:
 
     def motion(self, remaining: int = 0, times: Floats | None = None) -> Motion:
         """Return the motion so far; `remaining` waypoints were not tried, `times` (m,) are those of all waypoints."""
+        self._prove_anew()
         robot = self._solver.robot
         q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
         answers = [knot.came for knot in self._knots if knot.came is not None]

@@ -13,7 +13,10 @@ from sinuous.robot.robot import Robot
 from sinuous.solving.between.steps import Steps
 
 STRAIGHT = 1e-9
-"""Two steps go on in one direction when unit vectors along them differ by no more."""
+"""Steps are one leg where no place of the body leaves them by more, in lengths of the body at its longest."""
+
+ROUNDED = 1e-14
+"""The same where less is proved to be free: the rounding of knots in one line."""
 
 KEPT = 0.5
 """Share of the proved clearance that rounding a corner leaves."""
@@ -72,15 +75,44 @@ def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
     moves = np.diff(q, axis=0)
     sizes = _reach(moves, levers)
     moving = sizes > 0.0
-    flat = moves[moving].reshape(-1, moves[0].size)
-    units = flat / np.linalg.norm(flat, axis=1, keepdims=True) if len(flat) else flat
-    turns = (
-        np.append(True, np.linalg.norm(np.diff(units, axis=0), axis=1) > STRAIGHT) if len(flat) else np.zeros(0, bool)
-    )
-    first = np.flatnonzero(moving)[turns]
-    margins = np.minimum.reduceat(np.where(moving, steps_margins(robot, steps), np.inf), first) if len(first) else first
+    free = steps_margins(robot, steps)
+    # Where nothing is proved nothing has to be kept but the way itself.
+    allowed = np.clip(np.where(steps.proved, 0.5 * free, np.inf), ROUNDED * levers[0], STRAIGHT * levers[0])
+    first = np.flatnonzero(moving)[_leg_starts(moves[moving], sizes[moving], allowed[moving], levers)]
+    margins = np.minimum.reduceat(np.where(moving, free, np.inf), first) if len(first) else first
     corners = np.concatenate([q[first], q[-1:]])
     return Legs(corners, np.asarray(margins, np.float64), _reach(np.diff(corners, axis=0), levers))
+
+
+def _leg_starts(moves: Floats, sizes: Floats, allowed: Floats, levers: Floats) -> list[int]:
+    """Return the numbers of the steps (m, n, 3) that begin a leg: the others go on in the direction of its first step.
+
+    By the lengths that the direction of steps differs from that of the first one, their ends leave the line of the
+    leg by no more than the sum of these, and its chord by no more than twice that. This stays below what is `allowed`
+    (m,) on each step of the leg. Sizes, levers and `allowed` are in the length unit, see `_reach`.
+    """
+    units = moves / sizes[:, None, None]
+    # A step that turns by more than is allowed on its own begins a leg, whatever came before it.
+    turning = 2.0 * _reach(np.diff(units, axis=0), levers) * sizes[1:] > allowed[1:]
+    ends = [*(np.flatnonzero(turning) + 1).tolist(), len(moves)]
+    starts, first = [], 0
+    for end in ends:
+        while first < end:
+            starts.append(first)
+            first = _leg_end(units[first:end], sizes[first:end], allowed[first:end], levers) + first
+    return starts
+
+
+def _leg_end(units: Floats, sizes: Floats, allowed: Floats, levers: Floats) -> int:
+    """Return how many of these steps, of which each goes on nearly as the one before, are one leg: one at least."""
+    count = 1
+    while count < len(units):  # twice as many at a time: legs are as often short as long
+        count = min(2 * count, len(units))
+        aside = 2.0 * np.cumsum(_reach(units[:count] - units[0], levers) * sizes[:count])
+        leaving = np.flatnonzero(aside > np.minimum.accumulate(allowed[:count]))
+        if len(leaving):
+            return max(1, int(leaving[0]))
+    return count
 
 
 def steps_margins(robot: Robot, steps: Steps) -> Floats:

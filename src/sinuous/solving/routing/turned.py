@@ -58,7 +58,10 @@ def turned(groups: Groups, route: Floats, whole: bool = False) -> Groups | None:
         return None
     poses = ROBOT_HEADER + SEGMENT_WIDTH * n
     base, tool = robot[poses : poses + POSE_WIDTH], robot[poses + POSE_WIDTH :]
-    rotation, position = _end(tip[0], _rotation(tool), tool[POSE_POSITION:], route)
+    at = _arrival(tip[0], tool[POSE_POSITION:], route)
+    if at is None:
+        return None
+    rotation, position = _end(tip[0], _rotation(tool), tool[POSE_POSITION:], *at)
     segments = robot[ROBOT_HEADER:poses].reshape(n, SEGMENT_WIDTH)[::-1].ravel()
     begin, nothing = (rotation @ FLIP).ravel(), np.eye(3).ravel()
     other = np.concatenate([robot[:ROBOT_HEADER], segments, begin, position, nothing, np.zeros(3)])
@@ -83,13 +86,27 @@ def _rotation(flat: Floats) -> Floats:
     return flat[:POSE_POSITION].reshape(3, 3)
 
 
-def _end(target: Floats, tool: Floats, shift: Floats, route: Floats) -> tuple[Floats, Floats]:
-    """Rotation and position of the end of the backbone at a target; what that leaves open, the route decides."""
+def _arrival(target: Floats, shift: Floats, route: Floats) -> tuple[Floats, Floats] | None:
+    """Place (3,) on a route (K, 3) where the backbone ends and the tool begins, and the route's tangent (3,) there.
+
+    Where all of the route is nearer to the target than the tool is long, it is where the route begins. `None` where the
+    route has no direction there.
+    """
     goal = target[TARGET_POSITION : TARGET_POSITION + 3]
-    # the place on the route where the backbone ends and the tool begins
-    at = max(BEFORE, int(np.flatnonzero(np.linalg.norm(route - goal, axis=1) >= np.linalg.norm(shift))[-1]))
-    tangent = route[at] - route[at - BEFORE]
-    tangent = tangent / np.linalg.norm(tangent)
+    beyond = np.flatnonzero(np.linalg.norm(route - goal, axis=1) >= np.linalg.norm(shift))
+    before = min(BEFORE, len(route) - 1)
+    at = max(before, int(beyond[-1]) if len(beyond) else 0)
+    tangent = route[at] - route[at - before]
+    length = float(np.linalg.norm(tangent))
+    return None if length == 0.0 else (route[at], tangent / length)
+
+
+def _end(target: Floats, tool: Floats, shift: Floats, place: Floats, tangent: Floats) -> tuple[Floats, Floats]:
+    """Rotation and position of the end of the backbone at a target; what that leaves open, the route decides.
+
+    `place` and `tangent` (3,) are those of the route where the backbone ends.
+    """
+    goal = target[TARGET_POSITION : TARGET_POSITION + 3]
     if target[ORIENTATION] == ROTATION:
         rotation = target[GOAL : GOAL + 9].reshape(3, 3) @ tool.T
         return rotation, goal - rotation @ shift
@@ -101,7 +118,7 @@ def _end(target: Floats, tool: Floats, shift: Floats, route: Floats) -> tuple[Fl
             [[math.cos(roll), -math.sin(roll), 0.0], [math.sin(roll), math.cos(roll), 0.0], [0.0, 0.0, 1.0]]
         )
         rotation = turn @ spin if free else turn @ spin @ tool.T
-        off = np.linalg.norm(goal - rotation @ shift - route[at])
+        off = np.linalg.norm(goal - rotation @ shift - place)
         fits = float(-off if free else rotation[:, 2] @ tangent)
         if fits > best:
             best, found = fits, rotation

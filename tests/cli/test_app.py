@@ -21,7 +21,6 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--help"]) == 0
     out = capsys.readouterr().out
     assert all(out.count(f"\n  {command} ") == 2 for command in ("solve", "track", "check", "view", "new", "warm"))
-    assert "bench" not in out
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
@@ -61,24 +60,6 @@ def test_a_wrong_call_is_one_line(capsys: pytest.CaptureFixture[str], arguments:
     assert captured.out == ""
     assert captured.err.startswith(said)
     assert captured.err.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        [],
-        ["--help"],
-        ["sped"],
-        *([name] for name in ("speed", "clutter", "table1", "tracking", "segments", "methods")),
-        ["clutter", "--piece", "pipe 1.3", "--seed", "2", "--quick", "--json", "--out", "a.json"],
-        ["table1", "--anew", "--method", "dls"],
-    ],
-)
-def test_bench_says_what_it_is_called_now(capsys: pytest.CaptureFixture[str], arguments: list[str]) -> None:
-    assert main(["bench", *arguments]) == 2
-    captured = capsys.readouterr()
-    assert captured.out == ""
-    assert captured.err == "bench: is called 'python -m benchmarks NAME' now, from a clone of the repository\n"
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from sinuous.robot.actuation import Actuator
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.coupled import Actuators
-from sinuous.robot.robot import REPLACED, Robot
+from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from tests.helpers import Floats, refused, refused_each
 
@@ -111,11 +111,3 @@ def test_actuators_of_the_whole_robot_are_checked() -> None:
     refused("actuators.matrix", lambda: Robot([Segment(1.0)] * 2, actuators=Actuators(two)), "(2, 6), for 2 segments")
     bad: Any = [[1, 0, 0]]
     refused("actuators", lambda: Robot([Segment(1.0)], actuators=bad))
-
-
-@pytest.mark.parametrize("name", REPLACED)
-def test_methods_of_before_name_those_of_now(name: str) -> None:
-    with pytest.raises(AttributeError, match=rf"Robot\.{name} is gone: .* Robot\.{REPLACED[name]}$"):
-        getattr(MIXED, name)
-    assert hasattr(Robot, REPLACED[name])
-    assert not hasattr(MIXED, "tendon_length")

@@ -324,7 +324,7 @@ def test_what_is_asked_wrongly_is_refused_by_name() -> None:
     refused_each("workers", (0, -1, 1.5, True, "2"), lambda value: ask(positions=places, workers=value), "from 1 to")
     refused_each("progress", (1, "yes", None), lambda value: ask(positions=places, progress=value), "true or false")
     refused_each("time", (-1, "1"), lambda value: ask(positions=places, time=value))
-    refused("starts", lambda: ask([target], starts=[1]), "initial=")
+    refused("starts", lambda: ask([target], starts=[1]))
     near = shapes(ARM, 4, 1.0, 0)
     near[2, 1, 1] = np.nan
     refused("initial", lambda: ask(positions=places, initial=near[:2]), "4 configurations", "got 2")

@@ -6,7 +6,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.methods import registry
-from sinuous.solving.options import MAX_STARTS, RENAMED, TIME, SolveOptions
+from sinuous.solving.options import MAX_STARTS, TIME, SolveOptions
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(2, 1.0)
@@ -67,16 +67,3 @@ def test_an_unknown_method_is_refused(name: Any) -> None:
 
 def test_an_unknown_option_is_answered_with_all_that_there_are() -> None:
     refused("speed", lambda: SolveOptions.of({"speed": 1}), *SolveOptions.__dataclass_fields__)
-
-
-@pytest.mark.parametrize("old", RENAMED)
-def test_an_old_name_is_answered_with_the_new_one(old: str) -> None:
-    given: dict[str, Any] = {old: 5}
-    calls = (
-        lambda: SolveOptions.of(given),
-        lambda: sn.Solver(ROBOT, **given),
-        lambda: sn.solve(ROBOT, TARGET, **given),
-        lambda: sn.solve_all(ROBOT, TARGET, **given),
-    )
-    for call in calls:
-        refused(old, call, RENAMED[old])

@@ -294,15 +294,6 @@ def warm(method: Methods = None) -> None:
     raise typer.Exit(warm_up(method or ()))
 
 
-@app.command(
-    hidden=True, add_help_option=False, context_settings={"ignore_unknown_options": True, "allow_extra_args": True}
-)
-def bench() -> None:
-    """Say where the measurements are."""
-    _say("bench: is called 'python -m benchmarks NAME' now, from a clone of the repository")
-    raise typer.Exit(BAD_INPUT)
-
-
 @app.callback(invoke_without_command=True)
 def _start(
     context: typer.Context,

@@ -56,17 +56,6 @@ class RobotArguments(WholeArguments, total=False):
     radius: Number | None
 
 
-REPLACED = {
-    "tendon_displacements": "to_actuators",
-    "tendon_lengths": "to_actuators",
-    "chamber_lengths": "to_actuators",
-    "from_tendon_displacements": "from_actuators",
-    "from_tendon_lengths": "from_actuators",
-    "from_chamber_lengths": "from_actuators",
-}
-"""Methods of before, and what does their work now."""
-
-
 class Robot(Shown, Frozen):
     """A continuum robot: segments from base to tip, where it stands, and what it carries.
 
@@ -378,11 +367,3 @@ class Robot(Shown, Frozen):
     @cached_property
     def _inverse(self) -> Inverse:
         return Inverse(self.drive, self.limits)
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            now = REPLACED.get(name)
-            if now is None:
-                raise AttributeError(f"'Robot' object has no attribute {name!r}", name=name, obj=self)
-            raise AttributeError(f"Robot.{name} is gone: all actuators are one array now, see Robot.{now}")

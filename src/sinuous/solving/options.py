@@ -17,9 +17,6 @@ TIME = 1.0
 MAX_STARTS = 1000
 """Default for the most starts of a solve."""
 
-RENAMED = {"start": "initial", "starts": "max_starts"}
-"""What options were called before, and what they are called now."""
-
 
 class SolveArguments(TypedDict, total=False):
     """Options of a solve as keyword arguments; see `SolveOptions`."""
@@ -87,27 +84,13 @@ class SolveOptions:
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> "SolveOptions":
-        """Make options of keyword arguments; one that was renamed is refused with its new name."""
-        refuse_renamed({key: value for key, value in given.items() if key not in cls.__dataclass_fields__})
+        """Make options of keyword arguments; one that is not known is refused.
+
+        Raises
+        ------
+        InputError
+        """
+        for key, value in given.items():
+            if key not in cls.__dataclass_fields__:
+                raise InputError(key, "is not known", value, "one of " + ", ".join(cls.__dataclass_fields__))
         return cls(**given)
-
-
-def refuse_renamed(given: Mapping[str, Any], **renamed: str) -> None:
-    """Refuse keyword arguments that are not known; for one that was renamed, say what it is called now.
-
-    Parameters
-    ----------
-    given : mapping
-        Arguments that nothing is called.
-    **renamed
-        Names of before that mean something else here than `RENAMED` says.
-
-    Raises
-    ------
-    InputError
-    """
-    for key, value in given.items():
-        now = {**RENAMED, **renamed}.get(key)
-        if now is not None:
-            raise InputError(key, "has another name now", value, f"{now}=")
-        raise InputError(key, "is not known", value, "one of " + ", ".join(SolveOptions.__dataclass_fields__))

@@ -3,7 +3,7 @@
 import time as clock
 from collections.abc import Iterable
 from functools import partial
-from typing import Any, ClassVar, Never, Self, Unpack
+from typing import Any, ClassVar, Self, Unpack
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from sinuous.solution.solutions import Questions, Solutions
 from sinuous.solving.again import Again
 from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
-from sinuous.solving.options import RENAMED, SolveArguments, SolveOptions, refuse_renamed
+from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.routing.routes import Router
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
@@ -121,7 +121,6 @@ class Solver(Stepping):
         *,
         within: Changes | None = None,
         time: Number | None = None,
-        **renamed: Never,
     ) -> Solution:
         """Find a configuration that meets the target, or several targets at once.
 
@@ -147,8 +146,6 @@ class Solver(Stepping):
             When an argument is not what it should be.
         """
         began = clock.perf_counter()
-        if renamed:
-            refuse_renamed(renamed)
         scene, blocked = self._place
         looked = scene is not self.scene.snapshot()
         if looked:
@@ -230,7 +227,6 @@ class Solver(Stepping):
         InputError
             When an argument is not what it should be, or there is not one of each for every target.
         """
-        refuse_renamed({key: value for key, value in arrays.items() if key in RENAMED}, starts="initial")
         asked = read_asked(self.robot, targets, arrays)
         threads, shown = read_workers(workers), checks.truth("progress", progress)
         given = read_initial(self.robot, len(asked), initial)
@@ -254,7 +250,6 @@ class Solver(Stepping):
         apart: Number = 0.02,
         by: Kind | None = None,
         time: Number | None = None,
-        **renamed: Never,
     ) -> list[Solution]:
         """Find several solutions, best first: one of every class of routes, or all distinct shapes.
 
@@ -293,7 +288,6 @@ class Solver(Stepping):
         InputError
             When an argument is not what it should be.
         """
-        refuse_renamed(renamed)
         wanted = Wanted(
             checks.integer("count", count, 1, 10_000),
             checks.number("apart", apart, low=0.0) * self.robot.mean_length,

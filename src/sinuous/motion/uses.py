@@ -144,7 +144,8 @@ class Uses(Frozen):
         ----------
         file : path
         rate : float, optional
-            Rows a unit of time (Hz), the last knot included; by default one row a knot.
+            Rows a unit of time (Hz), the last knot included; by default one row a knot. At a rate the lines between
+            rows cut corners of the motion, and are not proved: for this write `resampled(rate)`.
 
         Raises
         ------
@@ -165,7 +166,8 @@ class Uses(Frozen):
         ----------
         file : path
         rate : float, optional
-            Points a unit of time (Hz), the last knot included; by default one point a knot.
+            Points a unit of time (Hz), the last knot included; by default one point a knot. At a rate the lines between
+            points cut corners of the motion, and are not proved: for this write `resampled(rate)`.
         of : str
             `joints`: those that `Robot.to_urdf` writes, with as many `joints_per_segment`; or `actuators`.
         joints_per_segment : int

@@ -21,6 +21,7 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--help"]) == 0
     out = capsys.readouterr().out
     assert all(out.count(f"\n  {command} ") == 2 for command in ("solve", "track", "check", "view", "new", "warm"))
+    assert "bench" not in out
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:

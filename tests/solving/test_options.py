@@ -10,7 +10,6 @@ from sinuous.solving.options import MAX_STARTS, TIME, SolveOptions
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(2, 1.0)
-TARGET = sn.Target((0.0, 0.0, 2.0))
 WRONG: dict[str, tuple[Any, ...]] = {
     "tolerance": (0.1, "fine", (0.1, 0.1), True),
     "prefer": ("short", 1.0, {"bends": 1.0}),

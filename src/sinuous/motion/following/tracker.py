@@ -80,7 +80,7 @@ class Tracker:
         load_motions(solver.robot, scene)
         self._solver, self._began = solver, clock.perf_counter()
         self._prover = Prover(solver.robot, scene)
-        self._outdated = 0  # so many knots, from the first on, were reached before the scene was updated
+        self._outdated = 0  # number of knots, from the first on, whose steps were proved before the last update
         self._knots: list[Knot] = []
         self._tried: list[tuple[Solution, int | None]] = []
         self._at: tuple[Target, ...] | None = None

@@ -17,6 +17,7 @@ from sinuous import checks
 from sinuous.arguments import Batch, Whole
 from sinuous.brief import call
 from sinuous.checks import Floats
+from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 
 if TYPE_CHECKING:
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 MOST_TURNS = 1000
 
 Axis = Literal["x", "y", "z"]
+
+Of = Literal["joints", "actuators"]
+"""Whose values a trajectory has: joints of the chain, as in the URDF, or actuators of the robot."""
 
 
 @dataclass(frozen=True)
@@ -164,3 +168,13 @@ def _pieces(turns: int) -> Iterator[tuple[float, tuple[Axis, ...]]]:
     for i in range(1, turns):
         yield 1.0 / turns, ("y", "x") if i % 2 else ("x", "y")
     yield 0.5 / turns, ()
+
+
+def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> tuple[tuple[str, ...], Floats]:
+    """Names (j,) of joints or actuators, and the matrix (j, 3 n) that makes their values of a flat configuration."""
+    if checks.choice("of", of, ("joints", "actuators")) == "joints":
+        chain = JointChain(robot, joints_per_segment)
+        return chain.names, chain.matrix
+    if not robot.actuators:
+        raise InputError("of", "the robot has none", of, "joints")
+    return tuple(actuator.name for actuator in robot.actuators), np.asarray(robot.drive.jacobian)

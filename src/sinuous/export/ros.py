@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.writing.documents import written
 
 NANO = 1_000_000_000
 
@@ -46,9 +46,5 @@ def write_json(file: str | Path, values: dict[str, Any]) -> None:
     InputError
         When the file cannot be written.
     """
-    try:
+    with written(file):
         Path(file).write_text(json.dumps(values, allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "file", f"cannot be written: {error.strerror}", str(file), "a file that can be written"
-        ) from None

@@ -10,7 +10,7 @@ from sinuous.arguments import Number, Vector, Whole
 from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.export.joints import Of, joint_map
+from sinuous.export.chain import Of, joint_map
 from sinuous.export.ros import joint_trajectory, write_json
 from sinuous.frozen import Frozen
 from sinuous.motion import arrays, table

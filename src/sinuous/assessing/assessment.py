@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sinuous.assessing.tasks import Done
-from sinuous.brief import Brief
+from sinuous.reprs import ShortRepr
 from sinuous.words import duration
 from sinuous.writing.documents import written
 
@@ -54,7 +54,7 @@ class Row(NamedTuple):
     done: Done
 
 
-class Assessment(Brief):
+class Assessment(ShortRepr):
     """What robots can do of a set of tasks.
 
     Attributes

@@ -17,8 +17,7 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
 from sinuous.poses import pose
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.coupled import Actuators
+from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud

@@ -9,7 +9,7 @@ from sinuous.files.documents import read_values
 from sinuous.files.nouns import read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
-from sinuous.garbage import uncollected
+from sinuous.gc_pause import gc_paused
 from sinuous.motion import plain
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
@@ -161,7 +161,7 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
         In one line with the name of the file, the key, the value and what was expected.
     """
     with checks.in_file(file):
-        with uncollected():  # see `read_problem`
+        with gc_paused():  # see `read_problem`
             found = _noun_of(read_values(file), str(file))
         if kind is not None and not isinstance(found, kind):
             raise InputError("file", "", found, f"a {kind.__name__}")

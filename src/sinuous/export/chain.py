@@ -16,16 +16,12 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Batch, Whole
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.reprs import call
 
 MOST_TURNS = 1000
 
 Axis = Literal["x", "y", "z"]
-
-Of = Literal["joints", "actuators"]
-"""Whose values a trajectory has: joints of the chain, as in the URDF, or actuators of the robot."""
 
 
 class Arc(Protocol):
@@ -202,13 +198,3 @@ def _pieces(turns: int) -> Iterator[tuple[float, tuple[Axis, ...]]]:
     for i in range(1, turns):
         yield 1.0 / turns, ("y", "x") if i % 2 else ("x", "y")
     yield 0.5 / turns, ()
-
-
-def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> tuple[tuple[str, ...], Floats]:
-    """Names (j,) of joints or actuators, and the matrix (j, 3 n) that makes their values of a flat configuration."""
-    if checks.choice("of", of, ("joints", "actuators")) == "joints":
-        chain = JointChain(robot, joints_per_segment)
-        return chain.names, chain.matrix
-    if not robot.actuators:
-        raise InputError("of", "the robot has none", of, "joints")
-    return tuple(actuator.name for actuator in robot.actuators), np.asarray(robot.drive.jacobian)

@@ -19,7 +19,7 @@ from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.poses import pose
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.grids.field import Field
@@ -141,7 +141,7 @@ def bounds(seed: int, number: int) -> World:
         robot, q = robot_with_shapes(SHAPES, rng, (-1.0, 1.0))
         for _ in range(DRAWS if len(q) else 0):
             points, unit = body_points(robot, q, 12)[0].reshape(-1, 3), robot.mean_length
-            balls = []
+            balls: list[Obstacle] = []
             for _ in range(int(rng.integers(1, BALLS))):
                 center = points[rng.integers(len(points))] + 0.3 * unit * rng.normal(size=3)
                 balls.append(Sphere(center, unit * rng.uniform(0.05, 0.4)))

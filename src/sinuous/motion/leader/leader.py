@@ -15,7 +15,7 @@ from sinuous.motion.leader.laying import depths_of, lay
 from sinuous.motion.motion import Motion
 from sinuous.motion.told import Told
 from sinuous.problem.curve import Curve
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot

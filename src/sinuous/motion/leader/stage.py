@@ -4,7 +4,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number
-from sinuous.robot.coupled import Actuators
+from sinuous.robot.actuators import Actuators
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 

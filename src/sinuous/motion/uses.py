@@ -9,8 +9,7 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.export.joints import Of, joint_map
-from sinuous.export.ros import joint_trajectory, write_json
+from sinuous.export.ros import Of, joint_map, joint_trajectory, write_json
 from sinuous.frozen import Frozen
 from sinuous.motion import arrays, table
 from sinuous.motion.told import Told

@@ -11,7 +11,7 @@ from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.files.text import read_text
 from sinuous.garbage import uncollected
-from sinuous.motion import plain
+from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import track
@@ -126,7 +126,7 @@ def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
     """
     scene = problem.scene.snapshot()
     if problem.goal is not None:
-        return plain.read(Motion, values, (), (problem.robot, scene))
+        return report.read(Motion, values, (), (problem.robot, scene))
     return Motion.from_dict(values, map(problem.problem, range(len(problem.waypoints))), scene)
 
 

@@ -12,7 +12,8 @@ from benchmarks.solvers.parallel import Abreast
 
 PROTOCOL = (
     f"place i of a family is benchmarks.places.make(family, 1000 * seed + i), i below {figures.COUNT} "
-    f"({figures.PROTOCOL} for p3 and p4); {COUNTED}"
+    f"({figures.PROTOCOL} for p3 and p4); constants may be tuned on even numbers below 1000 only, and on no place of a "
+    f"judging kind, so every seed but 0 judges; {COUNTED}"
 )
 
 

@@ -92,7 +92,8 @@ def lines_of(family: str, trials: list[Trial]) -> Iterator[Line]:
     share = 100.0 * sum(good) / len(good)
     goal = Goal(100.0 if published else 99.0, at_most=False)
     failed = [trial for trial, well in zip(trials, good, strict=True) if not well]
-    note = "; ".join([FAMILIES[family].words, _winners(ours), *_listed("not solved", failed)])
+    words = FAMILIES[family].words + " (judging only)" * FAMILIES[family].judging
+    note = "; ".join([words, _winners(ours), *_listed("not solved", failed)])
     yield Line(SOLVED, family, share, "%", goal, times, (sum(good), len(good)), note)
     wrong = [trial for trial in trials if any(attempt.false for attempt in _claims(trial))]
     note = "; ".join(_listed("wrong", wrong))

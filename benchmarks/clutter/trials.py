@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right as judged_right
 from benchmarks.solvers.among_spheres import AmongSpheres
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution

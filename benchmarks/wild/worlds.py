@@ -10,8 +10,7 @@ from benchmarks.judges.kinematics import segment_ends
 from benchmarks.wild.obstacles import scene_about
 from benchmarks.wild.robots import robot_with_shapes
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sinuous.assessing.tasks import Done
-from sinuous.brief import Brief
 from sinuous.errors import InputError
+from sinuous.reprs import ShortRepr
 from sinuous.words import duration
 
 SOLVED = "solved"
@@ -54,7 +54,7 @@ class Row(NamedTuple):
     done: Done
 
 
-class Assessment(Brief):
+class Assessment(ShortRepr):
     """What robots can do of a set of tasks.
 
     Attributes

@@ -13,8 +13,7 @@ from sinuous.files.course import MOVING, read_course
 from sinuous.files.documents import read_part
 from sinuous.poses import pose
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.coupled import Actuators
+from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud

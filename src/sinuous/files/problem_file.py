@@ -8,7 +8,6 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Rows, Vector
-from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
@@ -18,12 +17,12 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
-from sinuous.garbage import uncollected
+from sinuous.gc_pause import gc_paused
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
-from sinuous.problem.target import Target, Targets, target_list, target_table
-from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
+from sinuous.reprs import text
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
@@ -234,7 +233,7 @@ def read_problem(file: str | Path) -> ProblemFile:
     path = Path(file)
     try:
         text = read_text(path)
-        with uncollected():  # a long path is some hundred thousand values
+        with gc_paused():  # a long path is some hundred thousand values
             return problem_of(parse(text, path), str(file), ProblemFile)
     except InputError as error:
         raise error.in_file(file) from None

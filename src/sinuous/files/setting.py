@@ -15,7 +15,7 @@ from sinuous.frozen import Frozen
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

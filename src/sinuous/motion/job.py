@@ -10,7 +10,7 @@ from sinuous.files.nouns import read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.files.text import read_text
-from sinuous.garbage import uncollected
+from sinuous.gc_pause import gc_paused
 from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
@@ -166,7 +166,7 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     path = Path(file)
     try:
         text = read_text(path)
-        with uncollected():  # see `read_problem`
+        with gc_paused():  # see `read_problem`
             found = _noun_of(parse(text, path), str(file))
         if kind is not None and not isinstance(found, kind):
             raise InputError("file", "", found, f"a {kind.__name__}")

@@ -15,8 +15,8 @@ from sinuous.motion.laying import depths_of, lay
 from sinuous.motion.motion import Motion
 from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
-from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.coupled import Actuators
+from sinuous.problem.target import Tolerance
+from sinuous.robot.actuators import Actuators
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.scene import SceneLike

@@ -8,7 +8,6 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Whole
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
@@ -27,6 +26,7 @@ from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
+from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene

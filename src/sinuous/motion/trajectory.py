@@ -7,7 +7,6 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Vector, Whole
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.export.joints import Of
@@ -15,6 +14,7 @@ from sinuous.frozen import Frozen
 from sinuous.motion import tables
 from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at_corners
 from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
+from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 

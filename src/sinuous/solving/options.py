@@ -9,7 +9,7 @@ from sinuous.arguments import Number, Truth, Whole
 from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.problem.target import Tolerance, as_tolerance
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""

@@ -9,18 +9,17 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Whole
-from sinuous.bar import Bar
-from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Call
 from sinuous.problem.asked import read_asked
-from sinuous.problem.goals import GoalArrays
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
-from sinuous.problem.target import Target, Targets, target_list
+from sinuous.problem.target import GoalArrays, Target, Targets, target_list
+from sinuous.progress import ProgressBar
+from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
@@ -233,7 +232,7 @@ class Solver(Stepping):
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = Questions(self.robot, asked, scene, self.tolerance, given)
-        with Bar(len(asked) if shown else 0) as bar:
+        with ProgressBar(len(asked) if shown else 0) as bar:
             many = Many(questions, self._prepared, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:

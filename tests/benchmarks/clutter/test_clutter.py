@@ -21,7 +21,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
 from benchmarks.solvers.among_spheres import AmongSpheres
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution

@@ -19,8 +19,7 @@ from benchmarks.wild.tally import MANY, Tally
 from benchmarks.wild.trials import OVERLAP, Trial, examine
 from benchmarks.wild.worlds import World
 from sinuous.errors import InputError
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.solving.solver import Solver
 
 

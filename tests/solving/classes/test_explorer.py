@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solving.classes import explorer

@@ -13,8 +13,7 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.planning.question import Question
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions

@@ -19,10 +19,9 @@ from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
 from sinuous.kernels.tubes.axis import MOUTH
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
@@ -95,7 +94,7 @@ class Searches:
 
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
         self._robot = robot
-        self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
+        self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
         self._radius = ball_radius(segments_in(self._group))
         self._walls: tuple[Snapshot, Walls] | None = None
         self._about: tuple[Snapshot, bool] | None = None

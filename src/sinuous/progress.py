@@ -9,7 +9,7 @@ LONG = 10
 """Solves from which on a bar is worth showing."""
 
 
-class Bar:
+class ProgressBar:
     """Counts solves; shows nothing when there are few or when nobody looks."""
 
     def __init__(self, total: int) -> None:
@@ -32,7 +32,7 @@ class Bar:
             self._task = self._progress.add_task("solving", total=total)
             self._progress.start()
 
-    def __enter__(self) -> "Bar":
+    def __enter__(self) -> "ProgressBar":
         return self
 
     def __exit__(self, *_: object) -> None:

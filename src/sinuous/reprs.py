@@ -15,7 +15,7 @@ FEW, LONG_TEXT = 4, 40
 """Entries of an array or list, and letters of a text or an object, up to which it is shown whole."""
 
 
-class Brief:
+class ShortRepr:
     """Shows the arguments of its constructor that say something, each by the attribute of the same name."""
 
     __slots__ = ()

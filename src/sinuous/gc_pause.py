@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def uncollected() -> Iterator[None]:
+def gc_paused() -> Iterator[None]:
     """Do not look for garbage within: again and again going through all that was made takes a fifth of the time."""
     collecting = gc.isenabled()
     gc.disable()

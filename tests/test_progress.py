@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from sinuous.bar import LONG, Bar
+from sinuous.progress import LONG, ProgressBar
 from tests.cli.test_progress import Terminal
 
 
@@ -13,7 +13,7 @@ from tests.cli.test_progress import Terminal
 def test_it_shows_when_it_should(monkeypatch: pytest.MonkeyPatch, *, total: int, terminal: bool, shows: bool) -> None:
     stream = Terminal() if terminal else io.StringIO()
     monkeypatch.setattr(sys, "stderr", stream)
-    with Bar(total) as bar:
+    with ProgressBar(total) as bar:
         bar.advance()
         with bar.hidden():
             pass

@@ -4,11 +4,11 @@ import gc
 
 import pytest
 
-from sinuous.garbage import uncollected
+from sinuous.gc_pause import gc_paused
 
 
 def failing() -> None:
-    with uncollected():
+    with gc_paused():
         assert not gc.isenabled()
         raise KeyError
 
@@ -18,8 +18,8 @@ def test_it_is_paused_within_and_as_before_afterwards() -> None:
     with pytest.raises(KeyError):
         failing()
     assert gc.isenabled()
-    with uncollected():
-        with uncollected():
+    with gc_paused():
+        with gc_paused():
             pass
         assert not gc.isenabled()
     assert gc.isenabled()

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 import sinuous as sn
-from sinuous.brief import LONGEST, text
+from sinuous.reprs import LONGEST, text
 from sinuous.solution.binding.binding import Binding
 from sinuous.solution.reasons import Reason
 from sinuous.solution.remedies.remedy import Remedy

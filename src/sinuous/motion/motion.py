@@ -12,7 +12,7 @@ from sinuous import checks
 from sinuous.arguments import Number, Rows, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
-from sinuous.export.joints import Of
+from sinuous.export.ros import Of
 from sinuous.frozen import Frozen
 from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits

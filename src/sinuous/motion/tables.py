@@ -12,8 +12,7 @@ from sinuous import checks
 from sinuous.arguments import Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.export.joints import Of, joint_map
-from sinuous.export.ros import joint_trajectory, write_json
+from sinuous.export.ros import Of, joint_map, joint_trajectory, write_json
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
 

@@ -9,7 +9,7 @@ from sinuous import checks
 from sinuous.arguments import Number, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.export.joints import Of
+from sinuous.export.ros import Of
 from sinuous.frozen import Frozen
 from sinuous.motion import tables
 from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at_corners

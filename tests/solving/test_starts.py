@@ -1,17 +1,16 @@
-"""Start sources: nothing is lost where batches are cut, and numbers go on."""
+"""Batches of starts: nothing is lost where they are cut, and numbers go on."""
 
 import itertools
-from collections.abc import Iterator
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.kernels.tables import GIVEN, RANDOM, SOURCES
+from sinuous.kernels.tables import RANDOM, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.solving.starts.sources import Batch, OneAfterAnother, Opening, Question, Scattered
+from sinuous.solving.starts import Batch, Question, Scattered
 from tests.helpers import Floats
 
 PROBLEM = Problem(Robot.uniform(2, 1.0), Target((0.0, 0.0, 2.0)))
@@ -27,7 +26,7 @@ def question(count: int = 0) -> Question:
 
 @given(st.integers(0, 9), st.integers(0, 20), st.integers(0, 30), st.lists(st.integers(1, 9), min_size=1))
 def test_parts_are_the_whole(count: int, first: int, own: int, sizes: list[int]) -> None:
-    batch = Batch("route", initial(count), (first, first + own), then=3)
+    batch = Batch("route", initial(count), (first, first + own), cost=3.0)
     asked = itertools.cycle(sizes)
     limits: list[int] = []
 
@@ -51,34 +50,9 @@ def test_parts_are_the_whole(count: int, first: int, own: int, sizes: list[int])
 NOTHING = initial(0)
 
 
-@given(st.integers(0, 3), st.integers(1, 50))
-def test_the_opening_is_one_batch_of_so_many_starts(count: int, most: int) -> None:
-    (batch,) = Opening(most).batches(question(count))
-    assert batch.source == SOURCES[GIVEN]
-    assert np.array_equal(batch.initial, initial(count))
-    assert batch.own == (0, max(0, most - count))
-
-
 @given(st.integers(0, 20), st.integers(0, 200), st.lists(st.integers(0, 60)))
 def test_scattered_starts_come_in_order_and_once(first: int, count: int, asked: list[int]) -> None:
     source = Scattered(first, first + count)
-    batches = [*(source.take(question(1), each) for each in asked), *source.batches(question(1))]
+    batches = [*(source.take(question(1), each) for each in asked), source.rest(question(1))]
     assert [i for batch in batches for i in range(*batch.own)] == list(range(first, first + count))
     assert all(batch.source == SOURCES[RANDOM] and len(batch.initial) == 0 for batch in batches)
-
-
-def test_sources_one_after_another_are_one() -> None:
-    class Fixed:
-        def __init__(self, name: str, *sizes: int) -> None:
-            self.name, self.sizes = name, sizes
-
-        def batches(self, question: Question) -> Iterator[Batch]:
-            return (Batch(self.name, initial(size)) for size in self.sizes)
-
-    both = OneAfterAnother(Fixed("first", 1, 2), Fixed("second"), Fixed("third", 3))
-    assert both.name == "first"
-    assert [(batch.source, batch.size) for batch in both.batches(question())] == [
-        ("first", 1),
-        ("first", 2),
-        ("third", 3),
-    ]

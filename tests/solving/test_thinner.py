@@ -1,6 +1,5 @@
 """Bodies that begin thin and grow: in what order, how far, and what comes of it where the place is tight."""
 
-from collections.abc import Iterator
 from functools import partial
 from types import SimpleNamespace
 from typing import Any, cast
@@ -8,18 +7,18 @@ from typing import Any, cast
 import numpy as np
 
 import sinuous as sn
-from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.scene.scene import Scene
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import ThinSolve
-from sinuous.solving.starts.among import A_START
-from sinuous.solving.starts.sources import Batch, Question
-from sinuous.solving.starts.thinner import OF_TIME, SHARES, STEPS, Thinner, with_radii
+from sinuous.solving.solver import OneSolve
+from sinuous.solving.starts import Question
+from sinuous.solving.strategy import THINNER_PRICES
+from sinuous.solving.thinner import OF_TIME, STEPS, Thinner, with_radii
 from tests.helpers import Floats
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), max_bend=2.0, radius=0.1)
 TARGET = sn.Target((0.4, 0.2, 2.6))
+SHARES = tuple(THINNER_PRICES)
 
 
 class Answer:
@@ -46,31 +45,18 @@ class Solvers:
         return Answer(share <= self._most, np.full((3, 3), share))
 
 
-class Routes:
-    """A source of routes that asks for scattered starts."""
-
-    name = SOURCES[ROUTE]
-
-    def __init__(self, *then: int, laid: int = 1) -> None:
-        self._then, self._laid = then, laid
-
-    def batches(self, question: Question) -> Iterator[Batch]:
-        for then in self._then:
-            yield Batch(self.name, np.zeros((self._laid, 3, 3)), then=then)
+def question(seconds: float = 1.0) -> Question:
+    return Question(Problem(ROBOT, TARGET), np.zeros((0, 3, 3)), lambda: seconds)
 
 
-def question(several: bool = False, seconds: float = 1.0) -> Question:
-    return Question(Problem(ROBOT, TARGET), np.zeros((0, 3, 3)), lambda: seconds, several)
-
-
-def thinner(solvers: Solvers, *then: int) -> Thinner:
-    return Thinner(Routes(*then), ROBOT, SolveOptions(), cast(Any, solvers.prepare))
+def thinner(solvers: Solvers) -> Thinner:
+    return Thinner(ROBOT, SolveOptions(), cast(Any, solvers.prepare))
 
 
 def test_a_body_grows_from_where_it_was_solved_until_it_is_nearly_as_thick() -> None:
-    for share, _ in SHARES:
+    for share in SHARES:
         solvers = Solvers(1.0)
-        (batch,) = thinner(solvers)._begun(question(), share)
+        (batch,) = thinner(solvers).begun(question(), share)
         shares = [each for each, _ in solvers.asked]
         assert [begun for _, begun in solvers.asked] == [False] + [True] * (len(shares) - 1)
         assert np.allclose(np.diff(shares), (1.0 - share) / STEPS)
@@ -81,43 +67,37 @@ def test_a_body_grows_from_where_it_was_solved_until_it_is_nearly_as_thick() -> 
 
 def test_it_goes_as_far_as_it_can_in_shorter_steps() -> None:
     solvers = Solvers(0.87)
-    (batch,) = thinner(solvers)._begun(question(), 0.7)
+    (batch,) = thinner(solvers).begun(question(), 0.7)
     assert 0.85 < batch.initial[0, 0, 0] <= 0.87
     assert len(solvers.asked) < 12
 
 
-def test_it_comes_after_what_routes_have_cost() -> None:
-    first, second = (after for _, after in SHARES)
-    batches = list(thinner(Solvers(1.0), first - A_START, 0, second, 7).batches(question()))
-    assert [len(batch.initial) for batch in batches] == [1, 1, 1, 1, 1, 1]
-    assert [batch.then for batch in batches] == [first - A_START, 0, 0, second, 0, 7]
-    batches = list(thinner(Solvers(1.0), 0, 1).batches(question()))
-    assert [batch.then for batch in batches] == [0, 1, 0, 0]
-
-
-def test_it_waits_for_a_route_and_leaves_time() -> None:
-    source = Thinner(Routes(*[1000] * 3, laid=0), ROBOT, SolveOptions(), cast(Any, Solvers(1.0).prepare))
-    assert [len(batch.initial) for batch in source.batches(question())] == [0, 0, 0, 1, 1]
+def test_it_leaves_time_and_asks_for_no_thinner_body() -> None:
     left: list[float] = []
+    options: list[SolveOptions] = []
 
     def solve(*_: Any, time: float) -> Answer:
         left.append(time)
         return Answer(False, np.zeros((3, 3)))
 
-    def prepare(*_: Any) -> Any:
+    def prepare(*given: Any) -> Any:
+        options.append(given[-1])
         return SimpleNamespace(solve=solve)
 
-    list(Thinner(Routes(), ROBOT, SolveOptions(), cast(Any, prepare)).batches(question(seconds=8.0)))
-    assert left == [(1.0 - OF_TIME) * 8.0] * len(SHARES)
+    source = Thinner(ROBOT, SolveOptions(without=("grown",)), cast(Any, prepare))
+    assert not list(source.begun(question(seconds=8.0), 0.7))
+    assert left == [(1.0 - OF_TIME) * 8.0]
+    assert [each.without for each in options] == [("grown", "thinner")]
 
 
-def test_nothing_comes_of_it_where_nothing_thin_is_solved_or_time_is_over_or_several_are_wanted() -> None:
+def test_nothing_comes_of_it_where_nothing_thin_is_solved_or_time_is_over_or_bodies_are_lines() -> None:
     solvers = Solvers(0.3)
-    assert not list(thinner(solvers).batches(question()))
-    assert np.allclose([share for share, _ in solvers.asked], [share for share, _ in SHARES])
+    assert not any(list(thinner(solvers).begun(question(), share)) for share in SHARES)
+    assert np.allclose([share for share, _ in solvers.asked], SHARES)
     solvers = Solvers(1.0)
-    assert not list(thinner(solvers).batches(question(several=True)))
-    assert not list(thinner(solvers).batches(question(seconds=0.0)))
+    assert not list(thinner(solvers).begun(question(seconds=0.0), 0.7))
+    line = Thinner(with_radii(ROBOT, 0.0), SolveOptions(), cast(Any, solvers.prepare))
+    assert not list(line.begun(question(), 0.7))
     assert not solvers.asked
 
 
@@ -135,11 +115,10 @@ def test_what_comes_of_it_is_met_and_nearly_clear() -> None:
     scene = sn.Scene(walls)
     problem = Problem(ROBOT, TARGET, scene)
     asked = Question(problem, np.zeros((0, 3, 3)), lambda: 20.0)
-    source = Thinner(Routes(), ROBOT, SolveOptions(), ThinSolve.prepared)
-    batches = list(source.batches(asked))
+    source = Thinner(ROBOT, SolveOptions(), OneSolve.prepared)
     assert TARGET.position is not None
-    assert len(batches) == len(SHARES)
-    for (share, _), batch in zip(SHARES, batches, strict=True):
+    for share in SHARES:
+        (batch,) = source.begun(asked, share)
         q = batch.initial[0]
         assert np.linalg.norm(ROBOT.tip(q)[:3, 3] - TARGET.position) < 1e-3
         assert scene.distance(ROBOT.backbone(q, 60)).min() > share * ROBOT.radii[0]

@@ -1,11 +1,11 @@
-"""Where starts come from: every source has a name and yields batches of them."""
+"""Starts: the question that they are for, and batches of them."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import GIVEN, RANDOM, SOURCES
+from sinuous.kernels.tables import RANDOM, SOURCES
 from sinuous.problem.problem import Problem
 
 
@@ -16,14 +16,14 @@ class Batch:
     Attributes
     ----------
     source : str
-        Name of the source; starts that the method makes by itself report their own.
+        Where they come from; starts that the method makes by itself report their own source.
     initial : ndarray (g, n, 3)
         Initial configurations.
     own : (int, int)
         Numbers of starts that the method makes by itself in compiled code, after the initial configurations, from the
         first up to, without it, the last: number 0 is the single arc, all others are scattered.
-    then : int
-        Scattered starts that should come before the next batch of this source: in proportion to what that costs.
+    cost : float
+        What it took to make the batch, beside what its attempt takes anyway, in scattered starts.
     closed : float or None
         Edge of the cells by which it was proved that there is no route; `None` where nothing is proved.
     routes : tuple of ndarray (k, 3)
@@ -33,7 +33,7 @@ class Batch:
     source: str
     initial: Floats
     own: tuple[int, int] = (0, 0)
-    then: int = 0
+    cost: float = 0.0
     closed: float | None = None
     routes: tuple[Floats, ...] = ()
 
@@ -59,7 +59,7 @@ class Batch:
 
 
 class Question(NamedTuple):
-    """What a source may look at.
+    """What starts are asked for.
 
     Attributes
     ----------
@@ -67,6 +67,7 @@ class Question(NamedTuple):
     initial : ndarray (g, n, 3)
         The initial configuration of the user: g is 0 or 1.
     seconds_left : callable
+        Seconds until the deadline.
     several : bool
         Whether several distinct solutions are wanted, and not just the first.
     """
@@ -75,59 +76,6 @@ class Question(NamedTuple):
     initial: Floats
     seconds_left: Callable[[], float]
     several: bool = False
-
-
-class Source(Protocol):
-    """A start source."""
-
-    name: str
-
-    def batches(self, question: Question) -> Iterator[Batch]:
-        """Yield batches of starts, best first; the search ends at the first start that is solved."""
-        ...
-
-
-class OneAfterAnother:
-    """Several sources as one, of the name of the first.
-
-    Parameters
-    ----------
-    *sources : Source
-    """
-
-    def __init__(self, *sources: Source) -> None:
-        self._sources = sources
-        self.name = sources[0].name
-
-    def batches(self, question: Question) -> Iterator[Batch]:
-        """Yield all batches of the first source, then those of the next."""
-        for source in self._sources:
-            yield from source.batches(question)
-
-
-class Opening:
-    """The starts that cost least: the initial configuration, the single arc, and a few scattered shapes.
-
-    All of them are one batch, and so one compiled call: most solves end with it, after microseconds.
-
-    Parameters
-    ----------
-    most : int
-        Most starts of the batch.
-    """
-
-    name = SOURCES[GIVEN]
-
-    def __init__(self, most: int) -> None:
-        self._most = most
-
-    def own(self, given: int) -> int:
-        """How many starts the method makes by itself, after so many initial configurations."""
-        return max(0, self._most - given)
-
-    def batches(self, question: Question) -> Iterator[Batch]:
-        """Yield the one batch."""
-        yield Batch(self.name, question.initial, (0, self.own(len(question.initial))))
 
 
 class Scattered:
@@ -150,6 +98,6 @@ class Scattered:
         self._next = min(self._last, first + count)
         return Batch(self.name, question.initial[:0], (first, self._next))
 
-    def batches(self, question: Question) -> Iterator[Batch]:
-        """Yield all that are left, as one batch."""
-        yield self.take(question, self._last - self._next)
+    def rest(self, question: Question) -> Batch:
+        """Return all that are left."""
+        return self.take(question, self._last - self._next)

@@ -3,7 +3,7 @@
 import pytest
 
 from sinuous.errors import InputError
-from sinuous.files.json_syntax import parse_json
+from sinuous.files.documents import parse_json
 
 
 def test_values() -> None:

@@ -52,9 +52,9 @@ COUNTED = (
 """How a place is timed, and what counts."""
 
 
-def divided(plan: Plan, family: str) -> Divided:
-    """Return the places of a family, some at a time, and what sums them up."""
-    tasks = tasks_of(plan, family)
+def divided(plan: Plan, family: str, without: tuple[str, ...] = ()) -> Divided:
+    """Return the places of a family, some at a time, and what sums them up; `without` some attempts of the solver."""
+    tasks = [task._replace(without=without) for task in tasks_of(plan, family)]
     size = TOGETHER_PROTOCOL if FAMILIES[family].published else TOGETHER
     return Divided([partial(tried, tasks[i : i + size]) for i in range(0, len(tasks), size)], partial(summed, family))
 
@@ -92,7 +92,8 @@ def lines_of(family: str, trials: list[Trial]) -> Iterator[Line]:
     share = 100.0 * sum(good) / len(good)
     goal = Goal(100.0 if published else 99.0, at_most=False)
     failed = [trial for trial, well in zip(trials, good, strict=True) if not well]
-    note = "; ".join([FAMILIES[family].words, _winners(ours), *_listed("not solved", failed)])
+    words = FAMILIES[family].words + " (judging only)" * FAMILIES[family].judging
+    note = "; ".join([words, _winners(ours), *_listed("not solved", failed)])
     yield Line(SOLVED, family, share, "%", goal, times, (sum(good), len(good)), note)
     wrong = [trial for trial in trials if any(attempt.false for attempt in _claims(trial))]
     note = "; ".join(_listed("wrong", wrong))

@@ -11,6 +11,8 @@ from benchmarks.places.around.pipes import pipe
 from benchmarks.places.around.plates import plates
 from benchmarks.places.around.shelf import shelf
 from benchmarks.places.around.spheres import spheres
+from benchmarks.places.judging import media, walls
+from benchmarks.places.judging import tubes as judging_tubes
 from benchmarks.places.meshed import meshed
 from benchmarks.places.parts.robots import long_robot, stout_robot, thin_robot, various_robot
 from benchmarks.places.place import Draw, Place, Trap, settle, trapped
@@ -32,12 +34,15 @@ class Family:
         Whether it repeats what others were measured on.
     trap : bool
         Whether it is narrow where a search begins or ends.
+    judging : bool
+        Whether it is kept from tuning: no constant of the strategy was chosen on it.
     """
 
     make: Callable[[int], Place]
     words: str
     published: bool = False
     trap: bool = False
+    judging: bool = False
 
 
 _DRAWN: dict[str, tuple[Draw, str]] = {
@@ -83,6 +88,21 @@ _TRAPS: dict[str, tuple[Trap, str]] = {
     "branches": (branches.branches, "base in a mouth of a pipe with a dead end on its way, a mesh"),
     "box duct": (ducts.box_duct, "a flat duct of rectangular section, from the base or beyond it, boxes"),
 }
+_JUDGING: dict[str, tuple[Trap, str]] = {
+    "helix": (judging_tubes.helix, "a helical pipe, open at both ends, the base before its mouth or in it, a mesh"),
+    "bronchi": (
+        judging_tubes.bronchi,
+        "a tree of tapering tubes, the base in its mouth, the target in a leaf, a mesh",
+    ),
+    "stenosis": (judging_tubes.stenosis, "a pipe with throats, the base before its mouth or in it, a mesh"),
+    "lattice": (media.lattice, "struts along three axes, capsules"),
+    "rubble": (media.rubble, "a heap of boxes and convex stones, meshes"),
+    "bundle": (media.bundle, "parallel tubes as in a heat exchanger, cylinders"),
+    "gyroid": (media.gyroid, "a porous solid with a tunnel, a mesh"),
+    "slab": (media.slab, "two plates and pillars between them, half-spaces and cylinders"),
+    "keyholes": (walls.keyholes, "thick walls with keyholes, meshes"),
+    "nested": (walls.nested, "a cell within a cell, a door each, boxes"),
+}
 _LONG: dict[str, tuple[Trap, str]] = {"folded": (doors.folded, "20 segments folded in a cell before its door, boxes")}
 SCANNED_TRAPS = (
     *("open pipe 1.6", "pipe between", "guide tube", "channel", "bore"),
@@ -121,7 +141,8 @@ def _traps() -> dict[str, tuple[Draw, str]]:
     scans: dict[str, tuple[Draw, str]] = {
         f"{name} scan": (partial(scan, draw), f"a scan of {name}, a cloud") for name, draw in to_scan.items()
     }
-    return as_drawn | meshes | scans | _SMALL
+    judging = {name: (partial(trapped, trap, various_robot), words) for name, (trap, words) in _JUDGING.items()}
+    return as_drawn | meshes | scans | _SMALL | judging
 
 
 def _families() -> dict[str, Family]:
@@ -129,7 +150,7 @@ def _families() -> dict[str, Family]:
     traps = _traps()
     families = {
         # The name is part of what the draws begin with.
-        name: Family(partial(settle, name, draw=draw), words, trap=name in traps)
+        name: Family(partial(settle, name, draw=draw), words, trap=name in traps, judging=name in _JUDGING)
         for name, (draw, words) in (_DRAWN | scanned | traps).items()
     }
     for name, (made, words) in _PUBLISHED.items():

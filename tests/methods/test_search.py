@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous import packing
 from sinuous.kernels.clock import DEADLINE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.shapes import shaped
@@ -37,10 +36,9 @@ from sinuous.kernels.tables import (
 from sinuous.methods import search as method_search
 from sinuous.methods.judge import Answer, Check, check_size, offer
 from sinuous.methods.prepared import as_outcomes
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -79,14 +77,14 @@ def run(
 ) -> tuple[list[Outcome], Floats]:
     """Give outcomes, and which starts were followed: place, own number, seed."""
     problems = [Problem(ROBOT, target, scene, Tolerance(1e-3, 1e-3)) for target in targets]
-    settings = packing.settings_group(ROBOT, problems[0].tolerance, options=[*options, *RIGHT.flat, *WRONG.flat])
+    settings = settings_group(ROBOT, problems[0].tolerance, options=[*options, *RIGHT.flat, *WRONG.flat])
     answers = np.empty((len(targets), answer_size(2)))
     rows = np.stack([problem.rows for problem in problems])
     snapshot = problems[0].scene
     size = check_size(2, len(snapshot))
     workspace = np.zeros(size + 1 + 3 * ROOM)
     initial = np.broadcast_to(WRONG, (len(targets), given, 2, 3)).copy()
-    robot, obstacles = packing.robot_group(ROBOT), snapshot.group.copy()
+    robot, obstacles = robot_group(ROBOT), snapshot.group.copy()
     search(robot, obstacles, settings, rows, initial, budget, workspace, answers)
     return as_outcomes(answers), workspace[size + 1 :].reshape(ROOM, 3)[: int(workspace[size])].copy()
 

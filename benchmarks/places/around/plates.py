@@ -36,7 +36,7 @@ def plates(seed: int, rng: Generator) -> Sketch | None:
     found: list[Mesh] = []
     for share in shares:
         pose = curve.poses[round(share * (len(curve.poses) - 1))]
-        half = _largest(curve, pose, radius)
+        half = largest_half(curve, pose, radius)
         if half < SMALLEST * radius:
             return None
         surface = plate(pose, half, HOLE * radius, THICKNESS * radius)
@@ -44,8 +44,8 @@ def plates(seed: int, rng: Generator) -> Sketch | None:
     return Sketch(robot, found, q)
 
 
-def _largest(curve: Curve, pose: Floats, radius: float) -> float:
-    """Half the edge of the plate that leaves 1.5 radii to all of the curve that does not go through its hole."""
+def largest_half(curve: Curve, pose: Floats, radius: float) -> float:
+    """Return half the edge of the plate that leaves 1.5 radii to all of the curve that does not go through its hole."""
     local = (curve.points - pose[:3, 3]) @ pose[:3, :3]
     across = np.abs(local[:, :2]).max(axis=1)
     near = (np.abs(local[:, 2]) < 2.0 * radius) & (across > HOLE * radius)

@@ -15,8 +15,7 @@ from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from sinuous import checks
-from sinuous.brief import Brief
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
+from sinuous.reprs import ShortRepr
 
 if TYPE_CHECKING:
     from sinuous.methods.prepared import Compiled, Prepared
     from sinuous.problem.preferences import Preferences
-    from sinuous.problem.tolerance import Tolerance
+    from sinuous.problem.target import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
 
@@ -92,7 +92,7 @@ def _read_flag(key: str, text: str) -> bool:
 
 
 @dataclass(frozen=True, repr=False)
-class Options(Brief):
+class Options(ShortRepr):
     """Base of the options of every method: values are checked as they come in.
 
     A class of options says of its method what it is called (`method`), what it handles (`capabilities`), sets of values

@@ -6,14 +6,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
-from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Tolerance
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
@@ -77,8 +76,8 @@ class Prepared:
         preferences: Preferences,
     ) -> None:
         self._name, self._capabilities, self._compiled = name, capabilities, compiled
-        self._robot = packing.robot_group(robot)
-        self._settings = packing.settings_group(robot, tolerance, preferences, compiled.options)
+        self._robot = robot_group(robot)
+        self._settings = settings_group(robot, tolerance, preferences, compiled.options)
         self._preferences, self._segments = preferences, len(robot)
         self._local = threading.local()
         self._load(robot, scene.snapshot(), tolerance)

@@ -8,7 +8,7 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.robot.limits import unit_of
 from sinuous.robot.robot import Robot
-from sinuous.solution.verification import Worst, find_overlap
+from sinuous.solution.worst import Worst, find_overlap
 from sinuous.solving.between.steps import Prover
 
 SLACK = 1e-9

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solution.verification import Worst
+from sinuous.solution.worst import Worst
 
 
 @dataclass(frozen=True)

@@ -139,7 +139,7 @@ def _seen(problem: Problem, q: Floats) -> Meeting:
 
 
 def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats) -> tuple[float, int | None, str | None]:
-    """Least clearance, its segment (1 = first) and obstacle: as `measures.clearance.least_clearance`, but compiled."""
+    """Least clearance, its segment (1 = first) and obstacle: as `measures.body.least_clearance`, but compiled."""
     if len(scene) == 0:
         return math.inf, None, None
     points, lengths = robot.backbone(q, SAMPLES), q[:, 2]

@@ -17,6 +17,7 @@ from sinuous.kernels.tables import GIVEN, RANDOM, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solving import strategy as own
+from sinuous.solving.routing.growth import MANY
 from sinuous.solving.routing.searches import Found, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import ATTEMPTS, Strategy, opening, opening_starts, plans_of, read_without
@@ -214,6 +215,11 @@ def test_chains_are_grown_with_more_effort_later_and_nothing_is_tried_twice(monk
     )
     tried = [q.tobytes() for batch in searching().batches() for q in batch.initial]
     assert len(tried) == len(set(tried))
+
+
+def test_beams_widen_as_long_as_there_is_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    prices = [attempt.price for attempt in made(searching(), monkeypatch) if attempt.name == "grown"]
+    assert max(prices) >= own.GROWN_PRICES[MANY] * own.WIDEST / MANY.width
 
 
 def test_where_several_are_wanted_chains_are_grown_after_all_searches(monkeypatch: pytest.MonkeyPatch) -> None:

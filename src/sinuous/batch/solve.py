@@ -26,6 +26,9 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
 from sinuous.solving.solver import Solver
 
+STARTS = 1000
+"""Most starts of a target, by default."""
+
 
 def solve_batch(
     robot: Robot,
@@ -66,7 +69,7 @@ def solve_batch(
     progress : bool
         Whether to say on standard error how far it is.
     **options
-        As for `Solver`.
+        As for `Solver`, but `max_starts` is 1000 by default: a table may hold many targets that nothing reaches.
 
     Returns
     -------
@@ -79,7 +82,7 @@ def solve_batch(
     UnfinishedError
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
-    given: dict[str, Any] = dict(options)
+    given: dict[str, Any] = {"max_starts": STARTS, **options}
     run = RunOptions(**{key: given.pop(key) for key in RunArguments.__annotations__ if key in given})
     if out is not None:
         check_results("out", Path(out))

@@ -30,8 +30,8 @@ class Again(Protocol):
         ...
 
     @property
-    def max_starts(self) -> int:
-        """Most starts of a solve."""
+    def max_starts(self) -> int | None:
+        """Most starts of a solve; `None`: as many as the time allows."""
         ...
 
     def solve(self, problem: "Problem", initial: Floats | None = None, **options: Any) -> "Solution":
@@ -49,7 +49,7 @@ class Elsewhere:
     method: str
     seed: int
     seconds: float = 0.0
-    max_starts: int = 0
+    max_starts: int | None = 0
 
     def solve(self, problem: "Problem", initial: Floats | None = None, **options: Any) -> "Solution":
         """Refuse: see the class."""

@@ -47,8 +47,8 @@ class Again:
         return self.options.time
 
     @property
-    def max_starts(self) -> int:
-        """Most starts of a solve."""
+    def max_starts(self) -> int | None:
+        """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
 
     def solve(

@@ -3,12 +3,18 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from time import monotonic
+from typing import ClassVar
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, OUT_OF_REACH, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
+from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.starts import Batch
+
+ENOUGH = 1000
+"""Starts of a search that the user does not bound, after which its end says what the best found lacks: before that it
+says that there was no more time."""
 
 UNDECIDED = (FAILED, UNPROVED)
 """How a call ends after which a search goes on."""
@@ -104,20 +110,23 @@ class FirstSolved(Search):
     ----------
     first : Outcome
         Of the first call, whose seconds are off the budget.
-    max_starts, seconds, clock
+    max_starts : int, optional
+        Most starts; by default as many as the time allows.
+    seconds, clock
         See `Search`.
     """
 
-    def __init__(self, first: Outcome, max_starts: int, seconds: float, clock: Clock = monotonic) -> None:
-        super().__init__(max_starts, seconds, clock)
+    def __init__(self, first: Outcome, max_starts: int | None, seconds: float, clock: Clock = monotonic) -> None:
+        super().__init__(UNBOUNDED if max_starts is None else max_starts, seconds, clock)
         self._began -= first.seconds
-        self._best = first
+        self._best, self._late, self._enough = first, False, ENOUGH if max_starts is None else max_starts
         self.take(first)
 
     @property
     def open(self) -> bool:
         """Whether nothing is decided yet, and starts and time are left."""
-        return self._best.code in UNDECIDED and self.starts_left > 0 and self.seconds_left > 0.0
+        undecided = self._best.code in UNDECIDED and not self._late
+        return undecided and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
         """As many as before."""
@@ -125,10 +134,10 @@ class FirstSolved(Search):
 
     def keep(self, found: Outcome) -> None:
         """Keep it if it is better: solved, or met as far as could be seen, or nearer to that."""
+        if found.code == LATE:
+            self._late, found = True, found._replace(code=FAILED)
         if _rank(found) < _rank(self._best):
             self._best = found
-        elif found.code == LATE and self._best.code == FAILED:
-            self._best = self._best._replace(code=LATE)
 
     def close(self, cell: float) -> None:
         """End it: no route leads to the target."""
@@ -138,7 +147,7 @@ class FirstSolved(Search):
     def outcome(self) -> Outcome:
         """The best of all, with the effort of all."""
         best = self._best
-        if best.code == FAILED and self.seconds_left <= 0.0:
+        if best.code == FAILED and (self._late or self.seconds_left <= 0.0) and self._starts < self._enough:
             best = best._replace(code=LATE)
         return best._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
 
@@ -155,7 +164,7 @@ def _rank(outcome: Outcome) -> tuple[int, float]:
 
 
 class Distinct(Search):
-    """Follows every start to its own solution, and stops when so many distinct ones are found, or none can be.
+    """Follows every start to its own solution, and stops when so many distinct ones are found, or no more seem left.
 
     Parameters
     ----------
@@ -174,6 +183,9 @@ class Distinct(Search):
         Distinct, all solved, in the order in which they were found; each with the effort until then.
     """
 
+    patience: ClassVar[int] = 1000
+    """Starts in a row, routes not counted, that bring nothing new after the first solution, before it stops."""
+
     def __init__(
         self,
         count: int,
@@ -186,13 +198,13 @@ class Distinct(Search):
         super().__init__(max_starts, seconds, clock)
         self._count, self._apart, self._shape = count, apart, shape
         self._shapes: list[Floats] = []
-        self._impossible = False
+        self._impossible, self._in_vain = False, 0
         self.found: list[Outcome] = []
 
     @property
     def open(self) -> bool:
-        """Whether solutions are missing and possible, and starts and time are left."""
-        wanted = len(self.found) < self._count and not self._impossible
+        """Whether solutions are missing and possible, there is hope for more, and starts and time are left."""
+        wanted = len(self.found) < self._count and not self._impossible and self._in_vain < self.patience
         return wanted and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
@@ -202,6 +214,8 @@ class Distinct(Search):
     def keep(self, found: Outcome) -> None:
         """Keep a solution that differs from all before."""
         self._impossible = found.code >= OUT_OF_REACH
+        if found.source != ROUTE and self.found:
+            self._in_vain += found.starts
         if found.code != SOLVED:
             return
         shape = self._shape(found.q)
@@ -209,6 +223,12 @@ class Distinct(Search):
             self._shapes.append(shape)
             found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
             self.found.append(found)
+            if self._is_new():
+                self._in_vain = 0
+
+    def _is_new(self) -> bool:
+        """Whether the last one found is of a kind that was not found before."""
+        return True
 
     def close(self, cell: float) -> None:
         """End it: no route leads to the target, so there are no more solutions."""

@@ -251,9 +251,9 @@ class Solver(Stepping):
         counterpart than `apart`.
 
         The search ends with the starts, the time, a proof that there is no solution, or `CANDIDATES * count` distinct
-        solutions (by route: of `count` classes); by route also after `PATIENCE` starts that brought no class after the
-        first. The order: less bending first (sum of squared bends); with an initial configuration, less distance to it
-        (bends in rad, lengths relative to the mean length of a segment).
+        solutions (by route: of `count` classes); and after 1000 starts in a row that brought no new shape after the
+        first, or by route 400 that brought no new class. The order: less bending first (sum of squared bends); with an
+        initial configuration, less distance to it (bends in rad, lengths relative to the mean length of a segment).
 
         Parameters
         ----------
@@ -282,7 +282,7 @@ class Solver(Stepping):
             checks.integer("count", count, 1, 10_000),
             checks.number("apart", apart, low=0.0) * self.robot.mean_length,
             (BY_ROUTE if len(self.scene) else BY_SHAPE) if by is None else checks.choice("by", by, KINDS),
-            self.options.max_starts,
+            self.options.most_starts,
             self.options.time if time is None else checks.number("time", time, low=0.0),
         )
         (problem, blocked), given = self._problem(target), self._given(initial)
@@ -337,12 +337,12 @@ class Solver(Stepping):
 
     def _opening(self, given: int) -> int:
         """How many starts the method makes by itself in the first call, after so many initial configurations."""
-        return opening_starts(self.options.max_starts, given, self._searches is not None)
+        return opening_starts(self.options.most_starts, given, self._searches is not None)
 
     def _strategy(self, question: Question, passages: Passages | None = None) -> Strategy:
         """What is tried for a question after the first call."""
         given = len(question.initial)
-        scattered = Scattered(self._opening(given), self.options.max_starts - given)
+        scattered = Scattered(self._opening(given), self.options.most_starts - given)
         return Strategy(question, scattered, self._searches, self.options.without, self._thinner.begun, passages)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:

@@ -32,7 +32,7 @@ from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, SOURCES
 from sinuous.solving.routing.candidates import EDGES, SIDE_TUBES, Candidate, Candidates, along
 from sinuous.solving.routing.elbows.threading import Elbows
 from sinuous.solving.routing.ends.ends import Ends
-from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME
+from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam
 from sinuous.solving.routing.plans import CELLS, Plan
 from sinuous.solving.routing.searches import SIDES, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
@@ -104,6 +104,9 @@ BETWEEN = 3.0
 
 GROWN_PRICES = {ONE: 4, SOME: 5, FEW: 9, MANY: 100}
 """By beam, the cost of growing chains along a route, from either end (pipes, ducts)."""
+
+WIDEST = 1024
+"""Widest beam: beams double as long as there is time (5 MB of memory for a robot of 20 segments)."""
 
 GATES_PRICES = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
 """By beam, the cost of chains through the gates at the first place of a passage, part after part (doors, cells)."""
@@ -394,6 +397,18 @@ class Strategy:
             return
         for beam, cost in GROWN_PRICES.items():
             self._add_along("grown", candidate, cost, partial(self._candidates.grown, candidate, beam))
+        self._add_wider(candidate, MANY, GROWN_PRICES[MANY])
+
+    def _add_wider(self, candidate: Candidate, beam: Beam, cost: float) -> None:
+        """Add chains of a beam twice as wide as one that is known, for twice its cost, and so on."""
+        wider, twice = Beam(2 * beam.chains, 2 * beam.width), 2 * cost
+
+        def grown() -> Iterator[Batch]:
+            self._add_wider(candidate, wider, twice)
+            return self._candidates.grown(candidate, wider)
+
+        if wider.width <= WIDEST:
+            self._add_along("grown", candidate, twice, grown)
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""

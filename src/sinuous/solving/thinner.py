@@ -53,7 +53,7 @@ class Thinner:
     ) -> None:
         self._robot, self._prepare = robot, prepare
         without = (*options.without, "thinner")
-        most = STARTS if options.max_starts is None else min(STARTS, options.max_starts)
+        most = min(STARTS, options.most_starts)
         self._options = replace(options, prefer=Preferences(), max_starts=most, without=without)
 
     def begun(self, question: Question, share: float) -> Iterator[Batch]:

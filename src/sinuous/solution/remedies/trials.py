@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 QUICK = 24
 """Starts of a trial that only looks whether a change may do."""
 
+STARTS = 1000
+"""Most starts of a trial, where the user gave no bound."""
+
 FINE = 0.01
 """Share of a change to which the smallest is found."""
 
@@ -113,11 +116,17 @@ class Trials:
     def quick(self, problem: Problem, initial: Floats | None = None) -> "Solution | None":
         """Return a solution from a given configuration, by default the best of the case, or a few starts."""
         near = self._case.q if initial is None else initial
-        return self._solved(problem, near, routes=False, max_starts=min(QUICK, self._case.again.max_starts))
+        return self._solved(problem, near, routes=False, max_starts=min(QUICK, self._most_starts))
 
     def whole(self, problem: Problem, **options: Any) -> "Solution | None":
         """Return a solution that the whole search finds, begun as the user began it."""
-        return self._solved(problem, self._case.given, **options)
+        return self._solved(problem, self._case.given, **{"max_starts": self._most_starts, **options})
+
+    @property
+    def _most_starts(self) -> int:
+        """Most starts of a trial: a search without a bound would take all the time that is left for others."""
+        own = self._case.again.max_starts
+        return STARTS if own is None else own
 
     def _solved(self, problem: Problem, initial: Floats | None, **options: Any) -> "Solution | None":
         left = self.left

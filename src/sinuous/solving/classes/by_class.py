@@ -1,19 +1,17 @@
 """A stopping rule: enough solutions of different classes, and some of each to choose from."""
 
 from collections.abc import Callable
+from typing import ClassVar
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import ROUTE, Outcome
+from sinuous.kernels.tables import Outcome
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.search import Distinct
 
 CANDIDATES = 4
 """Distinct solutions of a class that are kept, the best ones."""
-
-PATIENCE = 400
-"""Starts in a row, routes not counted, that bring no class after the first, before nobody looks for more."""
 
 Dislike = Callable[[list[Floats]], Floats]
 """A number (m,) for each of m configurations (n, 3): what is smaller is better."""
@@ -39,6 +37,9 @@ class ByClass(Distinct):
         Of every class the best solutions, best first.
     """
 
+    patience: ClassVar[int] = 400
+    """Starts in a row, routes not counted, that bring no class after the first one, before it stops."""
+
     def __init__(
         self,
         count: int,
@@ -52,28 +53,21 @@ class ByClass(Distinct):
         super().__init__(max_starts, apart, shape, max_starts, seconds)
         self._wanted, self._curves, self._dislike = count, curves, dislike
         self._firsts: list[Floats] = []
-        self._in_vain = 0
         self.classes: list[list[Outcome]] = []
 
     @property
     def open(self) -> bool:
-        """Whether classes are missing, or solutions to choose from, and there is hope for more."""
+        """Whether classes are missing, or solutions to choose from; and what `Distinct` asks."""
         enough = len(self.classes) >= self._wanted and len(self.found) >= CANDIDATES * self._wanted
-        return super().open and not enough and self._in_vain < PATIENCE
+        return super().open and not enough
 
     def has(self, curve: Floats) -> bool:
         """Whether there is a solution of the class of a curve (N, 3)."""
         return self._curves.alike_one(curve, self._firsts) is not None
 
-    def keep(self, found: Outcome) -> None:
-        """Keep a solution that differs from all before, among the best of its class."""
-        before = len(self.found)
-        super().keep(found)
-        if found.source != ROUTE and self.classes:
-            self._in_vain += found.starts
-        if len(self.found) == before:
-            return
-        curve = self._curves.of(found.q)
+    def _is_new(self) -> bool:
+        """Put the last one found among the best of its class; return whether the class is new."""
+        curve = self._curves.of(self.found[-1].q)
         number = self._curves.alike_one(curve, self._firsts)
         if number is not None:
             members = [*self.classes[number], self.found[-1]]
@@ -82,4 +76,5 @@ class ByClass(Distinct):
         elif self.seconds_left > 0.0:  # else comparing took too long to say that it is new
             self._firsts.append(curve)
             self.classes.append([self.found[-1]])
-            self._in_vain = 0
+            return True
+        return False

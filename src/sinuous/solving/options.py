@@ -10,7 +10,7 @@ from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
-from sinuous.solving.strategy import read_without
+from sinuous.solving.attempts import read_without
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -54,7 +54,7 @@ class SolveOptions:
         Whether to search for routes through free space when the first starts fail; only for methods that take routes
         (see `Capabilities.routes`).
     without : str or sequence of str
-        Attempts that are switched off, by the names in `sinuous.solving.strategy.ATTEMPTS`: to see what they bring.
+        Attempts that are switched off, by the names in `sinuous.solving.attempts.ATTEMPTS`: to see what they bring.
 
     Raises
     ------

@@ -100,7 +100,7 @@ class Search(ABC):
                     found = found._replace(source=ROUTE, route=part.routes[found.starts - 1] if solved else None)
                 self.take(found)
                 if found.starts == 0:  # the method has no more of its own
-                    break
+                    return
 
 
 class FirstSolved(Search):

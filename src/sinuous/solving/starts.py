@@ -97,7 +97,3 @@ class Scattered:
         first = self._next
         self._next = min(self._last, first + count)
         return Batch(self.name, question.initial[:0], (first, self._next))
-
-    def rest(self, question: Question) -> Batch:
-        """Return all that are left."""
-        return self.take(question, self._last - self._next)

@@ -37,6 +37,10 @@ class Solves(Protocol):
         ...
 
 
+Prepare = Callable[[Robot, Scene, SolveOptions], Solves]
+"""Makes a solver."""
+
+
 class Thinner:
     """What solves the problem for thinner bodies, and lets them grow.
 
@@ -48,9 +52,7 @@ class Thinner:
         Makes a solver of a robot, a scene and options.
     """
 
-    def __init__(
-        self, robot: Robot, options: SolveOptions, prepare: Callable[[Robot, Scene, SolveOptions], Solves]
-    ) -> None:
+    def __init__(self, robot: Robot, options: SolveOptions, prepare: Prepare) -> None:
         self._robot, self._prepare = robot, prepare
         without = (*options.without, "thinner")
         most = min(STARTS, options.most_starts)

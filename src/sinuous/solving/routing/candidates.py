@@ -12,6 +12,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, grown, leg_queries, settled
 from sinuous.solving.routing.narrow.narrows import Narrows
@@ -35,9 +36,6 @@ ALIKE, COMPARED = 0.1, 60
 
 MISSES = 2
 """Sides to which a route could not be made longer, after which no other side is tried."""
-
-EDGES, SIDE_TUBES = "edges", "side_tubes"
-"""Names of the attempts that find routes without cells: see `sinuous.solving.strategy`."""
 
 
 class Candidate(NamedTuple):

@@ -3,7 +3,7 @@
 import time as clock
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, Self, Unpack
 
 import numpy as np
@@ -90,7 +90,6 @@ class Solver:
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen, Solver.prepared)
-        self._control = ControlLoop(robot, scene, chosen, self.tolerance)
         self._again = ReSolver(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
@@ -345,6 +344,10 @@ class Solver:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self).prepared, (self.robot, self.scene, self.options)
+
+    @cached_property
+    def _control(self) -> ControlLoop:
+        return ControlLoop(self.robot, self.scene, self.options, self.tolerance)
 
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""

@@ -267,7 +267,8 @@ class RouteAttempts:
         passages: Passages | None = None,
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
-        between = next((plan for _, plan in plans_of(searches) if plan.between), None)
+        self._plans = plans_of(searches)
+        between = next((plan for _, plan in self._plans if plan.between), None)
         self._candidates = Candidates(searches, question, query, between, attempts.without)
         if passages is not None:
             self._add_next(passages(question))
@@ -285,7 +286,7 @@ class RouteAttempts:
             (SIDE_TUBES, self._candidates.through_side_tubes),
         ):
             self._attempts.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
-        self._attempts.add("cells", AT_ONCE, partial(self._search, plans_of(self._searches), True), cost=0)
+        self._attempts.add("cells", AT_ONCE, partial(self._search, self._plans, True), cost=0)
         if one and grow is not None:
             for share, price in THINNER_PRICES.items():
                 self._attempts.add("thinner", price, partial(self._thinner, grow, share, price), THINNER_COST)
@@ -310,8 +311,7 @@ class RouteAttempts:
                 self._attempts.add("elbows", price, partial(elbows.chains, beam), ENDS_COST[beam])
         ends = Ends(self._searches, self._question, self._candidates.query)
         if ends.possible:
-            if ends.near_walls:
-                self._attempts.add("ends", ENDS_LOOK, partial(ends.made, None), ENDS_COST[GLANCE])
+            self._attempts.add("ends", ENDS_LOOK, ends.glance, ENDS_COST[GLANCE])
             for beam, price in ENDS_PRICES.items():
                 self._attempts.add("ends", price, partial(ends.made, beam), ENDS_COST[beam])
 

@@ -53,10 +53,13 @@ class Thinner:
     """
 
     def __init__(self, robot: Robot, options: SolveOptions, prepare: Prepare) -> None:
-        self._robot, self._prepare = robot, prepare
-        without = (*options.without, "thinner")
-        most = min(STARTS, options.most_starts)
-        self._options = replace(options, prefer=Preferences(), max_starts=most, without=without)
+        self._robot, self._whole, self._prepare = robot, options, prepare
+
+    @property
+    def _options(self) -> SolveOptions:
+        """The options of a thinner body."""
+        without, most = (*self._whole.without, "thinner"), min(STARTS, self._whole.most_starts)
+        return replace(self._whole, prefer=Preferences(), max_starts=most, without=without)
 
     def begun(self, question: Question, share: float) -> Iterator[Batch]:
         """Yield the configuration of a body that began with a share of its radii, grown as far as that went."""

@@ -26,7 +26,8 @@ from sinuous.kernels.tables import (
     Outcome,
 )
 from sinuous.solving.options import UNBOUNDED
-from sinuous.solving.search import ENOUGH, Distinct, FirstSolved
+from sinuous.solving.search import ENOUGH, FirstSolved
+from sinuous.solving.several import Distinct
 from sinuous.solving.starts import Batch
 
 NONE = np.empty((0, 2, 3))
@@ -229,12 +230,12 @@ def test_a_proof_on_the_way_ends_the_search() -> None:
     assert (search.outcome.code, search.outcome.cell) == (NO_ROUTE, 0.25)
 
 
-def test_a_method_without_such_starts_is_asked_once_a_batch() -> None:
+def test_a_method_without_such_starts_is_asked_once() -> None:
     source = Source(Batch(SOURCES[RANDOM], NONE, (4, 40)), Batch(SOURCES[RANDOM], NONE, (40, 50)))
-    method = Answers(outcome(starts=0), outcome(starts=0))
+    method = Answers(outcome(starts=0))
     FirstSolved(outcome(), 100, 9.0).pursue(iter(source), method)
-    assert source.asked == 2
-    assert [batch.own[0] for batch, _ in method.seen] == [4, 40]
+    assert source.asked == 1
+    assert [batch.own[0] for batch, _ in method.seen] == [4]
 
 
 def at(place: float, **changed: Any) -> Outcome:

@@ -3,12 +3,8 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from time import monotonic
-from typing import ClassVar
 
-import numpy as np
-
-from sinuous.checks import Floats
-from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, OUT_OF_REACH, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
+from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.starts import Batch
 
@@ -152,84 +148,6 @@ class FirstSolved(Search):
         return best._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
 
 
-def _apart(shapes: Floats, shape: Floats) -> Floats:
-    """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
-    distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
-    return distances
-
-
 def _rank(outcome: Outcome) -> tuple[int, float]:
     """What is smaller is better. A start that met everything but the proof is better than one that did not."""
     return {SOLVED: 0, UNPROVED: 1}.get(outcome.code, 2), outcome.merit
-
-
-class Distinct(Search):
-    """Follows every start to its own solution, and stops when so many distinct ones are found, or no more seem left.
-
-    Parameters
-    ----------
-    count : int
-        Distinct solutions to find.
-    apart : float
-        Two solutions are the same when no point of the backbone is farther from its counterpart, in the length unit.
-    shape : callable
-        Points (k, 3) of the backbone of a configuration (n, 3).
-    max_starts, seconds, clock
-        See `Search`.
-
-    Attributes
-    ----------
-    found : list of Outcome
-        Distinct, all solved, in the order in which they were found; each with the effort until then.
-    """
-
-    patience: ClassVar[int] = 1000
-    """Starts in a row, routes not counted, that bring nothing new after the first solution, before it stops."""
-
-    def __init__(
-        self,
-        count: int,
-        apart: float,
-        shape: Callable[[Floats], Floats],
-        max_starts: int,
-        seconds: float,
-        clock: Clock = monotonic,
-    ) -> None:
-        super().__init__(max_starts, seconds, clock)
-        self._count, self._apart, self._shape = count, apart, shape
-        self._shapes: list[Floats] = []
-        self._impossible, self._in_vain = False, 0
-        self.found: list[Outcome] = []
-
-    @property
-    def open(self) -> bool:
-        """Whether solutions are missing and possible, there is hope for more, and starts and time are left."""
-        wanted = len(self.found) < self._count and not self._impossible and self._in_vain < self.patience
-        return wanted and self.starts_left > 0 and self.seconds_left > 0.0
-
-    def chunk(self) -> int:
-        """One: a call ends with its first solution."""
-        return 1
-
-    def keep(self, found: Outcome) -> None:
-        """Keep a solution that differs from all before."""
-        self._impossible = found.code >= OUT_OF_REACH
-        if found.source != ROUTE and self.found:
-            self._in_vain += found.starts
-        if found.code != SOLVED:
-            return
-        shape = self._shape(found.q)
-        if not self._shapes or (_apart(np.array(self._shapes), shape) > self._apart).all():
-            self._shapes.append(shape)
-            found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
-            self.found.append(found)
-            if self._is_new():
-                self._in_vain = 0
-
-    def _is_new(self) -> bool:
-        """Whether the last one found is of a kind that was not found before."""
-        return True
-
-    def close(self, cell: float) -> None:
-        """End it: no route leads to the target, so there are no more solutions."""
-        self._impossible = True

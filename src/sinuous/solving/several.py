@@ -1,22 +1,22 @@
 """Several solutions of one problem: distinct shapes, or one of every class of routes."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from time import monotonic
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import Outcome
+from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.problem.problem import Problem
 from sinuous.solution.route_class import RouteClass
-from sinuous.solving.classes.by_class import CANDIDATES, ByClass, Dislike
 from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.explorer import Explorer
 from sinuous.solving.classes.naming import name_classes, sort_out
-from sinuous.solving.search import Distinct
+from sinuous.solving.classes.passages import Passages
+from sinuous.solving.search import Clock, Search
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import Strategy
 
@@ -31,6 +31,13 @@ SEARCHING = 0.8
 
 FIRST = 0.5
 """Share of the time for the search, and of the starts, that a first solution may take."""
+
+
+CANDIDATES = 4
+"""Distinct solutions of a class that are kept, the best ones."""
+
+Dislike = Callable[[list[Floats]], Floats]
+"""A number (m,) for each of m configurations (n, 3): what is smaller is better."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +61,147 @@ class Wanted:
     by: str
     max_starts: int
     seconds: float
+
+
+class Distinct(Search):
+    """Follows every start to its own solution, and stops when so many distinct ones are found, or no more seem left.
+
+    Parameters
+    ----------
+    count : int
+        Distinct solutions to find.
+    apart : float
+        Two solutions are the same when no point of the backbone is farther from its counterpart, in the length unit.
+    shape : callable
+        Points (k, 3) of the backbone of a configuration (n, 3).
+    max_starts, seconds, clock
+        See `Search`.
+
+    Attributes
+    ----------
+    found : list of Outcome
+        Distinct, all solved, in the order in which they were found; each with the effort until then.
+    """
+
+    patience: ClassVar[int] = 1000
+    """Starts in a row, routes not counted, that bring nothing new after the first solution, before it stops."""
+
+    def __init__(
+        self,
+        count: int,
+        apart: float,
+        shape: Callable[[Floats], Floats],
+        max_starts: int,
+        seconds: float,
+        clock: Clock = monotonic,
+    ) -> None:
+        super().__init__(max_starts, seconds, clock)
+        self._count, self._apart, self._shape = count, apart, shape
+        self._shapes: list[Floats] = []
+        self._impossible, self._in_vain = False, 0
+        self.found: list[Outcome] = []
+
+    @property
+    def open(self) -> bool:
+        """Whether solutions are missing and possible, there is hope for more, and starts and time are left."""
+        wanted = len(self.found) < self._count and not self._impossible and self._in_vain < self.patience
+        return wanted and self.starts_left > 0 and self.seconds_left > 0.0
+
+    def chunk(self) -> int:
+        """One: a call ends with its first solution."""
+        return 1
+
+    def keep(self, found: Outcome) -> None:
+        """Keep a solution that differs from all before."""
+        self._impossible = found.code >= OUT_OF_REACH
+        if found.source != ROUTE and self.found:
+            self._in_vain += found.starts
+        if found.code != SOLVED:
+            return
+        shape = self._shape(found.q)
+        if not self._shapes or (_apart(np.array(self._shapes), shape) > self._apart).all():
+            self._shapes.append(shape)
+            found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
+            self.found.append(found)
+            if self._is_new():
+                self._in_vain = 0
+
+    def _is_new(self) -> bool:
+        """Whether the last one found is of a kind that was not found before."""
+        return True
+
+    def close(self, cell: float) -> None:
+        """End it: no route leads to the target, so there are no more solutions."""
+        self._impossible = True
+
+
+def _apart(shapes: Floats, shape: Floats) -> Floats:
+    """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
+    distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
+    return distances
+
+
+class ByClass(Distinct):
+    """Follows every start to its own solution, and puts what is distinct into classes.
+
+    Stops when there are so many classes and `CANDIDATES` times as many solutions, or none seem to be left.
+
+    Parameters
+    ----------
+    count : int
+        Classes to find.
+    apart, shape, max_starts, seconds
+        See `Distinct`.
+    curves : Curves
+    dislike : callable
+
+    Attributes
+    ----------
+    classes : list of list of Outcome
+        Of every class the best solutions, best first.
+    """
+
+    patience: ClassVar[int] = 400
+    """Starts in a row, routes not counted, that bring no class after the first one, before it stops."""
+
+    def __init__(
+        self,
+        count: int,
+        apart: float,
+        shape: Callable[[Floats], Floats],
+        max_starts: int,
+        seconds: float,
+        curves: Curves,
+        dislike: Dislike,
+    ) -> None:
+        super().__init__(max_starts, apart, shape, max_starts, seconds)
+        self._wanted, self._curves, self._dislike = count, curves, dislike
+        self._firsts: list[Floats] = []
+        self.classes: list[list[Outcome]] = []
+
+    @property
+    def open(self) -> bool:
+        """Whether classes are missing, or solutions to choose from; and what `Distinct` asks."""
+        enough = len(self.classes) >= self._wanted and len(self.found) >= CANDIDATES * self._wanted
+        return super().open and not enough
+
+    def has(self, curve: Floats) -> bool:
+        """Whether there is a solution of the class of a curve (N, 3)."""
+        return self._curves.alike_one(curve, self._firsts) is not None
+
+    def _is_new(self) -> bool:
+        """Put the last one found among the best of its class; return whether the class is new."""
+        curve = self._curves.of(self.found[-1].q)
+        number = self._curves.alike_one(curve, self._firsts)
+        if number is not None:
+            members = [*self.classes[number], self.found[-1]]
+            order = np.argsort(self._dislike([each.q for each in members]), kind="stable")
+            self.classes[number] = [members[i] for i in order[:CANDIDATES]]
+        elif self.seconds_left > 0.0:  # else comparing took too long to say that it is new
+            self._firsts.append(curve)
+            self.classes.append([self.found[-1]])
+            return True
+        return False
 
 
 class Several:
@@ -96,7 +244,7 @@ class Several:
             yield from self._up_to_first(strategy, question._replace(several=False), scattered)
         passages = None
         if self._curves is not None and isinstance(self.search, ByClass) and searches is not None:
-            passages = Explorer(searches, self._curves, self.search.has).batches
+            passages = partial(Passages, searches, self._curves, solved=self.search.has)
         yield from strategy.batches(question, scattered, passages)
 
     def _up_to_first(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[Batch]:

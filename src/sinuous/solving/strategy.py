@@ -21,8 +21,6 @@ for most.
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
 
-import numpy as np
-
 from sinuous.checks import Floats
 from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, SOURCES
 from sinuous.methods import registry
@@ -30,6 +28,7 @@ from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.attempts import EDGES, SCATTERED, SIDE_TUBES, Attempts
+from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.elbows.threading import Elbows
@@ -136,11 +135,19 @@ THINNER_COST = 20
 AT_ONCE = 0
 """Price of what comes first."""
 
-PASSAGES = -1
-"""Price of routes through other passages, where several solutions are wanted: before everything else."""
+PASSAGES = -10
+"""Price of routes through other passages, where several solutions are wanted: before everything else. A search after
+none was found with larger cells is dearer by 1 for each step."""
 
-Passages = Callable[[Question], Iterator[Batch]]
-"""From a question to starts along routes through other passages."""
+PASSAGES_SEARCHES = 96
+"""Most searches for routes through other passages."""
+
+PASSAGES_CELLS_A_START = 1000
+"""Cells that such a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
+classes than scattered starts do."""
+
+MakePassages = Callable[[Question, Floats], Passages]
+"""From a question and what routes have to keep (28,) to the passages of its routes."""
 
 Grow = Callable[[Question, float], Iterator[Batch]]
 """From a question and a share of the radii to a configuration of a body that has grown from there."""
@@ -190,7 +197,7 @@ class Strategy:
         return Scattered(self.opening_starts(given), self._options.most_starts - given)
 
     def batches(
-        self, question: Question, scattered: Scattered | None = None, passages: Passages | None = None
+        self, question: Question, scattered: Scattered | None = None, passages: MakePassages | None = None
     ) -> Iterator[Batch]:
         """Yield all starts after the first call; an attempt works only when its next batch is asked for.
 
@@ -200,7 +207,7 @@ class Strategy:
         scattered : Scattered, optional
             Those to go on with, where some of them were followed already.
         passages : callable, optional
-            Makes starts along routes through other passages, which come before all others.
+            What knows other passages: where several solutions are wanted, routes through these come before all others.
         """
         left = self.scattered(question) if scattered is None else scattered
         without, grow = self._options.without, self._thinner.begun
@@ -214,7 +221,7 @@ def attempts_of(
     *,
     without: Collection[str] = (),
     grow: Grow | None = None,
-    passages: Passages | None = None,
+    passages: MakePassages | None = None,
 ) -> Attempts:
     """Return the queue of all that is tried for a question.
 
@@ -264,14 +271,15 @@ class RouteAttempts:
         question: Question,
         query: Floats,
         grow: Grow | None = None,
-        passages: Passages | None = None,
+        passages: MakePassages | None = None,
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
         self._plans = plans_of(searches)
         between = next((plan for _, plan in self._plans if plan.between), None)
         self._candidates = Candidates(searches, question, query, between, attempts.without)
+        self._passes = 0
         if passages is not None:
-            self._add_next(passages(question))
+            self._add_passage(passages(question, query), frozenset(), 0)
         self._add_first(grow)
 
     def _add_first(self, grow: Grow | None) -> None:
@@ -291,16 +299,33 @@ class RouteAttempts:
             for share, price in THINNER_PRICES.items():
                 self._attempts.add("thinner", price, partial(self._thinner, grow, share, price), THINNER_COST)
 
-    def _add_next(self, passages: Iterator[Batch]) -> None:
-        """Add the next of the routes through other passages, if there is one."""
+    def _add_passage(
+        self, passages: Passages, closed: frozenset[int], step: int, again: bool = False, later: bool = False
+    ) -> None:
+        """Add a search for a route while some passages are closed; `later`: there probably is none."""
+        if step < len(self._searches.single_plans):
+            make = partial(self._pass, passages, closed, step, again)
+            self._attempts.add("passages", PASSAGES + (1 + step if later else 0), make, cost=0)
 
-        def following() -> Iterator[Batch]:
-            batch = next(passages, None)
-            if batch is not None:
-                self._add_next(passages)
-                yield batch
+    def _pass(self, passages: Passages, closed: frozenset[int], step: int, again: bool) -> Iterator[Batch]:
+        """Search for a route while some passages are closed; add searches with the passages of that route closed, too.
 
-        self._attempts.add("passages", PASSAGES, following, cost=0)
+        `again`: a route was found so already, but no solution along it, so several that differ are searched for.
+        """
+        if self._passes >= PASSAGES_SEARCHES:
+            return
+        self._passes += 1
+        plan = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1)
+        routes, cells = passages.routes(closed, plan)
+        yield along(self._question.initial[:0], (), cost=cells / PASSAGES_CELLS_A_START)
+        if not routes:
+            self._add_passage(passages, closed, step + 1, again, later=True)
+            return
+        failed = yield from passages.starts(routes)
+        if failed:
+            self._add_passage(passages, closed, step + again, again=True)
+        for more in passages.closing(closed, routes[0]):
+            self._add_passage(passages, more, 0)
 
     def _add_tubes_of_ends(self) -> None:
         """Add chains through tubes that an end, or an elbow, lies in."""
@@ -340,11 +365,10 @@ class RouteAttempts:
         (_, plan), *others = searches
         last, found = candidates.over_cells_once(plan)
         closed = last.cell if found.ended == PROVED_CLOSED else None
-        nothing = np.empty((0, *self._question.initial.shape[1:]))
         self._add_routes(found.routes, last.cell == self._searches.fine.cell, last.exact)
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
-        yield along(nothing, (), cost=found.cells / CELLS_A_START, closed=closed)
+        yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
 
     def _add_routes(self, routes: list[Floats], finest: bool, exact: bool = False) -> None:
         """Add all that is tried along the routes (K, 3) of one search."""

@@ -4,8 +4,8 @@ import numpy as np
 
 from sinuous.kernels.tables import RANDOM, ROUTE, SOLVED, Outcome
 from sinuous.scene.scene import Scene
-from sinuous.solving.classes.by_class import CANDIDATES, ByClass
 from sinuous.solving.classes.curves import Curves
+from sinuous.solving.several import CANDIDATES, ByClass
 from tests.helpers import Floats
 from tests.solving.classes.places import ROBOT, pillar
 

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 import sinuous as sn
 from sinuous import Box, Capsule, Robot, Scene, Solver, Sphere, Target, Tolerance
 from sinuous.errors import InputError
-from sinuous.kernels.tables import GIVEN, RANDOM, ROUTE, SOURCES
+from sinuous.kernels.tables import GIVEN, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solving import strategy as own
-from sinuous.solving.attempts import ATTEMPTS, COST_OF_A_CHAIN, ROUND, Attempt, Attempts, read_without
+from sinuous.solving.attempts import ATTEMPTS, COST_OF_A_CHAIN, Attempt, Attempts, read_without
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.growth import MANY
 from sinuous.solving.routing.searches import Found, Searches
@@ -126,8 +126,7 @@ def test_scattered_starts_are_in_proportion_to_what_others_cost(asked: list[tupl
     batches = list(strategy.batches())
     costs = sum(price + more + COST_OF_A_CHAIN * size for price, more, size in asked)
     assert strategy.ledger["grown"] == pytest.approx(costs)
-    first = next(i for i, batch in enumerate(batches) if batch.size == ROUND)  # when nothing else is left
-    scattered = sum(batch.size for batch in batches[:first] if batch.source == SOURCES[RANDOM])
+    scattered = strategy.ledger["scattered"]
     share = own.SHARE_AMONG_BALLS * costs
     assert share - 1 < max(share, scattered) <= max(share, own.SCATTERED_FIRST) + 1
     assert share - 1 < scattered

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from sinuous.methods.slinki.options import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
-    from sinuous.motion.leader.leader import follow_the_leader as follow_the_leader
-    from sinuous.motion.leader.stage import on_stage as on_stage
+    from sinuous.motion.leader import follow_the_leader as follow_the_leader
+    from sinuous.motion.leader import on_stage as on_stage
     from sinuous.motion.motion import Motion as Motion
     from sinuous.motion.plan import Planner as Planner
     from sinuous.motion.plan import plan as plan
-    from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
+    from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
@@ -111,12 +111,11 @@ _HOMES = {
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
     "motion.job": ("Job", "load"),
-    "motion.leader.leader": ("follow_the_leader",),
-    "motion.leader.stage": ("on_stage",),
+    "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),
     "motion.plan": ("Planner", "plan"),
-    "motion.timing.trajectory": ("Trajectory",),
     "motion.track": ("track",),
+    "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),

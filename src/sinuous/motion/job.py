@@ -10,7 +10,7 @@ from sinuous.files.nouns import read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.gc_pause import gc_paused
-from sinuous.motion import plain
+from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import track
@@ -123,7 +123,7 @@ def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
     """
     scene = problem.scene.snapshot()
     if problem.goal is not None:
-        return plain.read(Motion, values, (), (problem.robot, scene))
+        return report.read(Motion, values, (), (problem.robot, scene))
     return Motion.from_dict(values, map(problem.problem, range(len(problem.waypoints))), scene)
 
 

@@ -1,11 +1,10 @@
-"""Motions as plain values: what a result says, and back."""
+"""How a motion was found, and motions as plain values: what a result file says, and back."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from sinuous import checks
 from sinuous.errors import InputError
-from sinuous.motion.told import Told
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
@@ -19,6 +18,31 @@ if TYPE_CHECKING:
 
 MOST_WAYPOINTS = 1_000_000
 MOST_KNOTS = 10_000_000
+
+
+@dataclass(frozen=True)
+class Report:
+    """How a motion was found.
+
+    Attributes
+    ----------
+    solutions, waypoint_knots, reconfigured, remaining, seconds, method, seed
+        As for `Motion`.
+    ended : Status or None
+        How it ended, where solutions and steps do not say it.
+    blocking : Worst or None
+        The constraint that is farthest from being met then.
+    """
+
+    solutions: tuple[Solution, ...] = ()
+    waypoint_knots: tuple[int | None, ...] = ()
+    reconfigured: tuple[int, ...] = ()
+    remaining: int = 0
+    seconds: float = 0.0
+    method: str = "newton"
+    seed: int = 0
+    ended: Status | None = None
+    blocking: Worst | None = None
 
 
 def write(motion: "Motion") -> dict[str, Any]:
@@ -75,7 +99,7 @@ def read(
     times = checks.increasing("times", _value(values, "times"), len(q))
     clearances = [_optional(values, key) for key in ("clearance", "self_clearance")]
     steps = Steps.told(max(0, len(q) - 1), _read_numbers(values, "unproved_steps", len(q) - 1), *clearances)
-    told = Told(
+    report = Report(
         solutions=tuple(solutions),
         waypoint_knots=_read_knots(values, len(solutions), len(q)),
         reconfigured=tuple(_read_numbers(values, "reconfigured", len(problems))),
@@ -84,8 +108,8 @@ def read(
         method=checks.text("method", _value(values, "method")),
         seed=checks.integer("seed", _value(values, "seed"), 0, 2**31 - 1),
     )
-    motion = kind.made(robot, around, q, times, steps, told)
-    return _as_it_ended(motion, values, told)
+    motion = kind.made(robot, around, q, times, steps, report)
+    return _as_it_ended(motion, values, report)
 
 
 def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene: Snapshot) -> tuple[Problem, ...]:
@@ -96,13 +120,13 @@ def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene
     return tuple(problem.changed(scene=scene.at(t)) for problem, t in zip(problems, when, strict=False))
 
 
-def _as_it_ended(motion: "Motion", values: dict[str, Any], told: Told) -> "Motion":
+def _as_it_ended(motion: "Motion", values: dict[str, Any], report: Report) -> "Motion":
     """Tell how it ended, where solutions and steps do not say the same."""
     status = Status(checks.choice("status", _value(values, "status"), tuple(Status)))
     worst = None if values.get("worst") is None else Worst.from_dict(values["worst"])
     if motion.status is status and (worst is None or motion.worst is not None):
         return motion
-    ended = replace(told, ended=status, blocking=worst)
+    ended = replace(report, ended=status, blocking=worst)
     return motion.made(motion.robot, motion.scene, motion.q, motion.times, motion.steps, ended)
 
 

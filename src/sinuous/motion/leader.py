@@ -1,4 +1,4 @@
-"""Follow the leader: the body moves along the curve that its tip has made, into it and out of it."""
+"""Follow the leader: the body moves along the curve that its tip has made; and the insertion stage that it needs."""
 
 import math
 import time as clock
@@ -11,12 +11,14 @@ from sinuous.arguments import Number, Rows
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.measures.following import line_in_front
-from sinuous.motion.leader.laying import depths_of, lay
+from sinuous.motion.laying import depths_of, lay
 from sinuous.motion.motion import Motion
-from sinuous.motion.told import Told
+from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
+from sinuous.robot.actuators import Actuators
 from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
 from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
@@ -50,6 +52,37 @@ SECONDS = 5.0
 
 FORWARD = 0.5
 """Largest angle, rad, between the axis of the base and the way into the curve."""
+
+
+def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
+    """Put a robot on a stage that pushes it forward along the axis of its base.
+
+    Drawn back as far as it goes, the arm stands straight behind the base of before, at its greatest length, and its tip
+    is there. So `robot.base` is where the tip enters, and how. The stage is a first segment that cannot bend.
+
+    Parameters
+    ----------
+    robot : Robot
+    travel : float
+        How far the stage goes, in the length unit.
+    name : str
+        What the segment of the stage is called.
+
+    Raises
+    ------
+    InputError
+        When the travel is not greater than 0, or a segment has this name.
+    """
+    reach = checks.number("travel", travel, above=0.0)
+    back = np.eye(4)
+    back[2, 3] = -sum(segment.length[1] for segment in robot.segments)
+    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=checks.text("name", name))
+    linear = robot.linear
+    if linear is not None:
+        wider = np.hstack([np.zeros((len(linear.matrix), 3)), linear.matrix])
+        linear = Actuators(wider, names=list(linear.names), limits=linear.limits)
+    named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
+    return robot.changed(segments=[stage, *named], base=robot.base @ back, actuators=linear)
 
 
 def follow_the_leader(
@@ -166,7 +199,7 @@ class _Leader:
                 break
         else:
             steps = self._proved(prover)
-        return self._told(scene, steps, first, clock.perf_counter() - begin)
+        return self._put_together(scene, steps, first, clock.perf_counter() - begin)
 
     def _solved(self, depths: Floats) -> tuple[Floats, Floats, Floats, Solutions]:
         """Put the tip on the curve at these depths; those from the first on that cannot be are left out.
@@ -214,12 +247,12 @@ class _Leader:
                 self.answers[step] = prover.prove(self.q[pair], SLACK, SECONDS, known=self.clear[pair])[0]
         return Steps(np.array([self.answers[step] for step in ends]) if ends else unproved(0))
 
-    def _told(self, scene: Snapshot, steps: Steps, first: Solutions, seconds: float) -> Motion:
+    def _put_together(self, scene: Snapshot, steps: Steps, first: Solutions, seconds: float) -> Motion:
         last = first[-1] if self.ended is None else self.ended
         some = len(self.q) > 0
-        told = Told(
+        report = Report(
             solutions=(first[0], last) if some else (last,),
             waypoint_knots=(0, len(self.q) - 1 if self.ended is None else None) if some else (None,),
             seconds=seconds,
         )
-        return Motion.made(self.robot, scene, self.q, self.depths, steps, told)
+        return Motion.made(self.robot, scene, self.q, self.depths, steps, report)

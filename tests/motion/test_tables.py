@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.motion.table import columns
+from sinuous.motion.tables import columns
 from tests.helpers import refused
 
 ROBOT = sn.Robot(

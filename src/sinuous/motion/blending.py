@@ -1,7 +1,7 @@
-"""The way of a motion: straight pieces in configuration space, and parabolas that round its corners.
+"""The geometry of a path: straight pieces in configuration space, and parabolas that blend its corners.
 
 A piece is `c0 + c1 s + c2 s^2` for s from 0 to its length. All pieces together have a continuous slope, except in
-corners that are not rounded.
+corners that are not blended.
 """
 
 from dataclasses import dataclass
@@ -26,8 +26,8 @@ SHORT = 1e-6
 
 
 @dataclass(frozen=True)
-class Way:
-    """Pieces of a way.
+class BlendedPath:
+    """A path of pieces, each a polynomial of degree 2 in its length s.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Way:
     lengths : ndarray (P,)
         Greater than 0.
     stops : ndarray (P + 1,) of bool
-        Whether the slope jumps where a piece begins, or ends; also at both ends of the way.
+        Whether the slope jumps where a piece begins, or ends; also at both ends of the path.
     """
 
     pieces: Floats
@@ -53,7 +53,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Legs:
-    """The straight steps of a way; those that do not move are left out, those in one direction are one.
+    """The straight legs of a path: steps that move, neighbours in one direction joined.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
     sizes = _reach(moves, levers)
     moving = sizes > 0.0
     free = steps_margins(robot, steps)
-    # Where nothing is proved nothing has to be kept but the way itself.
+    # Where nothing is proved, no clearance has to be kept.
     allowed = np.clip(np.where(steps.proved, 0.5 * free, np.inf), ROUNDED * levers[0], STRAIGHT * levers[0])
     first = np.flatnonzero(moving)[_leg_starts(moves[moving], sizes[moving], allowed[moving], levers)]
     margins = np.minimum.reduceat(np.where(moving, free, np.inf), first) if len(first) else first
@@ -129,19 +129,19 @@ def steps_margins(robot: Robot, steps: Steps) -> Floats:
     return margins
 
 
-def straight(legs: Legs) -> Way:
-    """Return the way with all its corners, at each of which the robot stops."""
+def stop_at_corners(legs: Legs) -> BlendedPath:
+    """Return the path with all its corners, at each of which the robot stops."""
     pieces = np.zeros((len(legs.sizes), 3, *legs.corners.shape[1:]))
     pieces[:, 0], pieces[:, 1] = legs.corners[:-1], np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
-    return Way(pieces, legs.sizes, np.ones(len(legs.sizes) + 1, bool))
+    return BlendedPath(pieces, legs.sizes, np.ones(len(legs.sizes) + 1, bool))
 
 
-def rounded(robot: Robot, legs: Legs, most: float) -> Way:
-    """Return the way with its corners rounded, so that no place of the body leaves the legs by more than `most`.
+def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
+    """Return the path with its corners blended, so that no place of the body leaves the legs by more than `most`.
 
     Nor by more than half of what is proved to be free. A parabola lies in the triangle of its corner, so it keeps all
     limits, which are convex; it is farthest from the legs in its middle, by a quarter of the sum of both arms. Where
-    the way turns by a right angle or more, the robot stops.
+    the path turns by a right angle or more, the robot stops.
     """
     slopes = np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
     bends = np.diff(slopes, axis=0)
@@ -163,7 +163,7 @@ def rounded(robot: Robot, legs: Legs, most: float) -> Way:
             pieces.append([legs.corners[i + 1] - arms[i + 1] * slope, slope, turn])
             lengths.append(2.0 * arms[i + 1])
             stops.append(False)
-    return Way(np.array(pieces), np.array(lengths), np.array(stops))
+    return BlendedPath(np.array(pieces), np.array(lengths), np.array(stops))
 
 
 def _levers(robot: Robot, q: Floats) -> Floats:

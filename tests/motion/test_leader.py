@@ -1,4 +1,4 @@
-"""Follow the leader: the tip is on the curve, the body behind it, and every step is proved."""
+"""Follow the leader: the tip is on the curve, the body behind it, and every step is proved; on an insertion stage."""
 
 from typing import Any
 
@@ -7,13 +7,16 @@ import pytest
 
 import sinuous as sn
 from sinuous.measures.following import body_places
-from sinuous.motion.leader import leader
+from sinuous.motion import leader
 from sinuous.solving.between.steps import Prover
 
 BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])
 STAGED = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), BEZIER.length)
 UNROLLING = sn.Robot.uniform(5, (10, 70), max_bend=2.4, radius=4)
 BALL = sn.Sphere((0, 40, 120), radius=25)
+ARM = sn.Robot.uniform(
+    2, (40, 60), radius=3, tendons=sn.Tendons(3, radius=2), base=sn.pose((1, 2, 3), direction=(0, 1, 1))
+)
 
 
 @pytest.fixture(scope="module")
@@ -130,3 +133,29 @@ def test_the_tool_is_not_led() -> None:
 def test_what_cannot_be_followed_is_refused(robot: sn.Robot, curve: Any, options: Any, message: str) -> None:
     with pytest.raises(sn.InputError, match=message):
         sn.follow_the_leader(robot, curve, **options)
+
+
+def test_drawn_back_its_tip_is_at_the_base_of_before() -> None:
+    robot = sn.on_stage(ARM, 100)
+    tip = robot.forward([[0, 0, 0], [0, 0, 60], [0, 0, 60]])[-1]
+    np.testing.assert_allclose(tip, ARM.base, atol=1e-12)
+    pushed = robot.forward([[0, 0, 100], [0, 0, 60], [0, 0, 60]])[-1]
+    np.testing.assert_allclose(pushed[:3, 3], ARM.base[:3, 3] + 100 * ARM.base[:3, 2], atol=1e-12)
+    assert robot.segment_names == ("stage", "s1", "s2")
+    assert [actuator.name for actuator in robot.actuators] == [actuator.name for actuator in ARM.actuators]
+
+
+def test_actuators_of_the_arm_stay_what_they_are() -> None:
+    driven = sn.Robot.uniform(2, 50.0, actuators=sn.Actuators(np.eye(6)[[0, 4]], names=["a", "b"], limits=(-1, 1)))
+    robot = sn.on_stage(driven, 100)
+    q = np.array([[0.3, 0.2, 50], [0.1, -0.4, 50]])
+    np.testing.assert_allclose(robot.to_actuators([[0, 0, 20], *q]), driven.to_actuators(q))
+
+
+@pytest.mark.parametrize(
+    ("travel", "name", "message"),
+    [(0.0, "stage", "travel: expected a number greater than 0"), (1.0, "s1", "s1")],
+)
+def test_what_is_no_stage_is_refused(travel: float, name: str, message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        sn.on_stage(ARM, travel, name)

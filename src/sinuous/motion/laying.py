@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.motion.configurations import movable, within_limits
 from sinuous.problem.curve import Curve
 from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
 
 PLACES = 8
 """Places of every segment that are drawn to the curve."""
@@ -66,14 +66,6 @@ def lay(robot: Robot, curve: Curve, depths: Floats) -> Floats:
     return q
 
 
-def movable(segments: tuple[Segment, ...]) -> Floats:
-    """Which coordinates (3 n,) can move."""
-    bends = np.array([segment.max_bend > 0.0 and segment.length[1] > 0.0 for segment in segments])
-    stretches = np.array([segment.length[0] < segment.length[1] for segment in segments])
-    result: Floats = np.stack([bends, bends, stretches], axis=1).ravel()
-    return result
-
-
 def _first(robot: Robot, curve: Curve, depths: Floats) -> Floats:
     """Chains whose ends of segments have the tangents of the curve beside them; all stretch by the same share."""
     from scipy.spatial.transform import Rotation  # noqa: PLC0415
@@ -93,20 +85,6 @@ def _first(robot: Robot, curve: Curve, depths: Floats) -> Floats:
         q[:, k] = within_limits(robot, q)[:, k]
         frames = frames * Rotation.from_rotvec(np.stack([-q[:, k, 1], q[:, k, 0], np.zeros(len(q))], axis=1))
     return q
-
-
-def within_limits(robot: Robot, q: Floats) -> Floats:
-    """Configurations brought within the limits of segments."""
-    low, high = np.array([segment.length for segment in robot.segments]).T
-    result = q.copy()
-    result[..., 2] = np.clip(q[..., 2], low, high)
-    most = np.array([segment.max_bend if segment.length[1] > 0.0 else 0.0 for segment in robot.segments])
-    curvatures = np.array(robot.curvatures)
-    with np.errstate(invalid="ignore"):  # no limit of curvature, and no length
-        allowed = np.fmin(most, curvatures * result[..., 2])
-    bends = np.hypot(q[..., 0], q[..., 1])
-    result[..., :2] *= np.where(bends > allowed, allowed / np.where(bends > 0.0, bends, 1.0), 1.0)[..., None]
-    return result
 
 
 def _places(robot: Robot, q: Floats) -> Floats:

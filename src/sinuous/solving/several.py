@@ -32,7 +32,6 @@ SEARCHING = 0.8
 FIRST = 0.5
 """Share of the time for the search, and of the starts, that a first solution may take."""
 
-
 CANDIDATES = 4
 """Distinct solutions of a class that are kept, the best ones."""
 
@@ -258,6 +257,8 @@ class Several:
             for part in (batch,) if batch.closed is not None else batch.parts(lambda: 1):
                 yield part
                 if self.search.found or question.seconds_left() <= seconds or self.search.starts_left <= starts:
+                    if part.source == Scattered.name:
+                        scattered.go_back(part.own[1])
                     return
 
     def best(self) -> list[tuple[Outcome, RouteClass | None]]:

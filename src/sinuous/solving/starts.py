@@ -97,3 +97,7 @@ class Scattered:
         first = self._next
         self._next = min(self._last, first + count)
         return Batch(self.name, question.initial[:0], (first, self._next))
+
+    def go_back(self, number: int) -> None:
+        """Let this number be the next one: those after it were taken, and not followed."""
+        self._next = number

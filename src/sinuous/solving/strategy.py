@@ -34,8 +34,7 @@ from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.elbows.threading import Elbows
 from sinuous.solving.routing.ends.ends import Ends
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import SIDES, Searches
+from sinuous.solving.routing.searches import CELLS, SIDES, Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.thinner import Prepare, Thinner
 

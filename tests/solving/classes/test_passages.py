@@ -14,8 +14,7 @@ from sinuous.solving import strategy
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.passages import Passages
-from sinuous.solving.routing.plans import Plan
-from sinuous.solving.routing.searches import Searches
+from sinuous.solving.routing.searches import Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import attempts_of
 from tests.helpers import Floats

@@ -9,8 +9,7 @@ from sinuous.kernels.tables import FOUND, FULL, QUERY_AXIS
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.routing.candidates import ALIKE, Candidates
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.starts import Question, Scattered
 from sinuous.solving.strategy import attempts_of
 

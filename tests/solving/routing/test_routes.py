@@ -14,8 +14,7 @@ from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import MEMORY, Found, Searches
+from sinuous.solving.routing.searches import CELLS, MEMORY, Found, Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import CELLS_A_START, attempts_of, plans_of
 from tests.helpers import Floats

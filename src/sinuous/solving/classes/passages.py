@@ -19,8 +19,7 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.candidates import Candidates
-from sinuous.solving.routing.plans import Plan
-from sinuous.solving.routing.searches import SIDES, Searches
+from sinuous.solving.routing.searches import SIDES, Plan, Searches
 from sinuous.solving.starts import Batch, Question
 
 THICK = 0.5

@@ -16,8 +16,7 @@ from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, grown, leg_queries, settled
 from sinuous.solving.routing.narrow.narrows import Narrows
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups, turned, turned_back
 from sinuous.solving.starts import Batch, Question

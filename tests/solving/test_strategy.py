@@ -202,7 +202,7 @@ def test_names_are_read_in_any_order_and_once() -> None:
 
 
 def test_prices_grow_with_what_is_tried() -> None:
-    for prices in (own.GROWN_PRICES, own.GATES_PRICES, own.ENDS_PRICES, own.ELBOWS_PRICES):
+    for prices in (own.GROWN_COSTS, own.GATES_COSTS, own.ENDS_PRICES, own.ELBOWS_PRICES):
         assert list(prices.values()) == sorted(prices.values())
         assert [beam.width for beam in prices] == sorted(beam.width for beam in prices)
     for family in ("pipe 1.3", "hall", "spheres 12"):
@@ -224,7 +224,7 @@ def test_chains_are_grown_with_more_effort_later_and_nothing_is_tried_twice(monk
 
 def test_beams_widen_as_long_as_there_is_time(monkeypatch: pytest.MonkeyPatch) -> None:
     prices = [attempt.price for attempt in made(searching(), monkeypatch) if attempt.name == "grown"]
-    assert max(prices) >= own.GROWN_PRICES[MANY] * own.WIDEST / MANY.width
+    assert max(prices) >= own.GROWN_COSTS[MANY] * own.WIDEST / MANY.width
 
 
 def test_where_several_are_wanted_chains_are_grown_after_all_searches(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -83,13 +83,13 @@ ALTERNATIVES = 4
 BETWEEN = 3.0
 """Edge of the coarse cells, in edges of the fine ones, from which on cells of twice the finest come between them."""
 
-GROWN_PRICES = {ONE: 4, SOME: 5, FEW: 9, MANY: 100}
+GROWN_COSTS = {ONE: 4, SOME: 5, FEW: 9, MANY: 100}
 """By beam, the cost of growing chains along a route, from either end (pipes, ducts)."""
 
 WIDEST = 1024
 """Widest beam: beams double as long as there is time (5 MB of memory for a robot of 20 segments)."""
 
-GATES_PRICES = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
+GATES_COSTS = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
 """By beam, the cost of chains through the gates at the first place of a passage, part after part (doors, cells)."""
 
 GATES_LATER = (1.0, 1.5, 3.0)
@@ -104,7 +104,7 @@ GATES_GLANCE_BLIND = 4
 GROWN_ROUTES = 2
 """Routes of one search along which chains are grown; chains are led through the gates of the first one alone."""
 
-LENGTHENED_PRICES = (15, 15, 25, 25, 50, 50, 50, 50)
+LENGTHENED_COSTS = (15, 15, 25, 25, 50, 50, 50, 50)
 """By side, the cost of making a route longer (drum, shelf)."""
 
 ENDS_PRICES = {GLANCE: 5, ONE: 6, SOME: 12, FEW: 20, MANY: 110}
@@ -122,7 +122,7 @@ ELBOWS_FROM_INSIDE = 1
 """Price of the first of them where the base stands among walls: the first chain along a route out of there often leads
 through the tube of the elbow, too (box duct)."""
 
-ENDS_COST = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
+ENDS_COSTS = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
 """By beam, the cost of chains whose ends lie in tubes, and of those through the tube of an elbow."""
 
 THINNER_PRICES = {0.7: 9, 0.5: 20}
@@ -332,12 +332,12 @@ class RouteAttempts:
         if elbows.possible:
             prices = {**ELBOWS_PRICES, GLANCE: ELBOWS_FROM_INSIDE} if elbows.from_inside else ELBOWS_PRICES
             for beam, price in prices.items():
-                self._attempts.add("elbows", price, partial(elbows.chains, beam), ENDS_COST[beam])
+                self._attempts.add("elbows", price, partial(elbows.chains, beam), ENDS_COSTS[beam])
         ends = Ends(self._searches, self._question, self._candidates.query)
         if ends.possible:
-            self._attempts.add("ends", ENDS_LOOK, ends.glance, ENDS_COST[GLANCE])
+            self._attempts.add("ends", ENDS_LOOK, ends.glance, ENDS_COSTS[GLANCE])
             for beam, price in ENDS_PRICES.items():
-                self._attempts.add("ends", price, partial(ends.made, beam), ENDS_COST[beam])
+                self._attempts.add("ends", price, partial(ends.made, beam), ENDS_COSTS[beam])
 
     def _scattered_first(self) -> Iterator[Batch]:
         """Scattered starts, where looking for a route takes longer."""
@@ -384,9 +384,9 @@ class RouteAttempts:
                 if place == 0 and not self._question.several:
                     self._add_gates(candidate)
             sides = 0 if not finest else len(SIDES) if candidate.rank == 1 or not clear_before else 1
-            for side, cost in zip(SIDES[:sides], LENGTHENED_PRICES, strict=False):
+            for side, cost in zip(SIDES[:sides], LENGTHENED_COSTS, strict=False):
                 self._add_along("lengthened", candidate, cost, partial(self._candidates.lengthened, candidate, side))
-        price = GATES_PRICES[GLANCE] if stowed else AT_ONCE
+        price = GATES_COSTS[GLANCE] if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
     def _add_along(
@@ -397,11 +397,11 @@ class RouteAttempts:
     def _add_grown(self, candidate: Candidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
-            self._attempts.add("grown", LAST, partial(self._candidates.grown, candidate, FEW), GROWN_PRICES[FEW])
+            self._attempts.add("grown", LAST, partial(self._candidates.grown, candidate, FEW), GROWN_COSTS[FEW])
             return
-        for beam, cost in GROWN_PRICES.items():
+        for beam, cost in GROWN_COSTS.items():
             self._add_along("grown", candidate, cost, partial(self._candidates.grown, candidate, beam))
-        self._add_wider(candidate, MANY, GROWN_PRICES[MANY])
+        self._add_wider(candidate, MANY, GROWN_COSTS[MANY])
 
     def _add_wider(self, candidate: Candidate, beam: Beam, cost: float) -> None:
         """Add chains of a beam twice as wide as one that is known, for twice its cost, and so on."""
@@ -416,7 +416,7 @@ class RouteAttempts:
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""
-        for beam, cost in GATES_PRICES.items():
+        for beam, cost in GATES_COSTS.items():
             for place, later in enumerate(GATES_LATER[: 1 if beam == GLANCE else None]):
                 times = later * (1.0 if candidate.finest else GATES_BLIND)
                 if beam == GLANCE and not candidate.finest:

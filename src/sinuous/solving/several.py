@@ -12,6 +12,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.problem.problem import Problem
+from sinuous.robot.robot import Robot
 from sinuous.solution.route_class import RouteClass
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.naming import name_classes, sort_out
@@ -37,6 +38,22 @@ CANDIDATES = 4
 
 Dislike = Callable[[list[Floats]], Floats]
 """A number (m,) for each of m configurations (n, 3): what is smaller is better."""
+
+
+def disliking(robot: Robot, reference: Floats | None) -> Dislike:
+    """Return by what several solutions are ordered: how much they bend, or how far they are from a reference (n, 3).
+
+    That is the sum of squared bends (rad), or of squared differences, lengths in mean lengths of a segment.
+    """
+
+    def dislike(found: list[Floats]) -> Floats:
+        q = np.array(found).reshape(-1, len(robot), 3)
+        if reference is None:
+            return np.asarray((q[..., :2] ** 2).sum(axis=(1, 2)))
+        units = 1.0, 1.0, robot.mean_length / len(robot)
+        return np.asarray((((q - reference) / units) ** 2).sum(axis=(1, 2)))
+
+    return dislike
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import time as clock
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any, Self, Unpack
 
 import numpy as np
@@ -32,7 +32,7 @@ from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
-from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
+from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solving.starts import Batch, Question
 from sinuous.solving.strategy import Strategy
 from sinuous.solving.velocity.stepping import ControlLoop
@@ -281,7 +281,7 @@ class Solver:
         (problem, blocked), given = self._problem(target), self._given(initial)
         if blocked:
             return []
-        several = Several(problem, wanted, partial(self._dislike, reference=None if initial is None else given[0]))
+        several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
         return [
@@ -376,7 +376,8 @@ class Solver:
 
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
-        self._strategy.load()
+        if first.code in UNDECIDED:
+            self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
@@ -391,14 +392,6 @@ class Solver:
             return self._prepared.run(problem, batch.initial, budget, reference)
 
         return follow
-
-    def _dislike(self, found: list[Floats], reference: Floats | None) -> Floats:
-        """By what `solve_all` orders: a number (m,) for each of m configurations (n, 3)."""
-        q = np.array(found).reshape(-1, len(self.robot), 3)
-        if reference is None:
-            return np.asarray((q[..., :2] ** 2).sum(axis=(1, 2)))
-        units = 1.0, 1.0, self.robot.mean_length / len(self.robot)
-        return np.asarray((((q - reference) / units) ** 2).sum(axis=(1, 2)))
 
     def configuration(self, key: str, initial: Initial) -> Floats:
         """Check what is called `key`: a solution, or a configuration (n, 3) of this robot; return the configuration."""

@@ -90,7 +90,7 @@ class Solver:
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen, Solver.prepared)
-        self._again = ReSolver(chosen)
+        self._resolver = SolvesAgain(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
         self._no_initial: Floats = np.empty((0, *self._shape))
@@ -146,7 +146,7 @@ class Solver:
             if outcome.code in UNDECIDED:
                 began += self._strategy.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
+        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
@@ -155,11 +155,11 @@ class Solver:
             raise InputError("initial", "missing", None, "where the changes begin")
         began = clock.perf_counter()
         outcome = self._control.within(problem, given[0], within, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given, within=within)
+        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given, within=within)
 
     def told(self, target: Targets, outcome: Outcome, seconds: float, initial: Initial | None = None) -> Solution:
         """Return the solution that `solve` made of this outcome, in so many seconds."""
-        return Solution(self._problem(target)[0], outcome, seconds, self._again, self._given(initial))
+        return Solution(self._problem(target)[0], outcome, seconds, self._resolver, self._given(initial))
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
@@ -222,7 +222,7 @@ class Solver:
             if blocked:
                 many.decide(BASE_BLOCKED)
             many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
-        return many.solutions(self._again)
+        return many.solutions(self._resolver)
 
     def solve_all(
         self,
@@ -285,7 +285,7 @@ class Solver:
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
         return [
-            Solution(problem, outcome, outcome.seconds, self._again, given, route_class)
+            Solution(problem, outcome, outcome.seconds, self._resolver, given, route_class)
             for outcome, route_class in several.best()
         ]
 
@@ -406,8 +406,8 @@ class Solver:
 
 
 @dataclass(frozen=True)
-class ReSolver:
-    """The options of a solver, kept by its solutions, so that they can solve again; see `sinuous.solution.again.Again`.
+class SolvesAgain:
+    """The options of a solver, kept by its solutions, so that they can solve again; see `sinuous.solution.resolver`.
 
     Attributes
     ----------

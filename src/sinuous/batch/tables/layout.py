@@ -1,4 +1,4 @@
-"""What was found for the targets of a chunk: arrays by name, and the columns that they make in a table."""
+"""The answers to the targets of a chunk: arrays by name, and the columns that they make in a table."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,16 +12,19 @@ from sinuous.robot.robot import Robot
 from sinuous.solution.solutions import Solutions
 from sinuous.solution.status import Status
 
-INVALID, SKIPPED = "invalid", "skipped"
-"""Of a row that is no target, and of one whose chunk failed three times."""
+INVALID = "invalid"
+"""Status of a row that is no target."""
+
+SKIPPED = "skipped"
+"""Status of a row whose chunk failed three times."""
 
 STATUSES = (*(str(status) for status in Status), INVALID, SKIPPED)
-"""What a row may end as; its number is what stands in `status` of an NPZ file."""
+"""Statuses of rows; `status` of an NPZ file holds their places here."""
 
 CODES = {name: code for code, name in enumerate(STATUSES)}
 
 Block = dict[str, NDArray[Any]]
-"""Arrays of equal length by the names of `SHAPES`."""
+"""Arrays of equal length by the names of `Layout.shapes`."""
 
 ERRORS = ("position_error", "angle_error", "clearance", "self_clearance")
 EFFORTS = ("iterations", "starts")

@@ -6,8 +6,8 @@ from concurrent.futures import Future
 from typing import Any
 from uuid import uuid4
 
-from sinuous.batch.engines.engine import Engine, LostError, pickled
-from sinuous.batch.tables.blocks import Block
+from sinuous.batch.engines import PER_WORKER, Engine, LostError, pickled
+from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task, Work
 from sinuous.errors import InputError
 
@@ -17,10 +17,14 @@ LOCAL = "local"
 PATIENCE = 20.0
 """Seconds that a scheduler has to answer."""
 
-PER_WORKER = 2
+CLOSING = 2.0
+"""Seconds that a cluster has to close when it must end now."""
+
+WHY_LENGTH = 120
+"""Letters of what Dask says that are repeated."""
 
 LOGGERS = "distributed", "tornado", "asyncio"
-"""What would tell on many lines that a connection ended."""
+"""Packages that would log on many lines that a connection ended."""
 
 
 def distributed() -> Any:
@@ -39,14 +43,14 @@ def distributed() -> Any:
     return module
 
 
-def _do(name: str, task: Task) -> Block:
-    """Solve a chunk with the work that this worker has."""
+def _solve(name: str, task: Task) -> Block:
+    """In a worker: solve a chunk with the work that it has."""
     work: Work = distributed().get_worker().plugins[name].work
     return work(task)
 
 
 def _plugin(data: bytes, name: str) -> Any:
-    """Make what brings the work to every worker, also to those that join later: once, with kernels loaded."""
+    """Return a plugin that brings the work once to every worker, also to those that join later, and loads kernels."""
 
     class Bring(distributed().WorkerPlugin):  # type: ignore[misc]
         """See `_plugin`."""
@@ -89,7 +93,7 @@ class Dask(Engine):
             self.close(now=True)
             raise LostError(f"the workers could not be prepared: {type(error).__name__}: {error}") from None
         self._pool = self._client.get_executor(pure=False)
-        self.hands = PER_WORKER * max(1, sum(self._client.nthreads().values()))
+        self.most_in_flight = PER_WORKER * max(1, sum(self._client.nthreads().values()))
 
     def _connect(self, module: Any, where: str, workers: int) -> Any:
         """Begin a client, and perhaps workers; what ends a run is said in one line, and not on many by loggers."""
@@ -102,20 +106,20 @@ class Dask(Engine):
                 self._own.append(module.LocalCluster(silence_logs=logging.CRITICAL, **settings))
             client = module.Client(self._own[0] if self._own else where, timeout=PATIENCE)
         except (OSError, ValueError, TypeError) as error:
-            told = " ".join(str(error).split())[:120]
-            raise InputError("dask", told or "no answer", where, "the address of a scheduler that runs") from None
+            why = " ".join(str(error).split())[:WHY_LENGTH]
+            raise InputError("dask", why or "no answer", where, "the address of a scheduler that runs") from None
         self._own.insert(0, client)
         return client
 
     def submit(self, task: Task) -> "Future[Block]":
-        """Give a chunk out; a worker that dies is replaced by another one, up to three times."""
+        """Hand a task to a worker; a worker that dies is replaced by another one, up to three times."""
         if self._client.status != "running":
             raise LostError(self.gone)
-        future: Future[Block] = self._pool.submit(_do, self._name, task)
+        future: Future[Block] = self._pool.submit(_solve, self._name, task)
         return future
 
-    def mend(self) -> None:
-        """There is nothing to mend: without a scheduler all is lost."""
+    def restart(self) -> None:
+        """Refuse: without a scheduler all is lost."""
         raise LostError(self.gone)
 
     def close(self, now: bool) -> None:
@@ -123,5 +127,5 @@ class Dask(Engine):
         if not self._own and not now:
             self._client.unregister_worker_plugin(self._name)
         for each in self._own:
-            each.close(timeout=2 if now else PATIENCE)
+            each.close(timeout=CLOSING if now else PATIENCE)
         self._own.clear()

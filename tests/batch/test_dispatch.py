@@ -8,11 +8,9 @@ from typing import Any
 
 import pytest
 
-from sinuous.batch.conduct import TRIES, Conductor
-from sinuous.batch.engines.engine import Engine, LostError
-from sinuous.batch.engines.processes import Given, Processes
-from sinuous.batch.engines.threads import Threads
-from sinuous.batch.tables.blocks import Block
+from sinuous.batch.dispatch import MOST_TRIES, Dispatcher
+from sinuous.batch.engines import Engine, GivenExecutor, LostError, Processes, Threads
+from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task
 from tests.batch.poison import Poisonous
 from tests.batch.questions import points
@@ -25,14 +23,14 @@ def tasks() -> Iterator[Task]:
         yield Task(number, number * ROWS, {"positions": points(CHUNKS * ROWS)[number * ROWS : (number + 1) * ROWS]})
 
 
-def conduct(engine: Engine) -> tuple[Conductor, list[int]]:
+def dispatch(engine: Engine) -> tuple[Dispatcher, list[int]]:
     kept: list[int] = []
-    conductor = Conductor(engine, tasks(), lambda task, block: kept.append(task.number))
+    dispatcher = Dispatcher(engine, tasks(), lambda task, block: kept.append(task.number))
     try:
-        conductor.run()
+        dispatcher.run()
     finally:
         engine.close(now=False)
-    return conductor, kept
+    return dispatcher, kept
 
 
 def tried(folder: Path) -> Counter[int]:
@@ -40,22 +38,22 @@ def tried(folder: Path) -> Counter[int]:
 
 
 def test_a_chunk_that_fails_is_tried_three_times_and_reported(tmp_path: Path) -> None:
-    conductor, kept = conduct(Threads(Poisonous(tmp_path, raising=2), 2))
-    (failed,) = conductor.failed
+    dispatcher, kept = dispatch(Threads(Poisonous(tmp_path, raising=2), 2))
+    (failed,) = dispatcher.failed
     assert (failed.number, failed.first, failed.last) == (2, 11, 15)
     assert failed.why == "RuntimeError: as asked"
     assert sorted(kept) == [0, 1, 3, 4, 5, 6]
-    assert tried(tmp_path)[2] == TRIES
+    assert tried(tmp_path)[2] == MOST_TRIES
 
 
 def test_workers_that_die_are_replaced_and_only_the_guilty_chunk_is_given_up(tmp_path: Path) -> None:
-    conductor, kept = conduct(Processes(Poisonous(tmp_path, killing=1, unlucky=4), 2))
-    (failed,) = conductor.failed
+    dispatcher, kept = dispatch(Processes(Poisonous(tmp_path, killing=1, unlucky=4), 2))
+    (failed,) = dispatcher.failed
     assert failed.number == 1
     assert "process" in failed.why
     assert sorted(kept) == [0, 2, 3, 4, 5, 6]  # nothing lost, nothing twice
-    assert tried(tmp_path)[1] <= TRIES
-    assert max(tried(tmp_path).values()) <= TRIES
+    assert tried(tmp_path)[1] <= MOST_TRIES
+    assert max(tried(tmp_path).values()) <= MOST_TRIES
 
 
 class Brittle(Executor):
@@ -76,14 +74,14 @@ class Brittle(Executor):
 
 def test_an_executor_that_breaks_is_not_ours_to_mend(tmp_path: Path) -> None:
     with pytest.raises(LostError, match="broke"):
-        conduct(Given(Poisonous(tmp_path), Brittle(), 1))
+        dispatch(GivenExecutor(Poisonous(tmp_path), Brittle(), 1))
 
 
 def test_an_executor_that_takes_no_more_is_lost(tmp_path: Path) -> None:
     pool = ThreadPoolExecutor(1)
     pool.shutdown()
     with pytest.raises(LostError, match="takes no more"):
-        conduct(Given(Poisonous(tmp_path), pool, 1))
+        dispatch(GivenExecutor(Poisonous(tmp_path), pool, 1))
 
 
 def test_what_cannot_be_kept_ends_it(tmp_path: Path) -> None:
@@ -92,5 +90,5 @@ def test_what_cannot_be_kept_ends_it(tmp_path: Path) -> None:
 
     engine = Threads(Poisonous(tmp_path), 2)
     with pytest.raises(OSError, match="No space"):
-        Conductor(engine, tasks(), keep).run()
+        Dispatcher(engine, tasks(), keep).run()
     engine.close(now=True)

@@ -5,7 +5,7 @@ import pytest
 
 from sinuous import Box, Problem, Robot, Sphere, Target, pose
 from sinuous.measures.body import least_clearance, segment_ends
-from sinuous.solution.binding.contacts import contacts_of
+from sinuous.solution.contacts import contacts_of
 from tests.helpers import Floats
 
 ROBOT = Robot.uniform(4, (0.5, 1.0), 2.5, radius=0.06, base=pose((0.1, 0.2, 0.3), direction=(1, 1, 1)), mount=0.1)

@@ -9,14 +9,17 @@ from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 
-COARSE, ROUNDS = 16, 6
-"""Pieces that a segment is divided into at first, and how often those that might touch are halved."""
+FIRST_PIECES = 16
+"""Pieces that a segment is divided into at first."""
 
-PLACES = 480
-"""Places of the body, of all segments together, that are held against each other."""
+HALVINGS = 6
+"""How often pieces that might touch an obstacle are halved."""
+
+SELF_PLACES = 480
+"""Places of the body, of all segments together, that are compared with each other."""
 
 TOUCHING = 1e-3
-"""Clearance up to which the body counts as touching, in robot lengths."""
+"""Clearance up to which the body counts as touching, in mean lengths of the robot."""
 
 
 class Contact(NamedTuple):
@@ -33,6 +36,8 @@ class Contact(NamedTuple):
         Of the clearance, by bends (rad) and lengths (length unit).
     other_segment : int or None
         The segment that it touches, where the body touches itself: not beyond `segment`.
+    inside : bool
+        Whether the body has to stay inside the obstacle.
     """
 
     segment: int
@@ -40,6 +45,7 @@ class Contact(NamedTuple):
     clearance: float
     gradient: Floats
     other_segment: int | None = None
+    inside: bool = False
 
 
 class _Places(NamedTuple):
@@ -48,6 +54,12 @@ class _Places(NamedTuple):
     segments: NDArray[np.intp]
     along: Floats
     points: Floats
+
+
+def all_contacts(problem: Problem, q: Floats) -> list[Contact]:
+    """List contacts of the body in configuration `q` (n, 3) with obstacles and with itself, deepest first."""
+    contacts = [*contacts_of(problem, q), *self_contacts_of(problem, q)]
+    return sorted(contacts, key=lambda contact: contact.clearance)
 
 
 def contacts_of(problem: Problem, q: Floats, margin: float | None = None) -> list[Contact]:
@@ -64,7 +76,8 @@ def contacts_of(problem: Problem, q: Floats, margin: float | None = None) -> lis
         for m in _deepest(places, clearances, reach):
             place = int(places.segments[m]), float(places.along[m]), places.points[m]
             gradient = _gradient(robot, q, place, slopes[m])
-            found.append(Contact(place[0] + 1, scene.name(i), float(clearances[m]), gradient))
+            own = place[0] + 1, scene.name(i), float(clearances[m]), gradient
+            found.append(Contact(*own, inside=getattr(scene.obstacles[i], "inside", False)))
     return sorted(found, key=lambda contact: contact.clearance)
 
 
@@ -73,11 +86,11 @@ def _near(problem: Problem, q: Floats, reach: float) -> _Places:
     robot, ends = problem.robot, problem.robot.forward(q)
     starts = np.concatenate([robot.base[None], ends[:-1]])
     radii, begin = np.array(robot.radii), np.concatenate([[0.0], np.cumsum(q[:, 2])[:-1]])
-    segments = np.repeat(np.arange(len(robot)), COARSE + 1)
-    along = np.tile(np.linspace(0.0, 1.0, COARSE + 1), len(robot))
-    step = 1.0 / COARSE
+    segments = np.repeat(np.arange(len(robot)), FIRST_PIECES + 1)
+    along = np.tile(np.linspace(0.0, 1.0, FIRST_PIECES + 1), len(robot))
+    step = 1.0 / FIRST_PIECES
     kept = [_Places(segments[:0], along[:0], np.empty((0, 3)))]
-    for _ in range(ROUNDS):
+    for _ in range(HALVINGS):
         free = begin[segments] + along * q[segments, 2] >= robot.mount
         segments, along = segments[free], along[free]
         points = _points(starts[segments], q[segments], along)
@@ -132,9 +145,9 @@ def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
     from scipy.spatial.distance import cdist  # noqa: PLC0415
 
     robot, unit = problem.robot, problem.robot.mean_length
-    if not robot.avoids_itself or len(robot) > PLACES // 4:
+    if not robot.avoids_itself or len(robot) > SELF_PLACES // 4:
         return []
-    count = PLACES // len(robot)
+    count = SELF_PLACES // len(robot)
     along = np.tile(np.linspace(0.0, 1.0, count + 1), len(robot))
     segments = np.repeat(np.arange(len(robot)), count + 1)
     starts = np.concatenate([robot.base[None], robot.forward(q)[:-1]])

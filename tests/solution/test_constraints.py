@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous import Actuators, Chambers, Robot, Segment, Tendons
-from sinuous.solution.binding.limits import limits_of, normal
+from sinuous.solution.constraints import limits_of, normal
 from tests.helpers import Floats
 
 ROBOT = Robot(

@@ -8,11 +8,11 @@ import pytest
 from scipy.optimize import minimize
 
 import sinuous as sn
-from sinuous.solution.binding.binding import Binding, find_binding
-from sinuous.solution.binding.limits import limits_of
-from sinuous.solution.binding.pull import pull_of
-from sinuous.solution.remedies.limits import Widening, plain, widened
-from sinuous.solution.remedies.limits import limits_of as limits_to_widen
+from sinuous.solution.binding import Binding, find_binding
+from sinuous.solution.constraints import limits_of
+from sinuous.solution.residual import residual_of
+from sinuous.solution.widening import Widening, plain
+from sinuous.solution.widening import limits_of as limits_to_widen
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
 
@@ -105,11 +105,11 @@ def best_of(problem: sn.Problem, start: Any) -> tuple[Any, float]:
         return np.array([limit.slack for limit in limits_of(problem.robot, x.reshape(start.shape))])
 
     def merit(x: Any) -> float:
-        return 0.5 * float(((unit * pull_of(problem, x.reshape(start.shape)).misses) ** 2).sum())
+        return 0.5 * float(((unit * residual_of(problem, x.reshape(start.shape)).value) ** 2).sum())
 
     def slope(x: Any) -> Any:
-        pull = pull_of(problem, x.reshape(start.shape))
-        return -(unit**2 * pull.misses) @ pull.rows
+        residual = residual_of(problem, x.reshape(start.shape))
+        return -(unit**2 * residual.value) @ residual.jacobian
 
     x, least = start.ravel(), math.inf
     for _ in range(20):  # it stops early, and goes on when begun anew
@@ -154,7 +154,7 @@ def wider(problem: sn.Problem, segment: int | None, key: str | None) -> sn.Probl
     limits = limits_to_widen(problem.robot, name, segment)
     assert limits is not None
     ends = frozenset({int(end[0]) if end else 0})
-    return problem.changed(robot=widened(problem.robot, Widening(name, (segment,), limits, ends), 1e-3))
+    return problem.changed(robot=Widening(name, (segment,), limits, ends).applied(problem.robot, 1e-3))
 
 
 def test_entries_are_plain_values_in_order() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.solution.remedies.remedy import Remedy
+from sinuous.solution.remedies import Remedy
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.0), max_bend=0.5, radius=0.1)
 BENDY = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.1)
@@ -249,3 +249,33 @@ def test_without_time_nothing_is_told_that_was_not_tried() -> None:
     assert explanation.remedies == ()
     assert not explanation.complete
     assert "the time was too short to try everything" in str(explanation)
+
+
+BELLOWS = sn.Robot.uniform(
+    3, (40, 75), chambers=sn.Chambers(3, 9, length=(35, 80)), base=sn.pose(direction=(0, 0, -1)), radius=8
+)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_nearest_is_no_farther_than_the_best_that_was_found(seed: int) -> None:
+    """A tip whose place no search finds anew is offered with the start from which it is met."""
+    place = 100.0, 30.0, -130.0
+    target = sn.Target(place, direction=(0, 0, 1))
+    solution = sn.solve(BELLOWS, target, seed=seed)
+    assert solution.position_error is not None
+    remedies = helped(solution)
+    for key in ("position", "direction"):
+        remedy = remedies[f"target {key}"]
+        then = sn.solve(BELLOWS, target.changed(**{key: remedy.after}), initial=remedy.start, seed=seed)
+        assert then.solved
+        assert then.verify().ok
+        assert ("start" in remedy.to_dict()) == (remedy.start is not None) == ("start" in str(remedy))
+    assert math.dist(remedies["target position"].after, place) <= 1.1 * solution.position_error
+
+
+def test_a_body_is_not_allowed_to_run_through_itself() -> None:
+    """No remedy that a real robot cannot follow."""
+    robot = sn.Robot.uniform(2, 1.0, 3.9, radius=0.25)
+    solution = sn.solve(robot, sn.Target((0, 0, 0.1)), max_starts=20)
+    assert any(each.constraint == "self_clearance" or each.key == "radius" for each in solution.binding)
+    assert "self_collision" not in helped(solution)

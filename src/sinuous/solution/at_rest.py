@@ -1,7 +1,7 @@
-"""The configuration where the pull of the targets and the limits come to rest, near one where a search gave up.
+"""The best configuration within the limits near one where a search gave up: the residual of the targets is least there.
 
-A search gives a start up that gains little, and so short of the place where limits balance the targets. A few
-Gauss-Newton steps go on from there, each the solution of a small problem with all limits as linear inequalities:
+A search gives up a start that gains little, and so short of the place where limits balance the targets. A few damped
+Gauss-Newton steps go on from there. Each is the solution of a small problem with all limits as linear inequalities:
 least-distance programming (Lawson & Hanson 1974, chapter 23), by nonnegative least squares.
 """
 
@@ -10,21 +10,26 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
-from sinuous.solution.binding.limits import Limit, limits_of, normal
-from sinuous.solution.binding.nonnegative import nonnegative_least_squares
-from sinuous.solution.binding.pull import pull_of
+from sinuous.solution.constraints import Limit, limits_of, normal
+from sinuous.solution.residual import residual_of
 
-STEPS = 30
-"""Most steps, taken or refused."""
+MOST_STEPS = 30
+"""Most Gauss-Newton steps, accepted or refused."""
 
 GAIN = 1e-8
-"""Share of the residual that a step has to gain."""
+"""Share of the squared residual by which a step has to lower it, or the search ends."""
+
+FIRST_DAMPING = 1e-3
+"""Damping of the first step, relative to the squared residual; ten times as much after a step that was refused."""
+
+LEAST_MERIT = 1e-9
+"""Squared residual below which the damping shrinks no more."""
 
 ROUNDING = 1e-13
 """Damping, relative to the square of the derivatives, below which rounding could make their factors imaginary."""
 
-MOST = 600
-"""Coordinates of the largest robot for which this is done; the cost grows with their cube."""
+MOST_COORDINATES = 600
+"""Coordinates (3 n) of the largest robot for which this is done: the cost grows with their cube."""
 
 
 def at_rest(problem: Problem, q: Floats) -> Floats:
@@ -33,21 +38,27 @@ def at_rest(problem: Problem, q: Floats) -> Floats:
     Obstacles are not looked at.
     """
     robot, count = problem.robot, len(problem.robot)
-    if q.size > MOST:
+    if q.size > MOST_COORDINATES:
         return q
     unit = robot.mean_length / count
     scale = np.array([1.0, 1.0, unit])
-    pull, limits, damping = pull_of(problem, q), list(limits_of(robot, q)), 1e-3
-    for _ in range(STEPS):
-        merit = float(pull.misses @ pull.misses)
+    residual, limits, damping = residual_of(problem, q), list(limits_of(robot, q)), FIRST_DAMPING
+    for _ in range(MOST_STEPS):
+        merit = float(residual.value @ residual.value)
         normals = np.array([normal(limit, unit) for limit in limits])
         slacks = np.maximum(0.0, [limit.slack for limit in limits])
-        motion = _least(pull.rows * np.tile(scale, count), pull.misses, damping * max(merit, 1e-9), normals, slacks)
-        tried = _within(robot, q, limits, q + motion.reshape(-1, 3) * scale)
-        found = pull_of(problem, tried)
-        gained = merit - float(found.misses @ found.misses)
+        step = _bounded_step(
+            residual.jacobian * np.tile(scale, count),
+            residual.value,
+            damping * max(merit, LEAST_MERIT),
+            normals,
+            slacks,
+        )
+        tried = _within(robot, q, limits, q + step.reshape(-1, 3) * scale)
+        found = residual_of(problem, tried)
+        gained = merit - float(found.value @ found.value)
         if gained > 0.0:
-            q, pull, limits, damping = tried, found, list(limits_of(robot, tried)), 0.1 * damping
+            q, residual, limits, damping = tried, found, list(limits_of(robot, tried)), 0.1 * damping
             if gained < GAIN * merit:
                 break
         else:
@@ -55,19 +66,19 @@ def at_rest(problem: Problem, q: Floats) -> Floats:
     return q
 
 
-def _least(rows: Floats, misses: Floats, damping: float, normals: Floats, slacks: Floats) -> Floats:
-    """The motion x (3 n,) with least `|rows x - misses|^2 + damping |x|^2` of those with `normals x <= slacks`."""
+def _bounded_step(rows: Floats, residual: Floats, damping: float, normals: Floats, slacks: Floats) -> Floats:
+    """The step x (3 n,) with least `|rows x - residual|^2 + damping |x|^2` of those with `normals x <= slacks`."""
     square = rows.T @ rows
     root = np.linalg.cholesky(square + (damping + ROUNDING * np.trace(square)) * np.eye(len(square)))
-    free = np.linalg.solve(root, rows.T @ misses)
+    free = np.linalg.solve(root, rows.T @ residual)
     across = np.linalg.solve(root, normals.T).T
     system = np.vstack([-across.T, across @ free - slacks])
     wanted = np.zeros(len(system))
     wanted[-1] = 1.0
     left = system @ nonnegative_least_squares(system, wanted) - wanted
     shift = -left[:-1] / left[-1] if left[-1] != 0.0 else np.zeros_like(free)
-    motion: Floats = np.linalg.solve(root.T, free + shift)
-    return motion
+    step: Floats = np.linalg.solve(root.T, free + shift)
+    return step
 
 
 def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) -> Floats:
@@ -88,4 +99,16 @@ def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) ->
         if limit.slack < 0.0 < was.slack - limit.slack:
             share = min(share, max(0.0, was.slack) / (was.slack - limit.slack))
     result: Floats = before + share * (q - before)
+    return result
+
+
+def nonnegative_least_squares(system: Floats, wanted: Floats) -> Floats:
+    """Return x (k,) >= 0 with the least `|system x - wanted|`, for `system` (m, k) and `wanted` (m,)."""
+    from scipy.optimize import lsq_linear, nnls  # noqa: PLC0415
+
+    try:
+        result: Floats = nnls(system, wanted)[0]
+    except RuntimeError:
+        # Columns that are equal but for rounding can let the active set go round in circles; this one cannot.
+        result = lsq_linear(system, wanted, bounds=(0.0, np.inf)).x
     return result

@@ -1,17 +1,28 @@
 """How a solution solves again: what it keeps of the solver that found it."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-
-if TYPE_CHECKING:
-    from sinuous.problem.problem import Problem
-    from sinuous.solution.solution import Solution
+from sinuous.problem.problem import Problem
 
 
-class Again(Protocol):
+class Found(Protocol):
+    """What a solve returns: a `Solution`."""
+
+    @property
+    def solved(self) -> bool:
+        """Whether it is solved and proved."""
+        ...
+
+    @property
+    def q(self) -> Floats:
+        """Configuration (n, 3)."""
+        ...
+
+
+class ReSolver(Protocol):
     """Solves problems with the options of an earlier solve; small, and can be pickled."""
 
     @property
@@ -34,7 +45,7 @@ class Again(Protocol):
         """Most starts of a solve."""
         ...
 
-    def solve(self, problem: "Problem", initial: Floats | None = None, **options: Any) -> "Solution":
+    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
 
         Among them may be `within`: the changes from there that are allowed.
@@ -43,7 +54,7 @@ class Again(Protocol):
 
 
 @dataclass(frozen=True)
-class Elsewhere:
+class LoadedResult:
     """Stands in where a solution was read from a file, which does not say with which options it was found."""
 
     method: str
@@ -51,7 +62,7 @@ class Elsewhere:
     seconds: float = 0.0
     max_starts: int = 0
 
-    def solve(self, problem: "Problem", initial: Floats | None = None, **options: Any) -> "Solution":
+    def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Refuse: see the class."""
         raise InputError(
             "explain", "its options are not known", self.method, "a solution that was not read from a file"

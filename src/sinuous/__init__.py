@@ -6,7 +6,7 @@ Names are imported when they are first used, so that `import sinuous` costs next
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from sinuous.notebook import Face
+from sinuous.notebook import NotebookMixin
 
 __version__ = "0.2.0.dev0"
 
@@ -175,7 +175,7 @@ def _html(noun: Any) -> str:
     return html
 
 
-Face.html = _html
+NotebookMixin._html_renderer = _html
 
 
 def __dir__() -> list[str]:

@@ -16,7 +16,7 @@ from sinuous.motion.start import check_limits
 from sinuous.motion.times import even_times
 from sinuous.motion.told import Told
 from sinuous.motion.uses import Uses
-from sinuous.notebook import Shown
+from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
@@ -36,7 +36,7 @@ Between = Literal["proved", "unproved"]
 """What is known of the motion between knots: all of it is proved clear, or some step is not."""
 
 
-class Motion(Shown, Uses):
+class Motion(NotebookMixin, Uses):
     """Configurations at times, linear in q from each to the next; frozen.
 
     `track` and `plan` return one. Made of configurations from elsewhere, it proves what there is to prove.

@@ -9,7 +9,7 @@ from benchmarks.judges.clearances import least_clearance
 from benchmarks.places.parts.surfaces import Faces
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.checks import Floats
-from sinuous.pictures.shapes.surfaces import obstacle_surface
+from sinuous.display.obstacles import obstacle_surface
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
@@ -52,7 +52,7 @@ def triangles(obstacle: Obstacle) -> Floats:
     if isinstance(obstacle, Mesh):
         corners: Floats = obstacle.vertices[obstacle.faces]
         return corners
-    facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE)
+    facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE).facets
     return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
 
 

@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
     from sinuous.pictures.animate import animate as animate
+    from sinuous.pictures.assessment import plot_assessment as plot_assessment
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
-    from sinuous.pictures.surveys.assessment import plot_assessment as plot_assessment
-    from sinuous.pictures.surveys.workspace import plot_reach as plot_reach
+    from sinuous.pictures.workspace import plot_reach as plot_reach
     from sinuous.poses import pose as pose
     from sinuous.problem.curve import Curve as Curve
     from sinuous.problem.path import Path as Path
@@ -120,8 +120,8 @@ _HOMES = {
     "pictures.animate": ("animate",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
-    "pictures.surveys.assessment": ("plot_assessment",),
-    "pictures.surveys.workspace": ("plot_reach",),
+    "pictures.assessment": ("plot_assessment",),
+    "pictures.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.curve": ("Curve",),
     "problem.path": ("Path",),

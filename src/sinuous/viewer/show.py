@@ -4,12 +4,12 @@ import html as markup
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from sinuous.display.contents import gather
 from sinuous.errors import InputError
-from sinuous.pictures.contents import Contents, gather
 
 HEIGHT = 480
 """Of a page in a notebook, in pixels."""
@@ -36,7 +36,7 @@ def show(*things: Any, path: str | Path | None = None) -> None:
     if path is not None:
         check_page("path", Path(path))
     require_viser("path" if path is not None else "things", path)
-    page = page_of(gather(things))
+    page = _page(things)
     if path is not None:
         _write(Path(path), page)
     elif "IPython" in sys.modules and (shell := _notebook()) is not None:
@@ -48,12 +48,12 @@ def show(*things: Any, path: str | Path | None = None) -> None:
 
 
 def check_page(key: str, file: Path) -> None:
-    """Refuse a file that is no page.
+    """Refuse a file name that does not end in `.html`, before anything is solved.
 
     Raises
     ------
     InputError
-        When it has another ending, or viser is missing.
+        For another ending, or when viser is missing.
     """
     if file.suffix.lower() != ".html":
         raise InputError(key, "", str(file), "a name that ends in .html")
@@ -75,11 +75,10 @@ def require_viser(key: str, value: object) -> None:
         raise InputError(key, "needs viser", value, "it installed: pip install sinuous[view]") from None
 
 
-def page_of(contents: Contents) -> str:
-    """Return the page that shows `contents`, as one HTML text that needs nothing else."""
-    from sinuous.viewer.drawing.recording import record  # noqa: PLC0415
+def _page(things: Iterable[Any]) -> str:
+    from sinuous.viewer.recording import record  # noqa: PLC0415
 
-    return record(contents)
+    return record(gather(things))
 
 
 def _notebook() -> Callable[[str], object] | None:

@@ -170,8 +170,14 @@ def test_a_slider_bends_a_segment(page: Page, fresh: Any) -> None:
 
 
 def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:
-    fresh.mouse.click(*projected(camera_of(page), np.array([0.2, 0.9, 1.2])))
-    until(lambda: page.model.grasped == 0, "the ball chosen")
+
+    def chosen() -> bool:
+        """Click on the ball; a slow browser may not have drawn it yet."""
+        fresh.mouse.click(*projected(camera_of(page), np.array([0.2, 0.9, 1.2])))
+        frames(fresh, 4)
+        return page.model.grasped == 0
+
+    until(chosen, "the ball chosen")
     until(lambda: page.scenery._grip is not None, "its gizmo")
 
     def center() -> Floats:

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from sinuous.methods.slinki.options import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
-    from sinuous.motion.leader.leader import follow_the_leader as follow_the_leader
-    from sinuous.motion.leader.stage import on_stage as on_stage
+    from sinuous.motion.leader import follow_the_leader as follow_the_leader
+    from sinuous.motion.leader import on_stage as on_stage
     from sinuous.motion.motion import Motion as Motion
     from sinuous.motion.plan import Planner as Planner
     from sinuous.motion.plan import plan as plan
-    from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
+    from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.assessment import plot_assessment as plot_assessment
     from sinuous.pictures.diagrams import diagram as diagram
@@ -74,7 +74,6 @@ if TYPE_CHECKING:
     from sinuous.scene.obstacles import HalfSpace as HalfSpace
     from sinuous.scene.obstacles import Sphere as Sphere
     from sinuous.scene.scene import Scene as Scene
-    from sinuous.solution.checking import check as check
     from sinuous.solution.explanation import Explanation as Explanation
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.solutions import Solutions as Solutions
@@ -83,6 +82,7 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
+    from sinuous.solution.verification import check as check
     from sinuous.solving.solve import solve as solve
     from sinuous.solving.solve import solve_all as solve_all
     from sinuous.solving.solver import Solver as Solver
@@ -111,12 +111,11 @@ _HOMES = {
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
     "motion.job": ("Job", "load"),
-    "motion.leader.leader": ("follow_the_leader",),
-    "motion.leader.stage": ("on_stage",),
+    "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),
     "motion.plan": ("Planner", "plan"),
-    "motion.timing.trajectory": ("Trajectory",),
     "motion.track": ("track",),
+    "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
@@ -141,13 +140,12 @@ _HOMES = {
     "scene.meshes.mesh": ("Mesh",),
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
     "scene.scene": ("Scene",),
-    "solution.checking": ("check",),
     "solution.explanation": ("Explanation",),
     "solution.solution": ("Solution",),
     "solution.solutions": ("Solutions",),
     "solution.status": ("Status",),
     "solution.step": ("Active", "Step"),
-    "solution.verification": ("Verification", "Verifications"),
+    "solution.verification": ("Verification", "Verifications", "check"),
     "solving.solve": ("solve", "solve_all"),
     "solving.solver": ("Solver",),
     "viewer.show": ("show",),

@@ -9,10 +9,10 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
 from sinuous.motion.following.room import Room
-from sinuous.motion.following.timetable import Timetable
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
-from sinuous.motion.plain import MOST_WAYPOINTS
+from sinuous.motion.report import MOST_WAYPOINTS
+from sinuous.motion.times import Timetable
 from sinuous.problem.asked import read_asked
 from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences

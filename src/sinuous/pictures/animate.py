@@ -15,11 +15,12 @@ from sinuous.display.bounds import Bounds
 from sinuous.display.contents import Contents, Things, gather
 from sinuous.display.style import ARMS, INK, PATH, ROUTE, TARGET, TIP_PATH, UNSOLVED, View
 from sinuous.errors import InputError
-from sinuous.pictures.files import MOVIES, check_picture, written
+from sinuous.pictures.files import MOVIES, check_picture
 from sinuous.pictures.paint import add, paint_arms, paint_walls, places_of, walls_of
 from sinuous.pictures.plot import as_view, draw_dots, draw_head, draw_lines, draw_surfaces, tip_path
 from sinuous.pictures.space import axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
 from sinuous.scene.courses.moving import Moving
+from sinuous.writing.documents import written
 
 AREA, DPI = 4.6, 110.0
 """Longer side of a moving picture, in inches, and pixels in one."""
@@ -75,7 +76,7 @@ def animate(
     rate = checks.integer("fps", fps, 1, 100)
     count = max(2, round(checks.number("seconds", seconds, above=0.0) * rate))
     contents = gather(things)
-    with written(file):
+    with written(file, "path"):
         write_movie(file, frames(contents, seen, count), rate)
 
 

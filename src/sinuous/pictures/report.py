@@ -8,9 +8,10 @@ from sinuous.display.contents import Contents, Things, gather
 from sinuous.motion.motion import Motion
 from sinuous.pictures.animate import animate
 from sinuous.pictures.diagrams import Kind, diagram, diagrams_of
-from sinuous.pictures.files import MOVIES, check_picture, written
+from sinuous.pictures.files import MOVIES, check_picture
 from sinuous.pictures.plot import draw_in, still
 from sinuous.pictures.space import axes_box, new_figure, room_of, sizes
+from sinuous.writing.documents import written
 
 SHOWN: tuple[Kind, ...] = ("times", "clearance", "actuators")
 """Diagrams beside a motion."""
@@ -41,7 +42,7 @@ def write_picture(path: str | Path, *things: Things) -> None:
     if file.suffix.lower().lstrip(".") in MOVIES:
         animate(*things, path=file, view=best_view(contents))
         return
-    with written(file):
+    with written(file, "path"):
         (_with_diagrams(contents) if contents.moving else still(contents)).savefig(file)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from sinuous.display.contents import gather
 from sinuous.errors import InputError
+from sinuous.writing.documents import written
 
 HEIGHT = 480
 """Of a page in a notebook, in pixels."""
@@ -38,7 +39,8 @@ def show(*things: Any, path: str | Path | None = None) -> None:
     require_viser("path" if path is not None else "things", path)
     page = _page(things)
     if path is not None:
-        _write(Path(path), page)
+        with written(path, "path"):
+            Path(path).write_text(page, encoding="utf-8")
     elif "IPython" in sys.modules and (shell := _notebook()) is not None:
         shell(_inline(page))
     else:
@@ -97,12 +99,3 @@ def _inline(page: str) -> str:
     """The page as a frame within another page."""
     style = f"width:100%;height:{HEIGHT}px;border:1px solid #ddd"
     return f'<div><iframe srcdoc="{markup.escape(page, quote=True)}" style="{style}"></iframe></div>'
-
-
-def _write(file: Path, page: str) -> None:
-    try:
-        file.write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "path", f"cannot be written: {error.strerror}", str(file), "a file that can be written"
-        ) from None

@@ -16,7 +16,7 @@ from sinuous.robot.limits import Violation
 from sinuous.robot.robot import Robot
 from sinuous.scene.nearest import least_gap
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.binding.wording import in_words
+from sinuous.solution.binding import in_words
 from sinuous.solution.solution import Solution
 from sinuous.viewer.model import Model
 

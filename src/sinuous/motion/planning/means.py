@@ -18,7 +18,7 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import OneSolve, Solver
-from sinuous.solving.starts.thinner import with_radii
+from sinuous.solving.thinner import with_radii
 
 ROOMS = (0.2, 0.05)
 """By how much thicker robots are thicker, in radii of each segment."""

@@ -179,6 +179,7 @@ class Solver:
         """Solve independent targets, as `solve` does one by one, on all cores.
 
         Whatever the number of workers, each answer is that of `solve`, to the last bit, unless its time runs out.
+        A target that is not solved, and not proved impossible, takes all of its time unless `max_starts` bounds it.
 
         Parameters
         ----------

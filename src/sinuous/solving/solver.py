@@ -406,6 +406,33 @@ class Solver:
         return self.configuration("initial", initial).reshape(1, len(self.robot), 3).copy()
 
 
+def solve(
+    robot: Robot,
+    target: Targets,
+    scene: SceneLike | None = None,
+    *,
+    initial: Initial | None = None,
+    **options: Unpack[SolveArguments],
+) -> Solution:
+    """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
+    return Solver.once(robot, scene, **options).solve(target, initial)
+
+
+def solve_all(
+    robot: Robot,
+    target: Targets,
+    scene: SceneLike | None = None,
+    *,
+    initial: Initial | None = None,
+    count: Whole = 8,
+    apart: Number = 0.02,
+    by: Kind | None = None,
+    **options: Unpack[SolveArguments],
+) -> list[Solution]:
+    """Find several solutions, ranked: by route or by shape; parameters as for `Solver` and `Solver.solve_all`."""
+    return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart, by=by)
+
+
 @dataclass(frozen=True)
 class SolvesAgain:
     """The options of a solver, kept by its solutions, so that they can solve again; see `sinuous.solution.resolver`.

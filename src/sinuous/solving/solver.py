@@ -14,7 +14,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
-from sinuous.methods.method import Call
+from sinuous.methods.prepared import Call
 from sinuous.problem.asked import read_asked
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of

@@ -83,9 +83,9 @@ if TYPE_CHECKING:
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
     from sinuous.solution.verification import check as check
-    from sinuous.solving.solve import solve as solve
-    from sinuous.solving.solve import solve_all as solve_all
     from sinuous.solving.solver import Solver as Solver
+    from sinuous.solving.solver import solve as solve
+    from sinuous.solving.solver import solve_all as solve_all
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
@@ -145,8 +145,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Active", "Step"),
     "solution.verification": ("Verification", "Verifications", "check"),
-    "solving.solve": ("solve", "solve_all"),
-    "solving.solver": ("Solver",),
+    "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),
     "workspace.reach": ("Reach",),

@@ -21,8 +21,11 @@ from sinuous.solving.search import UNDECIDED
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
 
-FREE, AMONG_OBSTACLES = 64, 4
-"""Fewest problems that are handed over in one call, if there are so many: a call costs as much as three free solves."""
+FREE = 64
+"""Fewest problems of one call without obstacles, if there are so many: a call costs as much as three such solves."""
+
+AMONG_OBSTACLES = 4
+"""Fewest problems of one call among obstacles, if there are so many."""
 
 PARTS = 4
 """Chunks a worker, where there are enough problems: some take a thousand times as long as others."""

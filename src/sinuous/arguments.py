@@ -97,7 +97,7 @@ StepConstraint = Literal[
     "actuator_rate",
     "acceleration",
 ]
-"""What may hold a step of a control loop back, in the order of `sinuous.kernels.velocity.working`."""
+"""What may hold a step of a control loop back, in the order of `sinuous.kernels.velocity.layout`."""
 
 StepStatus = Literal["reached", "held_back", "cut_short", "touching"]
 """How such a step ended."""

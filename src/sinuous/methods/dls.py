@@ -16,6 +16,7 @@ from sinuous.kernels.body.rows import Rows, carve_rows, pick_rows
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import project_segment
@@ -25,7 +26,7 @@ from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.judge import Answer, Check, offer
 from sinuous.methods.options import Options, count, number
 from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import Start, begin_from, compiled_search, cut, search_by
+from sinuous.methods.search import Start, begin_from, compiled_search, search_by
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -22,6 +22,7 @@ from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.actuation import straighten
@@ -31,7 +32,7 @@ from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
 from sinuous.methods.options import Options, count, number
 from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import Start, begin_from, compiled_search, cut, search_by
+from sinuous.methods.search import Start, begin_from, compiled_search, search_by
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

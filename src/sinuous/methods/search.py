@@ -15,7 +15,6 @@ from collections.abc import Callable
 from sinuous.checks import Floats
 from sinuous.kernels.clock import allow, begin, now, over
 from sinuous.kernels.compile import entry_around, kernel
-from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
@@ -56,13 +55,6 @@ NO_START = -1
 Follow = Callable[[Problem, Check, Array, Array, Start, Answer], tuple[int, bool]]
 
 Search = Callable[[Array, Array, Array, Array, Array, Budget, Array, Array], None]
-
-
-@kernel
-def cut(buffer: Array, rows: int, columns: int) -> tuple[Array, Array]:
-    """The beginning of a `buffer` (w,) as an array (rows, columns), and the rest of the buffer."""
-    size = rows * columns
-    return shaped(buffer[:size], (rows, columns)), buffer[size:]
 
 
 @kernel

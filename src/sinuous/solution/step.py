@@ -9,15 +9,14 @@ from sinuous.arguments import StepConstraint, StepStatus
 from sinuous.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.velocity import query as t
-from sinuous.kernels.velocity.asked import POSITION, TARGETS
-from sinuous.kernels.velocity.working import CLEARANCE, SELF_CLEARANCE
+from sinuous.kernels.velocity.layout import CLEARANCE, POSITION, SELF_CLEARANCE, TARGETS
 from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr, call
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
 CONSTRAINTS: tuple[StepConstraint, ...] = get_args(StepConstraint)
-"""What may hold a step back, in the order of `sinuous.kernels.velocity.working`."""
+"""What may hold a step back, in the order of `sinuous.kernels.velocity.layout`."""
 
 NEARLY = 1e-3
 """How far a motion of the tip may be from the one that was asked for, as a share of it, to count as reached."""
@@ -60,7 +59,7 @@ class Wanted(NamedTuple):
     dt : float
         Seconds.
     kind : int
-        See `sinuous.kernels.velocity.asked`.
+        See `sinuous.kernels.velocity.layout`.
     motion : tuple of float
         Of the tip in that time (6), rad and length unit.
     """
@@ -221,7 +220,7 @@ class Step:
 
     def _find_active(self) -> tuple[Active, ...]:
         first = t.SHAPE + self.q.size
-        rows = self._answer[first : first + t.PUSHING_WIDTH * int(self._answer[t.HELD])].reshape(-1, t.PUSHING_WIDTH)
+        rows = self._answer[first : first + t.ACTIVE_WIDTH * int(self._answer[t.ACTIVE])].reshape(-1, t.ACTIVE_WIDTH)
         ordered = rows[np.argsort(-rows[:, 0], kind="stable"), 1:].astype(np.int64).tolist()
         return tuple(dict.fromkeys(self._named(*row) for row in ordered))
 

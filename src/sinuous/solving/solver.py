@@ -35,7 +35,7 @@ from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solving.starts import Batch, Question
 from sinuous.solving.strategy import Strategy
-from sinuous.solving.velocity.stepping import ControlLoop
+from sinuous.solving.velocity import ControlLoop
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""

@@ -7,6 +7,7 @@ the second time means alone are carried. The step with m such rows is then, exac
     dq + sum over a of x_a H^-1 c_a,    sum over b of (c_a . H^-1 c_b + mu [a = b]) x_b = value_a - c_a . dq
 """
 
+from sinuous.kernels.body.rows import Rows
 from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add_scaled, dot, get_mat, get_vec, mat_vec, put_vec, vec_mat
@@ -18,16 +19,27 @@ LEAST = 1e-12
 
 
 @kernel
+def reply(
+    columns: Array, root: Array, weights: Array, a: int, first: int, rows: Rows, pull: Array, out: Array, coupled: bool
+) -> None:
+    """Fill `out` (n, 3) with `H^-1 c`, for the weights c in row `a` of `weights` from column `first` on.
+
+    The sweeps of the step have been made with these `columns`, `root` and `rows`; `pull` (n, 3) is scratch.
+    """
+    for k in range(columns.shape[0]):
+        L = get_mat(root, k, 0)
+        put_vec(pull, k, 0, mat_vec(L, vec_mat(get_vec(weights, a, first + 3 * k), L)))
+    sweeps.forward_again(columns, root, pull, rows, coupled)
+    sweeps.backward(columns, root, pull, rows, out, coupled)
+
+
+@kernel
 def couple(state: State, work: Work, mu: float, coupled: bool) -> None:
     """Add to `work.step`, which both sweeps just made, what the self-contacts of `state` ask for."""
     n, count = state.q.shape[0], int(state.norms[PAIRS])
     pairs, _, pull, replies, system = coupling_of(state, work)
     for a in range(count):
-        for k in range(n):
-            L = get_mat(work.root, k, 0)
-            put_vec(pull, k, 0, mat_vec(L, vec_mat(get_vec(pairs, a, WEIGHTS + 3 * k), L)))
-        sweeps.forward_again(state.columns, work.root, pull, state.rows, coupled)
-        sweeps.backward(state.columns, work.root, pull, state.rows, replies[a], coupled)
+        reply(state.columns, work.root, pairs, a, WEIGHTS, state.rows, pull, replies[a], coupled)
         for b in range(a + 1):
             system[a, b] = system[b, a] = _seen(pairs, b, replies[a])
         system[a, a] += mu + LEAST

@@ -1,7 +1,10 @@
-"""What bounds the motion of a tick: limits and rates of segments and actuators, contacts.
+"""What bounds a tick: limits and rates of segments and actuators.
 
 All bounds hold for no motion at all, so they never contradict each other: a limit that is exceeded already is one not
-to be exceeded further, and so is a gap that is used up. What is only wished for may stay unmet.
+to be exceeded further, and so is a gap that is used up. What is only wished for may stay unmet. Bounds of actuators are
+linear, and listed beforehand (`add_actuators`). Those of segments are discs and cones: a *cut* is the tangent plane at
+the place where a step leaves one, found when it does (`worst_cut`); what curvature leaves over is put right afterwards
+(`take`).
 """
 
 import math
@@ -11,37 +14,35 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import ZERO, Array, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH
-from sinuous.kernels.velocity.asked import (
-    BEFORE,
-    BEND_CHANGE,
-    BEND_TURN,
-    CHANGE,
-    LAST,
-    LEAST,
-    LENGTH_CHANGE,
-    LENGTH_TURN,
-    MOST,
-    TURN,
-    Asked,
-)
-from sinuous.kernels.velocity.working import (
+from sinuous.kernels.velocity.layout import (
     ACCELERATION,
     ACTUATOR,
     ACTUATOR_RATE,
+    BEFORE,
     BEND,
+    BEND_CHANGE,
     BEND_RATE,
+    BEND_SECOND,
+    CHANGE,
     CURVATURE,
     GAP,
     HIGH,
     KIND_HIGH,
     KIND_LOW,
+    LAST,
+    LEAST,
     LENGTH,
+    LENGTH_CHANGE,
     LENGTH_RATE,
+    LENGTH_SECOND,
     LOW,
+    MOST,
     OTHER,
+    SECOND,
     SEGMENT,
     WISHED_HIGH,
     WISHED_LOW,
+    Asked,
     Tick,
 )
 
@@ -59,44 +60,86 @@ LEFT = 1e-9
 
 Cut = namedtuple("Cut", ["excess", "weights", "soft", "kind"])
 """A bound of one segment that a step leaves: by how much, in units of the metric; weights of its coordinates, so that
-their sum has to be less by that excess; 1 for a mere wish; and what it is called."""
+their sum has to be less by that excess; 1 for a mere wish; and its kind."""
 
 NO_CUT = Cut(0.0, ZERO, 0, -1)
 
-Limits = namedtuple("Limits", ["limits", "boxes", "root", "start"])
+Limits = namedtuple("Limits", ["limits", "rates", "root", "start"])
 """What bounds the segments: their limits (n, 7), their rates (n, 7), the root of the metric (n, 9), and where the tick
 began (n, 3). No more than that: these are looked at some hundred times in a tick, and all that a call hands over takes
 time."""
 
 
 @kernel
-def add_lines(asked: Asked, tick: Tick, start: Array, first: int) -> int:
-    """Write the bounds of actuators, from row `first` on; `start` (n, 3) is where the tick began."""
-    n, at = tick.q.shape[0], first
-    own = 3 * n
-    for j in range(asked.lines.shape[0]):
-        line, row = asked.lines[j], tick.bounds[at]
-        began = value = size = 0.0
-        for k in range(n):
-            for i in range(3):
-                weight = line[3 * k + i]
-                row[3 * k + i] = weight
-                began, value = began + weight * start[k, i], value + weight * tick.q[k, i]
-                size += (tick.root[k, 4 * i] * weight) ** 2
-        size = math.sqrt(size)
-        if not size > 1e-12:
-            continue
+def along(weights: Array, motion: Array) -> float:
+    """What a row of weights (3 n or more,) sees of a motion (n, 3)."""
+    total = 0.0
+    for k in range(motion.shape[0]):
+        total += weights[3 * k] * motion[k, 0] + weights[3 * k + 1] * motion[k, 1] + weights[3 * k + 2] * motion[k, 2]
+    return total
+
+
+@kernel
+def size_of(root: Array, motion: Array) -> float:
+    """Norm of a motion (n, 3) in the metric with this root (n, 9): rad, and lengths of a mean segment."""
+    total = 0.0
+    for k in range(motion.shape[0]):
+        for i in range(3):
+            unit = root[k, 4 * i]
+            if unit > 0.0:
+                total += (motion[k, i] / unit) ** 2
+    return math.sqrt(total)
+
+
+@kernel
+def normalise(tick: Tick, at: int) -> float:
+    """Divide the weights of bound `at` by their norm in the metric, and return that; 0 where nothing can move it."""
+    row, size = tick.bounds[at], 0.0
+    for k in range(tick.q.shape[0]):
+        for i in range(3):
+            size += (tick.root[k, 4 * i] * row[3 * k + i]) ** 2
+    size = math.sqrt(size)
+    if not size > 1e-12:
+        return 0.0
+    for i in range(3 * tick.q.shape[0]):
+        row[i] /= size
+    return size
+
+
+@kernel
+def _range_of(actuator: Array, began: float) -> tuple[float, float, bool, bool]:
+    """Least and greatest value that an actuator may have in a tick, and whether these are its limits, not its rates.
+
+    `actuator` are its columns, `began` the value that it began with.
+    """
+    least, most = min(actuator[LEAST], began), max(actuator[MOST], began)
+    slowest, fastest = began - actuator[CHANGE], began + actuator[CHANGE]
+    return max(least, slowest), min(most, fastest), least >= slowest, most <= fastest
+
+
+@kernel
+def add_actuators(asked: Asked, tick: Tick, start: Array, first: int) -> int:
+    """Write the bounds of actuators, from row `first` on, and return the next free row.
+
+    `start` (n, 3) is where the tick began.
+    """
+    at, own = first, 3 * tick.q.shape[0]
+    for j in range(asked.actuators.shape[0]):
+        actuator, row = asked.actuators[j], tick.bounds[at]
         for i in range(own):
-            row[i] /= size
-        least, most = min(line[own + LEAST], began), max(line[own + MOST], began)
-        slowest, fastest = began - line[own + CHANGE], began + line[own + CHANGE]
-        row[own + KIND_LOW] = ACTUATOR if least >= slowest else ACTUATOR_RATE
-        row[own + KIND_HIGH] = ACTUATOR if most <= fastest else ACTUATOR_RATE
-        low, high = (max(least, slowest) - value) / size, (min(most, fastest) - value) / size
+            row[i] = actuator[i]
+        size = normalise(tick, at)
+        if size == 0.0:
+            continue
+        began, value = along(actuator, start), along(actuator, tick.q)
+        least, most, by_limit, by_other_limit = _range_of(actuator[own:], began)
+        row[own + KIND_LOW] = ACTUATOR if by_limit else ACTUATOR_RATE
+        row[own + KIND_HIGH] = ACTUATOR if by_other_limit else ACTUATOR_RATE
+        low, high = (least - value) / size, (most - value) / size
         inset = min(INSET, 0.5 * (high - low))
         row[own + LOW], row[own + HIGH] = low + inset, high - inset
-        aim = began + line[own + LAST] - value
-        row[own + WISHED_LOW], row[own + WISHED_HIGH] = (aim - line[own + TURN]) / size, (aim + line[own + TURN]) / size
+        aim, room = began + actuator[own + LAST] - value, actuator[own + SECOND]
+        row[own + WISHED_LOW], row[own + WISHED_HIGH] = (aim - room) / size, (aim + room) / size
         row[own + GAP], row[own + SEGMENT], row[own + OTHER] = math.inf, -1.0, j
         at += 1
     return at
@@ -120,7 +163,7 @@ def _disc(root: Array, k: int, bend: tuple[float, float], cap: float, slope: flo
 @kernel
 def _bend_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
     """The bound of the bend of segment `k` that the step from `q` leaves the most."""
-    limits, root, box, start = within.limits, within.root, within.boxes[k], within.start
+    limits, root, rates, start = within.limits, within.root, within.rates[k], within.start
     dx, dy = step[k, 0], step[k, 1]
     ux, uy, length = q[k, 0] + dx, q[k, 1] + dy, q[k, 2] + step[k, 2]
     x0, y0 = start[k, 0], start[k, 1]
@@ -132,11 +175,11 @@ def _bend_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
         cut = _disc(root, k, (ux, uy), cap, curvature, left, CURVATURE)
         if cut.excess > worst.excess:
             worst = cut
-    cap = box[BEND_CHANGE]
+    cap = rates[BEND_CHANGE]
     cut = _disc(root, k, (ux - x0, uy - y0), (1.0 - ROOM) * cap, 0.0, ROOM * cap, BEND_RATE)
     if cut.excess > worst.excess:
         worst = cut
-    cap, vx, vy = box[BEND_TURN], ux - x0 - box[BEFORE], uy - y0 - box[BEFORE + 1]
+    cap, vx, vy = rates[BEND_SECOND], ux - x0 - rates[BEFORE], uy - y0 - rates[BEFORE + 1]
     cut = _disc(root, k, (vx, vy), (1.0 - ROOM) * cap, 0.0, ROOM * cap, ACCELERATION)
     return cut if cut.excess > worst.excess else worst
 
@@ -144,21 +187,21 @@ def _bend_cut(within: Limits, q: Array, step: Array, k: int) -> Cut:
 @kernel
 def _cut_of(within: Limits, q: Array, step: Array, k: int) -> Cut:
     """The bound of segment `k` that the step from `q` leaves the most; its kind is -1 where it leaves none."""
-    worst, stretch, box, l0 = _bend_cut(within, q, step, k), within.root[k, 8], within.boxes[k], within.start[k, 2]
+    worst, stretch, rates, l0 = _bend_cut(within, q, step, k), within.root[k, 8], within.rates[k], within.start[k, 2]
     if not stretch > 0.0:
         return worst
-    length, along = q[k, 2] + step[k, 2], (0.0, 0.0, 1.0 / stretch)
+    length, axis = q[k, 2] + step[k, 2], (0.0, 0.0, 1.0 / stretch)
     least, most = min(within.limits[k, MIN_LENGTH], l0), max(within.limits[k, MAX_LENGTH], l0)
-    shortest, longest = l0 - box[LENGTH_CHANGE], l0 + box[LENGTH_CHANGE]
+    shortest, longest = l0 - rates[LENGTH_CHANGE], l0 + rates[LENGTH_CHANGE]
     under, over = (max(least, shortest) - length) / stretch, (length - min(most, longest)) / stretch
     if under > max(LEFT, worst.excess):
-        worst = Cut(under, scale(-1.0, along), 0, LENGTH if least >= shortest else LENGTH_RATE)
+        worst = Cut(under, scale(-1.0, axis), 0, LENGTH if least >= shortest else LENGTH_RATE)
     if over > max(LEFT, worst.excess):
-        worst = Cut(over, along, 0, LENGTH if most <= longest else LENGTH_RATE)
-    off = length - l0 - box[BEFORE + 2]
-    beyond = (abs(off) - box[LENGTH_TURN]) / stretch
+        worst = Cut(over, axis, 0, LENGTH if most <= longest else LENGTH_RATE)
+    off = length - l0 - rates[BEFORE + 2]
+    beyond = (abs(off) - rates[LENGTH_SECOND]) / stretch
     if beyond > max(LEFT, worst.excess):
-        worst = Cut(beyond, scale(1.0 if off > 0.0 else -1.0, along), 1, ACCELERATION)
+        worst = Cut(beyond, scale(1.0 if off > 0.0 else -1.0, axis), 1, ACCELERATION)
     return worst
 
 
@@ -179,36 +222,30 @@ def worst_cut(within: Limits, q: Array, step: Array, wishes: bool) -> tuple[Cut,
 @kernel
 def _put_within(problem: Problem, asked: Asked, tick: Tick, start: Array, k: int) -> None:
     """Put segment `k` of `tick.trial` within its limits and rates: by rounding, when the step has kept its bounds."""
-    limits, box, q = problem.limits, asked.boxes[k], tick.trial
+    limits, rates, q = problem.limits, asked.rates[k], tick.trial
     x0, y0, l0, curvature = start[k, 0], start[k, 1], start[k, 2], limits[k, MAX_CURVATURE]
     bent = math.hypot(x0, y0)
-    least = max(min(limits[k, MIN_LENGTH], l0), l0 - box[LENGTH_CHANGE])
-    q[k, 2] = min(max(q[k, 2], least), max(limits[k, MAX_LENGTH], l0), l0 + box[LENGTH_CHANGE])
+    least = max(min(limits[k, MIN_LENGTH], l0), l0 - rates[LENGTH_CHANGE])
+    q[k, 2] = min(max(q[k, 2], least), max(limits[k, MAX_LENGTH], l0), l0 + rates[LENGTH_CHANGE])
     cap, bend = max(limits[k, MAX_BEND], bent), math.hypot(q[k, 0], q[k, 1])
     if curvature < math.inf:
         cap = min(cap, curvature * q[k, 2] + max(0.0, bent - curvature * l0))
     if bend > cap:
         q[k, 0], q[k, 1] = q[k, 0] * cap / bend, q[k, 1] * cap / bend
     change = math.hypot(q[k, 0] - x0, q[k, 1] - y0)
-    if change > box[BEND_CHANGE]:  # towards the start, where all of them hold: they are convex
-        t = box[BEND_CHANGE] / change
+    if change > rates[BEND_CHANGE]:  # towards the start, where all of them hold: they are convex
+        t = rates[BEND_CHANGE] / change
         q[k, 0], q[k, 1], q[k, 2] = x0 + t * (q[k, 0] - x0), y0 + t * (q[k, 1] - y0), l0 + t * (q[k, 2] - l0)
 
 
 @kernel
-def _share_of_lines(asked: Asked, tick: Tick, start: Array) -> float:
+def _share_of_actuators(asked: Asked, tick: Tick, start: Array) -> float:
     """Largest share, of the way from `tick.q` to `tick.trial`, that keeps the limits and rates of actuators."""
-    n, t = tick.q.shape[0], 1.0
-    for j in range(asked.lines.shape[0]):
-        line = asked.lines[j]
-        began = value = aim = 0.0
-        for k in range(n):
-            for i in range(3):
-                weight = line[3 * k + i]
-                began, value = began + weight * start[k, i], value + weight * tick.q[k, i]
-                aim += weight * tick.trial[k, i]
-        least = max(min(line[3 * n + LEAST], began), began - line[3 * n + CHANGE])
-        most = min(max(line[3 * n + MOST], began), began + line[3 * n + CHANGE])
+    own, t = 3 * tick.q.shape[0], 1.0
+    for j in range(asked.actuators.shape[0]):
+        actuator = asked.actuators[j]
+        value, aim = along(actuator, tick.q), along(actuator, tick.trial)
+        least, most, _, _ = _range_of(actuator[own:], along(actuator, start))
         if aim > most:
             t = min(t, max(0.0, (most - value) / (aim - value)))
         elif aim < least:
@@ -224,7 +261,7 @@ def take(problem: Problem, asked: Asked, tick: Tick, start: Array) -> None:
         for i in range(3):
             tick.trial[k, i] = tick.q[k, i] + tick.step[k, i]
         _put_within(problem, asked, tick, start, k)
-    t = _share_of_lines(asked, tick, start)
+    t = _share_of_actuators(asked, tick, start)
     if t < 1.0:
         for k in range(n):
             for i in range(3):

@@ -19,7 +19,8 @@ from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import ZERO, Vec, add, cross, dot, get_vec, mat_vec, put_vec, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import RADIUS
-from sinuous.kernels.velocity.working import (
+from sinuous.kernels.velocity.bounds import normalise
+from sinuous.kernels.velocity.layout import (
     CLEARANCE,
     GAP,
     HIGH,
@@ -48,27 +49,19 @@ Look = namedtuple("Look", ["keep", "wish", "ahead"])
 
 
 @kernel
-def put_bound(tick: Tick, at: int, low: float, wish: float, gap: float) -> bool:
-    """Finish the bound in row `at`, whose weights are there, in units of the metric; say whether anything can move it.
+def _finish(tick: Tick, at: int, low: float, wish: float, gap: float, kind: int, segment: int, other: int) -> bool:
+    """Finish the bound in row `at`, whose weights are there; say whether anything can move it.
 
-    `low`: what its motion must be at least, `wish`: what it is wished to be.
+    `low`: what its motion must be at least, `wish`: what it is wished to be; then the gap (length), the kind, the
+    segment, and the obstacle or other segment.
     """
-    n = tick.q.shape[0]
-    row = tick.bounds[at]
-    size = 0.0
-    for k in range(n):
-        for i in range(3):
-            pull = tick.root[k, 4 * i] * row[3 * k + i]
-            size += pull * pull
-    size = math.sqrt(size)
-    if not size > 1e-12:
+    row, own, size = tick.bounds[at], 3 * tick.q.shape[0], normalise(tick, at)
+    if size == 0.0:
         return False
-    for i in range(3 * n):
-        row[i] /= size
-    own = 3 * n
     row[own + LOW], row[own + HIGH] = low / size, math.inf
     row[own + WISHED_LOW], row[own + WISHED_HIGH] = wish / size, math.inf
-    row[own + GAP] = gap
+    row[own + KIND_LOW] = row[own + KIND_HIGH] = kind
+    row[own + GAP], row[own + SEGMENT], row[own + OTHER] = gap, segment, other
     return True
 
 
@@ -118,10 +111,8 @@ def _place_for(tick: Tick, first: int, count: int, most: int, gap: float) -> int
 
 
 @kernel
-def _put_contact(
-    problem: Problem, tick: Tick, at: int, place: tuple[int, float, Vec], force: Vec, gap: float, look: Look
-) -> bool:
-    k, s, p = place
+def _put_contact(problem: Problem, tick: Tick, at: int, k: int, s: float, p: Vec, force: Vec) -> None:
+    """Write into row `at` how the place `p`, at fraction `s` of segment `k`, moves along the unit vector `force`."""
     origin = frame(tick.frames, 0)[1]
     torque = cross(sub(p, origin), force)
     shape = Shape(problem.limits, tick.q, tick.frames, tick.spans)
@@ -130,7 +121,6 @@ def _put_contact(
         if j == k:
             weights = pull_at(shape, origin, k, s, torque, force)
         put_vec(tick.bounds, at, 3 * j, weights)
-    return put_bound(tick, at, min(0.0, look.keep - gap), look.wish - gap, gap)
 
 
 @kernel
@@ -140,7 +130,6 @@ def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int
     Returns the next free row, and the least gap that was seen (infinite: none is below `look.ahead`).
     """
     count, least, mount = first, math.inf, problem.mount
-    own = 3 * tick.q.shape[0]
     for k in range(tick.q.shape[0]):
         start, length, radius = free_part(tick.q, k, mount), tick.q[k, 2], problem.limits[k, RADIUS]
         mount -= length
@@ -162,11 +151,10 @@ def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int
                 gap = d - radius
                 least = min(least, gap)
                 at = _place_for(tick, first, count, most, gap) if gap < look.ahead else -1
-                if at >= 0 and _put_contact(problem, tick, at, (k, s, p), g, gap, look):
-                    row = tick.bounds[at]
-                    row[own + KIND_LOW] = row[own + KIND_HIGH] = CLEARANCE
-                    row[own + SEGMENT], row[own + OTHER] = k, i
-                    count = max(count, at + 1)
+                if at >= 0:
+                    _put_contact(problem, tick, at, k, s, p, g)
+                    if _finish(tick, at, min(0.0, look.keep - gap), look.wish - gap, gap, CLEARANCE, k, i):
+                        count = max(count, at + 1)
     return count, least
 
 
@@ -177,7 +165,7 @@ def add_self_contacts(problem: Problem, tick: Tick, look: Look, first: int) -> t
         return first, math.inf
     shape = Shape(problem.limits, tick.q, tick.frames, tick.spans)
     found, least = self_contacts(shape, tick.columns, look.ahead, problem.unit, tick.pairs)
-    own, at = 3 * tick.q.shape[0], first
+    at = first
     for a in range(min(found, MOST_PAIRS)):
         gap = look.ahead - tick.pairs[a, VALUE] * problem.unit
         low = high = -1
@@ -187,9 +175,6 @@ def add_self_contacts(problem: Problem, tick: Tick, look: Look, first: int) -> t
             if dot(weights, weights) > 0.0:
                 low, high = k if low < 0 else low, k
         value = (look.keep - gap) / problem.unit
-        if put_bound(tick, at, min(0.0, value), value, gap):
-            row = tick.bounds[at]
-            row[own + KIND_LOW] = row[own + KIND_HIGH] = SELF_CLEARANCE
-            row[own + SEGMENT], row[own + OTHER] = low, high
+        if _finish(tick, at, min(0.0, value), value, gap, SELF_CLEARANCE, low, high):
             at += 1
     return at, least

@@ -1,16 +1,19 @@
-"""What Python asks of a control loop: where to go in one tick."""
+"""One tick of a control loop: steps within all bounds, then the proof of the motion.
+
+The step is the damped one of `velocity.active_set`; towards targets there may be several, one after the other. What is
+proved clear of the motion from start to end, linear in q, is taken.
+"""
 
 import math
 
 from sinuous.kernels.between.obstacles import Aim
 from sinuous.kernels.between.proof import prove_between
-from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion
+from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, measure_rates
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, forward_with_columns, frame
-from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import allow, begin, late
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import coarseness, number_of
@@ -35,11 +38,24 @@ from sinuous.kernels.step.newton import FINEST, SAMPLED_SLACK, SLACK, add_target
 from sinuous.kernels.step.states import State
 from sinuous.kernels.step.targets import NONE, X, Y, Z, end_pose, put_row
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
-from sinuous.kernels.velocity.asked import BEFORE, BEND_CHANGE, LENGTH_CHANGE, POSE, TARGETS, Asked, read_asked
-from sinuous.kernels.velocity.bounded import EXACT, GAIN, damped, size_of
-from sinuous.kernels.velocity.bounds import add_lines, take
+from sinuous.kernels.velocity.active_set import EXACT, GAIN, constrained_step
+from sinuous.kernels.velocity.bounds import add_actuators, size_of, take
 from sinuous.kernels.velocity.contacts import Look, add_contacts, add_self_contacts
-from sinuous.kernels.velocity.working import FORCE, WHAT, WHERE, WHICH, Tick, carve_tick
+from sinuous.kernels.velocity.layout import (
+    BEFORE,
+    BEND_CHANGE,
+    LENGTH_CHANGE,
+    MULTIPLIER,
+    POSE,
+    TARGETS,
+    WHAT,
+    WHERE,
+    WHICH,
+    Asked,
+    Tick,
+    carve_tick,
+    read_asked,
+)
 
 (
     PROVED,
@@ -51,21 +67,21 @@ from sinuous.kernels.velocity.working import FORCE, WHAT, WHERE, WHICH, Tick, ca
     ANGLE_ERROR,
     MERIT,
     ROUNDS,
-    HELD,
+    ACTIVE,
     REACHED,
 ) = range(11)
 """Columns of an answer: 1 when the motion is proved clear all the way; which share of the step could be taken; the
 verdict about the configuration that it begins with, where nothing could be proved, else CLEAR; the proved clearance and
 self-clearance of the new configuration (-infinite: not proved); errors of the targets; what is left of the residual,
-squared; how many steps there were; how many rows push; and the motion of the tip that is reached (6)."""
+squared; how many steps there were; how many constraints are active; and the motion of the tip that is reached (6)."""
 
 SEEN = REACHED + 6
 
 SHAPE = SEEN + 2 * SEEN_WIDTH
-"""Then what the proof saw (12), the configuration (3 n), and of every row that pushes its force, kind, segment, and
-obstacle, actuator or other segment."""
+"""Then what the proof saw (12), the configuration (3 n), and of every active constraint its multiplier, kind, segment,
+and obstacle, actuator or other segment."""
 
-PUSHING_WIDTH = 4
+ACTIVE_WIDTH = 4
 
 AHEAD = 1.5
 """How far ahead of a free step contacts are looked for."""
@@ -121,12 +137,12 @@ def _linearise(problem: Problem, asked: Asked, tick: Tick) -> tuple[float, float
 @kernel
 def _farthest(problem: Problem, asked: Asked, tick: Tick, mu: float) -> float:
     """How far anything may move in this tick, about: what a free step does, but no more than rates allow."""
-    free = tick.held.free
+    free = tick.working.free
     sweeps.forward(tick.columns, tick.root, tick.none, tick.rows, mu, False)
     sweeps.backward(tick.columns, tick.root, tick.none, tick.rows, free, False)
     for k in range(tick.q.shape[0]):
-        bend, stretch = math.hypot(free[k, 0], free[k, 1]), asked.boxes[k, LENGTH_CHANGE]
-        share = min(1.0, asked.boxes[k, BEND_CHANGE] / bend) if bend > 0.0 else 1.0
+        bend, stretch = math.hypot(free[k, 0], free[k, 1]), asked.rates[k, LENGTH_CHANGE]
+        share = min(1.0, asked.rates[k, BEND_CHANGE] / bend) if bend > 0.0 else 1.0
         tick.trial[k, 0], tick.trial[k, 1] = tick.q[k, 0] + share * free[k, 0], tick.q[k, 1] + share * free[k, 1]
         tick.trial[k, 2] = tick.q[k, 2] + min(max(free[k, 2], -stretch), stretch)
     return min(AHEAD * measure_rates(tick.q, tick.trial, tick.sweep.rates), problem.unit)
@@ -139,7 +155,7 @@ def _put_bounds(problem: Problem, asked: Asked, tick: Tick, start: Array, mu: fl
     wish = max(asked.wish, keep)
     ahead = _farthest(problem, asked, tick, mu)
     count, least = add_self_contacts(problem, tick, Look(keep, keep, keep + ahead), 0)
-    count = add_lines(asked, tick, start, count)
+    count = add_actuators(asked, tick, start, count)
     lack = keep - least
     if number_of(problem.scene) > 0:
         look, most = Look(keep, wish, wish + ahead), tick.bounds.shape[0]
@@ -149,21 +165,10 @@ def _put_bounds(problem: Problem, asked: Asked, tick: Tick, start: Array, mu: fl
 
 
 @kernel
-def _before(asked: Asked, tick: Tick) -> float:
-    """Norm of the motion of the tick before, where the next one may not differ from it as it likes."""
-    total = 0.0
-    for k in range(tick.q.shape[0]):
-        for i in range(3):
-            if tick.root[k, 4 * i] > 0.0:
-                total += (asked.boxes[k, BEFORE + i] / tick.root[k, 4 * i]) ** 2
-    return math.sqrt(total)
-
-
-@kernel
 def _advance(problem: Problem, asked: Asked, tick: Tick, start: Array) -> tuple[int, int]:
     """Go on from `tick.q`, step by step; `tick.trial` is where it ends.
 
-    Returns how many steps there were, and the number of rows that were held.
+    Returns how many steps there were, and how many constraints are in the working set.
     """
     merit, off, turn = _linearise(problem, asked, tick)
     easing, count, rounds = 1.0, 0, 0
@@ -172,8 +177,8 @@ def _advance(problem: Problem, asked: Asked, tick: Tick, start: Array) -> tuple[
         if asked.kind == TARGETS:
             mu = max(EXACT, DAMPING * easing * merit)
         bounds, lack = _put_bounds(problem, asked, tick, start, mu)
-        most = GAIN * (math.sqrt(merit) + lack / problem.unit) + _before(asked, tick)
-        count = damped(problem, asked, tick, start, bounds, mu, most)
+        most = GAIN * (math.sqrt(merit) + lack / problem.unit) + size_of(tick.root, asked.rates[:, BEFORE:])
+        count = constrained_step(problem, asked, tick, start, bounds, mu, most)
         take(problem, asked, tick, start)
         rounds += 1
         if asked.rounds == 1:
@@ -181,8 +186,8 @@ def _advance(problem: Problem, asked: Asked, tick: Tick, start: Array) -> tuple[
         # The step is kept where it lowers the residual; else it is tried again with more damping.
         for k in range(tick.q.shape[0]):
             put_vec(tick.step, k, 0, sub(get_vec(tick.trial, k, 0), get_vec(tick.q, k, 0)))
-        moved = size_of(tick, tick.step)
-        copy(tick.q, tick.held.pull)
+        moved = size_of(tick.root, tick.step)
+        copy(tick.q, tick.working.pull)
         copy(tick.trial, tick.q)
         found, off, turn = _linearise(problem, asked, tick)
         if found < merit or lack > 0.0:
@@ -192,7 +197,7 @@ def _advance(problem: Problem, asked: Asked, tick: Tick, start: Array) -> tuple[
             if (met and lack == 0.0) or moved < 1e-9 or gained < 1e-9 * found:
                 break
         else:
-            copy(tick.held.pull, tick.q)
+            copy(tick.working.pull, tick.q)
             _linearise(problem, asked, tick)
             easing *= SLOWER
             if moved < 1e-9 or easing > 1e6:
@@ -259,8 +264,8 @@ def _leave_contact(problem: Problem, tick: Tick, start: Array) -> float:
     share, ahead = 1.0, problem.unit
     gap = _least_gap(problem, tick, start, ahead)
     for _ in range(HALVINGS):
-        copy(tick.trial, tick.held.pull)
-        if _least_gap(problem, tick, tick.held.pull, ahead) >= gap:
+        copy(tick.trial, tick.working.pull)
+        if _least_gap(problem, tick, tick.working.pull, ahead) >= gap:
             return share
         _shorten(tick, start, 0.5)
         share *= 0.5
@@ -291,17 +296,15 @@ def _prove(problem: Problem, tick: Tick, start: Array, answer: Array) -> None:
 
 @kernel
 def _report(tick: Tick, count: int, answer: Array) -> None:
-    """Write the rows that push."""
-    at, held = SHAPE + 3 * tick.q.shape[0], tick.held
-    pushing = 0
+    """Write the active constraints."""
+    at, working, active = SHAPE + 3 * tick.q.shape[0], tick.working, 0
     for a in range(count):
-        if held.active[a] != 0 and held.about[a, FORCE] > 0.0:
-            answer[at] = held.about[a, FORCE]
-            answer[at + 1], answer[at + 2] = held.about[a, WHAT], held.about[a, WHERE]
-            answer[at + 3] = held.about[a, WHICH]
-            at += PUSHING_WIDTH
-            pushing += 1
-    answer[HELD] = pushing
+        if working.active[a] != 0 and working.about[a, MULTIPLIER] > 0.0:
+            answer[at], answer[at + 1] = working.about[a, MULTIPLIER], working.about[a, WHAT]
+            answer[at + 2], answer[at + 3] = working.about[a, WHERE], working.about[a, WHICH]
+            at += ACTIVE_WIDTH
+            active += 1
+    answer[ACTIVE] = active
 
 
 @entry
@@ -317,8 +320,8 @@ def tick(
 ) -> None:
     """Go on from the configuration `start` (n, 3), as `asked` says, within all bounds, as far as that is proved clear.
 
-    `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says, `asked` as `asked` says;
-    targets (t, 15). `workspace`: see `working.tick_size`. Fills `answer`.
+    `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says, `asked` as `layout` says;
+    targets (t, 15). `workspace`: see `layout.tick_size`. Fills `answer`.
     """
     problem = read_problem(robot, scene, settings, targets)
     n, m = problem.limits.shape[0], number_of(problem.scene)

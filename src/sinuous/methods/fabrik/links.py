@@ -25,6 +25,7 @@ import numpy as np
 
 from sinuous.kernels.chain import arc
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import (
     Array,
     Vec,
@@ -39,7 +40,6 @@ from sinuous.kernels.maths.vectors import (
     sub,
 )
 from sinuous.kernels.step.limits import bend_cap
-from sinuous.methods.search import cut
 
 Chain = namedtuple(
     "Chain", ["first", "share", "part", "points", "joints", "tangents", "bends", "lengths", "low", "high"]

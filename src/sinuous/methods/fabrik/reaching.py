@@ -24,6 +24,7 @@ import numpy as np
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy
 from sinuous.kernels.problem import Problem
 from sinuous.methods.capabilities import Capabilities
@@ -32,7 +33,7 @@ from sinuous.methods.fabrik.links import Chain, carve_chain, group, reach_back, 
 from sinuous.methods.judge import Answer, Check, offer, target_errors
 from sinuous.methods.options import Options, count, flag, number
 from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import Start, begin_from, compiled_search, cut, search_by
+from sinuous.methods.search import Start, begin_from, compiled_search, search_by
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -11,6 +11,7 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, norm
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.targets import direction_vector
@@ -23,7 +24,7 @@ from sinuous.methods.opti_path.path import Aim, Path, Work, trace, want
 from sinuous.methods.opti_path.potential import read_potential
 from sinuous.methods.opti_path.starts import begin_path
 from sinuous.methods.opti_path.steps import move, project, scheduled
-from sinuous.methods.search import NO_START, Start, cut, search_by
+from sinuous.methods.search import NO_START, Start, search_by
 
 OPTIONS = len(Setting._fields)
 

@@ -14,11 +14,11 @@ import numpy as np
 
 from sinuous.kernels.chain.single_arc import arc_length
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, sub
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.fabrik.links import angle_between, unit_or
-from sinuous.methods.search import cut
 
 Tree = namedtuple("Tree", ["frames", "q", "effort", "travel", "parent", "depth", "priority", "open"])
 """Nodes: frame (12,) of the end, the segment (3,) that leads there, cost so far, length so far, parent, number of

@@ -23,6 +23,7 @@ from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths import heap
+from sinuous.kernels.maths.buffers import cut
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
@@ -34,7 +35,7 @@ from sinuous.methods.fabrik.reaching import scratch_size as fabrik_size
 from sinuous.methods.judge import Answer, Check, has_obstacles, offer
 from sinuous.methods.options import Options, count, number
 from sinuous.methods.prepared import Compiled
-from sinuous.methods.search import NO_START, Start, compiled_search, cut, own_number, search_by
+from sinuous.methods.search import NO_START, Start, compiled_search, own_number, search_by
 from sinuous.methods.slinki.lattice import PER_NODE, Tree, carve_tree, outlook, primitive, single
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
 
 import sinuous as sn
-from sinuous.kernels.velocity.bounded import EXACT, GAIN
+from sinuous.kernels.velocity.active_set import EXACT, GAIN
 from sinuous.kernels.velocity.bounds import ROOM
 from tests.helpers import Floats
 

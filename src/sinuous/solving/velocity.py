@@ -1,0 +1,288 @@
+"""Control loops: one tick towards a twist or a target, and the best that is reached within given changes.
+
+The compiled tick is `sinuous.kernels.velocity.query.tick`; here is what Python hands over to it and reads from it.
+"""
+
+import math
+import threading
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Number, Rows, Vector
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARGET_WIDTH, Outcome
+from sinuous.kernels.velocity import layout as a
+from sinuous.kernels.velocity import query as t
+from sinuous.kernels.velocity.layout import POSE, POSITION, TARGETS
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target, Targets, Tolerance, target_list, target_table
+from sinuous.robot.rates import Changes, Rates
+from sinuous.robot.robot import Robot, robot_group
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.solution.step import Step, Wanted
+from sinuous.solving.options import SolveOptions
+
+ROUNDS = 30
+"""Most Newton steps of a solve within changes."""
+
+STILL: tuple[float, ...] = (0.0,) * 6
+"""No twist."""
+
+SIZES = 3, 6
+"""Numbers of a velocity, and of a twist."""
+
+NO_TARGETS: Floats = np.empty((0, TARGET_WIDTH))
+
+
+class RateLimits:
+    """How far segments and actuators may move in a second or a tick, as the kernel reads it.
+
+    Parameters
+    ----------
+    robot : Robot
+    most : Rates or Changes
+
+    Attributes
+    ----------
+    segments : ndarray (n, 7)
+        See `BEND_CHANGE` and its neighbours in `sinuous.kernels.velocity.layout`.
+    actuators : ndarray (p, 3 n + 5)
+        Of those that have a limit or a rate: derivatives of their values, then see `LEAST` and its neighbours there.
+    """
+
+    def __init__(self, robot: Robot, most: Rates | Changes) -> None:
+        self.most = most
+        n, own = len(robot), most.spread(robot)
+        further = most.acceleration if isinstance(most, Rates) else None
+        turns = (further or Changes()).spread(robot)
+        self.segments = np.zeros((n, a.RATES_WIDTH))
+        self.segments[:, a.BEND_CHANGE], self.segments[:, a.LENGTH_CHANGE] = own.bend, own.length
+        self.segments[:, a.BEND_SECOND], self.segments[:, a.LENGTH_SECOND] = turns.bend, turns.length
+        limits = robot.drive.limits
+        listed = np.isfinite(limits).any(axis=1) | np.isfinite(own.actuator) | np.isfinite(turns.actuator)
+        least, greatest = limits[listed].T
+        columns = [np.empty(0)] * a.ACTUATOR_COLUMNS
+        columns[a.LEAST], columns[a.MOST], columns[a.LAST] = least, greatest, np.zeros(len(least))
+        columns[a.CHANGE], columns[a.SECOND] = own.actuator[listed], turns.actuator[listed]
+        self.actuators = np.column_stack([robot.drive.jacobian[listed].reshape(-1, 3 * n), *columns])
+        self.accelerates = further is not None
+
+    def write(self, out: Floats, dt: float) -> None:
+        """Write the rows of segments and actuators for a tick of `dt` s into `out`, as if nothing moved before."""
+        segments, actuators = self._parts(out)
+        segments[:], actuators[:] = self.segments, self.actuators
+        n = len(segments)
+        segments[:, : a.BEND_SECOND] *= dt
+        segments[:, a.BEND_SECOND : a.BEFORE] *= dt * dt
+        actuators[:, 3 * n + a.CHANGE] *= dt
+        actuators[:, 3 * n + a.SECOND] *= dt * dt
+
+    def write_before(self, out: Floats, dt: float, velocity: Floats) -> None:
+        """Put in how fast everything moved before: `velocity` (n, 3)."""
+        segments, actuators = self._parts(out)
+        segments[:, a.BEFORE :] = dt * velocity
+        n = len(segments)
+        actuators[:, 3 * n + a.LAST] = dt * (self.actuators[:, : 3 * n] @ velocity.ravel())
+
+    def _parts(self, out: Floats) -> tuple[Floats, Floats]:
+        size = self.segments.size
+        return out[:size].reshape(self.segments.shape), out[size:].reshape(self.actuators.shape)
+
+
+class Asked(NamedTuple):
+    """What a tick is asked for.
+
+    Attributes
+    ----------
+    kind : int
+        See `sinuous.kernels.velocity.layout`.
+    motion : sequence of float
+        Of the tip (6), rad and length unit.
+    targets : ndarray (t, 15)
+    rounds : int
+        Most Newton steps.
+    wish : float
+        Clearance that is wished for.
+    seconds : float
+        Budget.
+    """
+
+    kind: int
+    motion: tuple[float, ...]
+    targets: Floats
+    rounds: int
+    wish: float
+    seconds: float
+
+
+class Scratch(NamedTuple):
+    """Arrays that a thread keeps from one tick to the next.
+
+    Attributes
+    ----------
+    group : ndarray
+        What is asked, as the kernel reads it.
+    workspace : ndarray
+    room : tuple of int
+        Room for bounds, and for constraints of the working set.
+    answer : int
+        Numbers of an answer.
+    """
+
+    group: Floats
+    workspace: Floats
+    room: tuple[int, int]
+    answer: int
+
+
+class ControlLoop:
+    """Steps of a control loop of one robot; safe to share between threads.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+        Live: every tick sees the obstacles as they are then.
+    options : SolveOptions
+        Of which the wished clearance counts, and the time of a tick.
+    tolerance : Tolerance
+        With numbers for all that is not said.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene, options: SolveOptions, tolerance: Tolerance) -> None:
+        self._robot, self._scene, self._tolerance = robot, scene, tolerance
+        self._wish, self._time = options.prefer.clearance, options.time
+        self._group = robot_group(robot)
+        self._settings = settings_group(robot, tolerance)
+        self._free = self._limits = RateLimits(robot, Changes())
+        self._local = threading.local()
+
+    def step(
+        self,
+        q: Solution | Step | Rows,
+        twist: Vector | None = None,
+        dt: Number | None = None,
+        *,
+        target: Targets | None = None,
+        rates: Rates | None = None,
+        clearance: Number | None = None,
+        velocity: Rows | None = None,
+    ) -> Step:
+        """Make one tick; see `Solver.step`."""
+        shape = len(self._robot), 3
+        own = _numbers("q", q.q if isinstance(q, Solution | Step) else q, shape)
+        if dt is None:
+            raise InputError("dt", "missing", None, "a number greater than 0")
+        seconds = checks.number("dt", dt, above=0.0)
+        if (twist is None) == (target is None):
+            problem = "missing" if twist is None else "stands beside target"
+            raise InputError("twist", problem, twist, "one of twist, target")
+        if twist is not None:
+            kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS
+        else:
+            targets = (target,) if isinstance(target, Target) else target_list("target", target)
+            kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)
+        wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
+        if rates is not None and not isinstance(rates, Rates):
+            raise InputError("rates", "", rates, "Rates")
+        limits = self._limits_of(rates)
+        before = None if velocity is None else _numbers("velocity", velocity, shape)
+        if limits.accelerates and before is None:
+            raise InputError("velocity", "missing", None, "that of the step before, for rates with an acceleration")
+        scene = self._scene.snapshot()
+        asked = Asked(kind, motion, rows, 1, wish, self._time)
+        answer = self._tick(scene, asked, own, limits, seconds, before if limits.accelerates else None)
+        return Step(Wanted(self._robot, scene, self._tolerance, seconds, kind, motion), own, answer)
+
+    def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
+        """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
+        asked = Asked(TARGETS, STILL, problem._rows, ROUNDS, self._wish, seconds)
+        answer = self._tick(problem.scene, asked, initial, self._limits_of(changes), 1.0, None)
+        q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape).copy()
+        off, turn, clearance, own = answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.CLEARANCE, t.SELF_CLEARANCE]].tolist()
+        first = t.SHAPE + initial.size + 1
+        kinds = answer[first : first + t.ACTIVE_WIDTH * int(answer[t.ACTIVE]) : t.ACTIVE_WIDTH]
+        met, code = _met(problem.tolerance, off, turn), FAILED
+        if met and answer[t.PROVED] and min(clearance, own) > 0.0 and not self._robot.violations(q):
+            code = SOLVED
+        elif answer[t.ROUNDS] == 0:
+            code = LATE
+        elif answer[t.PROVED] and bool(((kinds >= a.LENGTH_RATE) & (kinds < a.ACCELERATION)).any()):
+            code = RATE_BOUND
+        rounds, merit = int(answer[t.ROUNDS]), float(answer[t.MERIT])
+        return Outcome(q, code, rounds, 1, GIVEN, off, turn, clearance, own, len(kinds) > 0, merit, 0.0)
+
+    def _limits_of(self, most: Rates | Changes | None) -> RateLimits:
+        """Limits and rates as the kernel reads them; those of the last call are kept."""
+        if most is None:
+            return self._free
+        kept = self._limits
+        if kept.most is not most:
+            kept = self._limits = RateLimits(self._robot, most)
+        return kept
+
+    def _tick(
+        self, scene: Snapshot, asked: Asked, initial: Floats, limits: RateLimits, dt: float, velocity: Floats | None
+    ) -> Floats:
+        """Make a tick of `dt` seconds from `initial` (n, 3) and return the answer, see `kernels.velocity.query`.
+
+        `limits` are those of a second; `velocity` (n, 3) is that of the tick before, where accelerations are limited.
+        """
+        table = scene._kernel_group
+        sizes = len(self._robot), int(table[0]), len(asked.targets), len(limits.actuators)
+        scratch = self._scratch(sizes, limits, dt)
+        head = asked.kind, *asked.motion, asked.rounds, asked.wish, asked.seconds, sizes[3], *scratch.room
+        scratch.group[: a.HEADER] = head
+        if velocity is not None:
+            limits.write_before(scratch.group[a.HEADER :], dt, velocity)
+        answer = np.empty(scratch.answer)
+        t.tick(self._group, table, self._settings, asked.targets, scratch.group, initial, scratch.workspace, answer)
+        return answer
+
+    def _scratch(self, sizes: tuple[int, int, int, int], limits: RateLimits, dt: float) -> Scratch:
+        """Scratch of this thread, with the limits of such a tick in it; that of the last call is kept."""
+        kept: Scratch | None = getattr(self._local, "scratch", None)
+        if kept is None or self._local.sizes != sizes:
+            n, m, _, p = self._local.sizes = sizes
+            constraints = a.most_constraints(n)
+            group = np.empty(a.HEADER + limits.segments.size + limits.actuators.size)
+            answer = t.SHAPE + 3 * n + t.ACTIVE_WIDTH * constraints
+            kept = Scratch(group, np.empty(a.tick_size(*sizes)), (a.most_bounds(n, m, p), constraints), answer)
+            self._local.scratch, self._local.limits = kept, None
+        if self._local.limits is not limits or self._local.dt != dt:
+            limits.write(kept.group[a.HEADER :], dt)
+            self._local.limits, self._local.dt = limits, dt
+        return kept
+
+
+def _numbers(key: str, value: Any, shape: tuple[int, int]) -> Floats:
+    """Check finite numbers, and copy them: what is an array already takes a tenth of the time."""
+    if type(value) is np.ndarray and value.dtype == np.float64 and value.shape == shape:
+        given: Floats = np.array(value, order="C")
+        if math.isfinite(given.sum()):
+            return given
+    return checks.array(key, value, shape).copy()
+
+
+def _met(tolerance: Tolerance, off: float, turn: float) -> bool:
+    assert tolerance.position is not None
+    assert tolerance.angle is not None
+    return off <= tolerance.position and turn <= tolerance.angle
+
+
+def read_twist(twist: Any, dt: float) -> tuple[int, tuple[float, ...]]:
+    """Check a twist (6,) or a velocity (3,), and return what is asked for: its kind, and the motion in `dt` seconds."""
+    numbers: Any = twist.tolist() if type(twist) is np.ndarray and twist.dtype == np.float64 else twist
+    plain = isinstance(numbers, tuple | list) and len(numbers) in SIZES and set(map(type, numbers)) <= {int, float}
+    if not (plain and math.isfinite(sum(numbers))):  # the quick way out of what is right already
+        expected = "6 finite numbers (omega, v), or 3 (v)"
+        numbers = checks.array("twist", twist, (None,), expected).tolist()
+        if len(numbers) not in SIZES:
+            raise InputError("twist", "", twist, expected)
+    kind = POSITION if len(numbers) == SIZES[0] else POSE
+    return kind, (*STILL[len(numbers) :], *[dt * each for each in numbers])

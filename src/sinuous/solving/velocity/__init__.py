@@ -1,1 +1,0 @@
-"""Control loops: one step at a time, and the best that is reached within given changes."""

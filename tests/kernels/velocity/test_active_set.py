@@ -13,9 +13,9 @@ def working_set(system: np.ndarray, values: np.ndarray) -> WorkingSet:
     r = len(values)
     about = np.zeros((r, CONSTRAINT_WIDTH))
     about[:, VALUE] = values
-    none, replies = np.zeros((r, 3)), np.zeros((r, 1, 3))
+    none = np.zeros((r, 3))
     active, listed = np.zeros((2, r), np.int64)
-    return WorkingSet(none, replies, about, system, np.zeros((r, r + 1)), active, listed, np.zeros((1, 3)), none)
+    return WorkingSet(none, none, about, system, np.zeros((r, r + 1)), active, listed, np.zeros((1, 3)), none)
 
 
 @pytest.mark.parametrize("seed", range(20))

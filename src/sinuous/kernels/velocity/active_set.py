@@ -14,6 +14,7 @@ violated (`bounds.worst_cut`).
 import math
 
 from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy, put_vec, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import sweeps
@@ -124,7 +125,7 @@ def _combine(working: WorkingSet, count: int, step: Array) -> None:
             multiplier = working.about[a, MULTIPLIER]
             for k in range(step.shape[0]):
                 for i in range(3):
-                    step[k, i] += multiplier * working.replies[a, k, i]
+                    step[k, i] += multiplier * working.replies[a, 3 * k + i]
 
 
 @kernel
@@ -173,12 +174,21 @@ def _add_cut(tick: Tick, count: int, cut: Cut, k: int, softness: float) -> None:
 
 
 @kernel
+def _dot(a: Array, b: Array) -> float:
+    total = 0.0
+    for i in range(a.shape[0]):
+        total += a[i] * b[i]
+    return total
+
+
+@kernel
 def _add(tick: Tick, count: int) -> None:
     """Compute what constraint number `count` moves, and make it active; its weights and its value are there."""
     working = tick.working
-    reply(tick.columns, tick.root, working.weights, count, 0, tick.rows, working.pull, working.replies[count], False)
+    moved = shaped(working.replies[count], (tick.q.shape[0], 3))
+    reply(tick.columns, tick.root, working.weights, count, 0, tick.rows, working.pull, moved, False)
     for b in range(count + 1):
-        working.system[count, b] = working.system[b, count] = along(working.weights[b], working.replies[count])
+        working.system[count, b] = working.system[b, count] = _dot(working.weights[b], working.replies[count])
     working.system[count, count] += working.about[count, SOFTNESS]
     working.about[count, VALUE] -= along(working.weights[count], working.free)
     working.about[count, MULTIPLIER] = 0.0

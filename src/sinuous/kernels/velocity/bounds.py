@@ -107,6 +107,16 @@ def normalise(tick: Tick, at: int) -> float:
 
 
 @kernel
+def _value_of(actuator: Array, q: Array) -> float:
+    """Value of an actuator with these derivatives (3 n or more,) at the configuration `q` (n, 3)."""
+    total = 0.0
+    for k in range(q.shape[0]):
+        for i in range(3):
+            total += actuator[3 * k + i] * q[k, i]
+    return total
+
+
+@kernel
 def _range_of(actuator: Array, began: float) -> tuple[float, float, bool, bool]:
     """Least and greatest value that an actuator may have in a tick, and whether these are its limits, not its rates.
 
@@ -131,7 +141,7 @@ def add_actuators(asked: Asked, tick: Tick, start: Array, first: int) -> int:
         size = normalise(tick, at)
         if size == 0.0:
             continue
-        began, value = along(actuator, start), along(actuator, tick.q)
+        began, value = _value_of(actuator, start), _value_of(actuator, tick.q)
         least, most, by_limit, by_other_limit = _range_of(actuator[own:], began)
         row[own + KIND_LOW] = ACTUATOR if by_limit else ACTUATOR_RATE
         row[own + KIND_HIGH] = ACTUATOR if by_other_limit else ACTUATOR_RATE
@@ -244,8 +254,8 @@ def _share_of_actuators(asked: Asked, tick: Tick, start: Array) -> float:
     own, t = 3 * tick.q.shape[0], 1.0
     for j in range(asked.actuators.shape[0]):
         actuator = asked.actuators[j]
-        value, aim = along(actuator, tick.q), along(actuator, tick.trial)
-        least, most, _, _ = _range_of(actuator[own:], along(actuator, start))
+        value, aim = _value_of(actuator, tick.q), _value_of(actuator, tick.trial)
+        least, most, _, _ = _range_of(actuator[own:], _value_of(actuator, start))
         if aim > most:
             t = min(t, max(0.0, (most - value) / (aim - value)))
         elif aim < least:

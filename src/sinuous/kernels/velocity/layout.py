@@ -68,7 +68,7 @@ WorkingSet = namedtuple(
     "WorkingSet", ["weights", "replies", "about", "system", "scratch", "active", "listed", "free", "pull"]
 )
 """Constraints that the step was found to violate, up to r of them: weights `c` (r, 3 n); what a multiplier of 1 moves,
-`H^-1 c` (r, n, 3); `about` them (r, 6); how they move each other, `c_a . H^-1 c_b` (r, r), and scratch (r, r + 1);
+`H^-1 c` (r, 3 n); `about` them (r, 6); how they move each other, `c_a . H^-1 c_b` (r, r), and scratch (r, r + 1);
 which of them are active (r,) int64, and the numbers of those (r,) int64; the step without any of them, and a motion
 (n, 3)."""
 
@@ -155,7 +155,7 @@ def carve_tick(buffer: Array, base: Array, sizes: tuple[int, int, int, int, int]
     pairs, rest = cut(rest, MOST_PAIRS, pair_width(n))
     spans, rest = cut(rest, n + 1, SPAN_WIDTH)
     weights, rest = cut(rest, r, 3 * n)
-    replies, rest = shaped(rest[: 3 * n * r], (r, n, 3)), rest[3 * n * r :]
+    replies, rest = cut(rest, r, 3 * n)
     about, rest = cut(rest, r, CONSTRAINT_WIDTH)
     system, rest = cut(rest, r, r)
     scratch, rest = cut(rest, r, r + 1)

@@ -57,7 +57,7 @@ def _without_tail(groups: Groups, axes: list[Floats], left: Left) -> Iterator[Re
     held = settings.copy()
     held[MOUNT] = 0.0  # the holder is at the other end: to keep it clear, too, is more than is asked
     for axis in axes:
-        other = turned((robot, scene, held, targets), axis[::-1], whole=True)
+        other = turned((robot, scene, held, targets), axis[::-1])
         query = None if other is None else query_of(other)
         if other is None or query is None or left() <= 0.0:
             continue

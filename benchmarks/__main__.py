@@ -99,6 +99,10 @@ Only = Annotated[
     list[str] | None,
     typer.Option(metavar="PROBLEM", help="Of wild, look at this problem alone, as reports name it; repeat for more."),
 ]
+Without = Annotated[
+    str | None,
+    typer.Option(metavar="NAME,NAME", help="Of clutter, attempts of the solver that are switched off."),
+]
 
 
 @app.command(
@@ -118,13 +122,15 @@ def run(
     piece: Parts = None,
     method: Method = None,
     only: Only = None,
+    without: Without = None,
 ) -> None:
     """Measure."""
     for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
         # Read when NumPy is first imported. Matrices are tiny here: on a busy machine the threads of a linear algebra
         # library wait for each other ten times as long as verifying takes.
         os.environ.setdefault(variable, "1")
-    chosen = Chosen(name, seed, quick, rounds, tuple(piece or ()), tuple(method or ()), tuple(only or ()))
+    off = () if without is None else tuple(without.split(","))
+    chosen = Chosen(name, seed, quick, rounds, tuple(piece or ()), tuple(method or ()), tuple(only or ()), off)
     chosen.check()
     from benchmarks.harness.quiet import ignore_suspicions  # noqa: PLC0415
 
@@ -169,6 +175,8 @@ class Chosen:
         Those to measure, parts also by patterns; none means all.
     only : tuple of str
         Names of problems to look at, instead of measuring.
+    without : tuple of str
+        Attempts of the solver that are switched off.
     """
 
     name: str
@@ -178,6 +186,7 @@ class Chosen:
     parts: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
     only: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
 
     def check(self) -> None:
         """Refuse what cannot be meant.
@@ -197,6 +206,7 @@ class Chosen:
             ("--piece", list(self.parts), OF_PARTS),
             ("--method", list(self.methods), OF_METHODS),
             ("--only", list(self.only), ("wild",)),
+            ("--without", ",".join(self.without), ("clutter",)),
             ("--rounds", self.rounds if self.rounds > 1 else None, OF_LINES),
         ):
             if given and self.name not in able:
@@ -208,7 +218,7 @@ class Chosen:
         Raises
         ------
         InputError
-            When there is no such part or method.
+            When there is no such part, method or attempt.
         """
         from benchmarks.harness.plan import Plan  # noqa: PLC0415
 
@@ -218,6 +228,8 @@ class Chosen:
             plain = getattr(import_module(f"benchmarks.{home}"), kind)(plan)
             if self.parts:
                 plain.choose(self.parts)
+            if self.without:
+                plain.switch_off(self.without)
             experiment: Experiment = plain
             return experiment
         made: Experiment = getattr(import_module(f"benchmarks.paper.{self.name}.experiment"), self.name.capitalize())(

@@ -18,9 +18,9 @@ from sinuous.kernels.body.rows import IDLE, Rows
 from sinuous.kernels.chain import kinematics as chain
 from sinuous.kernels.chain.arc import SERIES_END
 from sinuous.kernels.fields import distances
-from sinuous.problem.problem import Problem
-from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Tolerance
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
@@ -155,8 +155,8 @@ def kernel_scene(scene: Scene | Snapshot) -> distances.Scene:
 
 def kernel_groups(problem: Problem) -> tuple[Floats, Floats, Floats, Floats]:
     """Robot, scene, settings and targets of one problem, as entries take them; nobody else holds them."""
-    settings = packing.settings_group(problem.robot, problem.tolerance)
-    return packing.robot_group(problem.robot), problem.scene.group.copy(), settings, problem.rows.copy()
+    settings = settings_group(problem.robot, problem.tolerance)
+    return robot_group(problem.robot), problem.scene.group.copy(), settings, problem.rows.copy()
 
 
 def kernel_problem(
@@ -164,7 +164,7 @@ def kernel_problem(
 ) -> kernels.Problem:
     """Make of one problem what `kernels.problem.read_problem` makes of its groups; fields can be changed by name."""
     problem = Problem(robot, targets, scene, tolerance)
-    settings = packing.settings_group(robot, problem.tolerance)
+    settings = settings_group(robot, problem.tolerance)
     values: dict[str, Any] = {
         "limits": robot.limits.copy(),
         "actuation": robot.actuation.copy(),

@@ -52,9 +52,9 @@ COUNTED = (
 """How a place is timed, and what counts."""
 
 
-def divided(plan: Plan, family: str) -> Divided:
-    """Return the places of a family, some at a time, and what sums them up."""
-    tasks = tasks_of(plan, family)
+def divided(plan: Plan, family: str, without: tuple[str, ...] = ()) -> Divided:
+    """Return the places of a family, some at a time, and what sums them up; `without` some attempts of the solver."""
+    tasks = [task._replace(without=without) for task in tasks_of(plan, family)]
     size = TOGETHER_PROTOCOL if FAMILIES[family].published else TOGETHER
     return Divided([partial(tried, tasks[i : i + size]) for i in range(0, len(tasks), size)], partial(summed, family))
 

@@ -15,8 +15,8 @@ from sinuous.checks import Floats
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.roadmap.find import roadmap_size
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.routes import Router
-from sinuous.solving.routing.searches import POINTS
+from sinuous.solving.routing.searches import POINTS, Searches
+from sinuous.solving.strategy import plans_of
 
 SECTION = "route search alone, in a hall of 1000 radii of the body with one door"
 COUNT, QUICK = 20, 2
@@ -46,20 +46,20 @@ def _search(hall: Place) -> tuple[float, int, bool]:
     In the order of a solve: around edges, then over cells. Coarse cells are larger than a wall is thick: a route
     through a wall is none.
     """
-    router = Router(hall.robot, hall.scene, hall.tolerance)
+    searches = Searches(hall.robot, hall.scene, hall.tolerance)
     problem = Problem.prepared(hall.robot, hall.targets, hall.scene.snapshot(), hall.tolerance)
-    query = router.query(problem)
+    query = searches.query(problem)
     assert query is not None  # the tip has a position
     least, largest, routed = LIMIT, 0, False
     for _ in range(REPEATS):
         began = perf_counter()
-        around = router.by_edges(problem, query, LIMIT)
+        around = searches.by_edges(problem, query, LIMIT)
         spent = perf_counter() - began
         largest, routed = max(largest, 8 * roadmap_size(POINTS)), around is not None and _is_clear(hall, around)
-        for one in () if routed else router.plans:
+        for _, one in () if routed else plans_of(searches):
             largest = max(largest, 8 * memory_size(one.cells))
             began = perf_counter()
-            routes = router.find(problem, query, one, LIMIT - spent).routes
+            routes = searches.find(problem, query, one, LIMIT - spent).routes
             spent += perf_counter() - began
             routed = any(_is_clear(hall, route) for route in routes)
             if routed or spent >= LIMIT:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right as judged_right
 from benchmarks.solvers.among_spheres import AmongSpheres
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -90,18 +90,20 @@ class Trial:
 
 
 class Task(NamedTuple):
-    """What to examine: a place, and the solvers to compare with."""
+    """What to examine: a place, the solvers to compare with, and attempts of ours that are switched off."""
 
     family: str
     seed: int
     compared: tuple[str, ...] = ()
+    without: tuple[str, ...] = ()
 
 
 def examine(task: Task) -> Trial:
     """Make a place and solve it, by ours and by what it is compared with."""
-    family, seed, compared = task
+    family, seed, compared, without = task
     place = make(family, seed)
-    solver, prepare = (_shared if FAMILIES[family].published else _prepared)(place.robot, place.scene, place.tolerance)
+    prepared = _shared if FAMILIES[family].published else _prepared
+    solver, prepare = prepared(place.robot, place.scene, place.tolerance, without)
     ours, solution = _attempt(place, solver)
     others = {}
     for name, most in ((ARC, 1), (RANDOM, 1 + RANDOM_STARTS)):
@@ -112,10 +114,10 @@ def examine(task: Task) -> Trial:
     return Trial(family, seed, prepare, ours, _proof(solver, place, solution), others)
 
 
-def _prepared(robot: Robot, scene: Scene, tolerance: Tolerance) -> tuple[Solver, float]:
+def _prepared(robot: Robot, scene: Scene, tolerance: Tolerance, without: tuple[str, ...]) -> tuple[Solver, float]:
     """Return the solver that a user gets, and the seconds that it took to make."""
     began = perf_counter()
-    solver = Solver(robot, Scene(scene.obstacles), tolerance=tolerance)
+    solver = Solver(robot, Scene(scene.obstacles), tolerance=tolerance, without=without)
     return solver, perf_counter() - began
 
 

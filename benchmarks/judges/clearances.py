@@ -50,7 +50,8 @@ class Clearances:
         self._robot = robot
         exact = [obstacle for obstacle in scene.obstacles if isinstance(obstacle, Primitive)]
         others = [obstacle for obstacle in scene.obstacles if not isinstance(obstacle, Primitive)]
-        self._measures = [*distances_to(exact), *map(distance_of, others)]
+        size = robot.mean_length + float(np.abs(robot.base[:3, 3]).max())
+        self._measures = [*distances_to(exact, size), *map(distance_of, others)]
 
     def least(self, q: Floats, enough: float = math.inf) -> Floats:
         """Return the least clearance (m,) of configurations (m, n, 3) at `FINEST` places of every segment.

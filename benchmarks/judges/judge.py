@@ -11,8 +11,7 @@ from benchmarks.judges import actuators
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import bend_caps, segment_ends
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 
 Flags = NDArray[np.bool_]

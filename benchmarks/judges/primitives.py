@@ -1,5 +1,6 @@
 """Signed distances to many exact shapes at once, all of one kind in one go."""
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -8,18 +9,40 @@ from scipy.spatial.distance import cdist
 from sinuous.checks import Floats
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Primitive, Sphere
 
+Precision = type[np.float64] | type[np.longdouble]
+
 Distance = Callable[[Floats], Floats]
 """Signed distances (m,) of points (m, 3): the least over all obstacles."""
 
 
-def distances_to(obstacles: Sequence[Primitive]) -> list[Distance]:
-    """Prepare the distance to all obstacles, one function a kind."""
+LARGE = 1e3
+"""Coordinates of obstacles beyond which extended precision is used, in those of the points that are asked for."""
+
+
+def distances_to(obstacles: Sequence[Primitive], size: float = math.inf) -> list[Distance]:
+    """Prepare the distance to all obstacles, one function a kind.
+
+    Parameters
+    ----------
+    obstacles : sequence of Primitive
+    size : float
+        Of the coordinates of the points that will be asked for: where those of obstacles are `LARGE` times as large,
+        distances are computed in extended precision.
+    """
     found = []
     for kind, prepare in KINDS.items():
         own = [obstacle for obstacle in obstacles if type(obstacle) is kind]
-        if own:
-            found.append(_least(prepare(own), _signs(own)))
+        for large in (False, True):
+            some = [obstacle for obstacle in own if (_largest(obstacle) > LARGE * size) is large]
+            if some:
+                found.append(_least(prepare(some, np.longdouble if large else np.float64), _signs(some)))
     return found
+
+
+def _largest(obstacle: Primitive) -> float:
+    """The largest number that describes an obstacle."""
+    names = ("center", "radius", "size", "start", "end", "point")
+    return max(float(np.abs(getattr(obstacle, name)).max()) for name in names if hasattr(obstacle, name))
 
 
 def _signs(obstacles: Sequence[Primitive]) -> Floats:
@@ -28,26 +51,28 @@ def _signs(obstacles: Sequence[Primitive]) -> Floats:
 
 def _least(outside: Distance, signs: Floats) -> Distance:
     """The least of distances (m, k), turned round where the body must stay inside."""
-    return lambda points: np.asarray((outside(points) * signs).min(axis=1))
+    return lambda points: np.asarray((outside(points) * signs).min(axis=1), np.float64)
 
 
-def _gathered(obstacles: Sequence[Primitive], name: str) -> Floats:
-    return np.array([getattr(obstacle, name) for obstacle in obstacles], np.float64)
+def _gathered(obstacles: Sequence[Primitive], name: str, precision: Precision) -> Floats:
+    return np.array([getattr(obstacle, name) for obstacle in obstacles], precision)
 
 
-def _spheres(obstacles: Sequence[Primitive]) -> Distance:
-    centers, radii = _gathered(obstacles, "center"), _gathered(obstacles, "radius")
+def _spheres(obstacles: Sequence[Primitive], precision: Precision) -> Distance:
+    centers, radii = _gathered(obstacles, "center", precision), _gathered(obstacles, "radius", precision)
+    if precision is np.longdouble:
+        return lambda points: _norm(points[:, None] - centers) - radii
     return lambda points: np.asarray(cdist(points, centers) - radii)
 
 
-def _boxes(obstacles: Sequence[Primitive]) -> Distance:
-    centers, halves = _gathered(obstacles, "center"), 0.5 * _gathered(obstacles, "size")
-    axes = _gathered(obstacles, "rotation")
+def _boxes(obstacles: Sequence[Primitive], precision: Precision) -> Distance:
+    centers, halves = _gathered(obstacles, "center", precision), 0.5 * _gathered(obstacles, "size", precision)
+    axes = _gathered(obstacles, "rotation", precision)
     return lambda points: _corner(np.abs(np.einsum("mki,kij->mkj", points[:, None] - centers, axes)) - halves)
 
 
-def _capsules(obstacles: Sequence[Primitive]) -> Distance:
-    axes, radii = _Axes(obstacles), _gathered(obstacles, "radius")
+def _capsules(obstacles: Sequence[Primitive], precision: Precision) -> Distance:
+    axes, radii = _Axes(obstacles, precision), _gathered(obstacles, "radius", precision)
 
     def distance(points: Floats) -> Floats:
         beyond, aside = axes.beyond_and_aside(points)
@@ -56,8 +81,8 @@ def _capsules(obstacles: Sequence[Primitive]) -> Distance:
     return distance
 
 
-def _cylinders(obstacles: Sequence[Primitive]) -> Distance:
-    axes, radii = _Axes(obstacles), _gathered(obstacles, "radius")
+def _cylinders(obstacles: Sequence[Primitive], precision: Precision) -> Distance:
+    axes, radii = _Axes(obstacles, precision), _gathered(obstacles, "radius", precision)
 
     def distance(points: Floats) -> Floats:
         beyond, aside = axes.beyond_and_aside(points)
@@ -69,8 +94,8 @@ def _cylinders(obstacles: Sequence[Primitive]) -> Distance:
 class _Axes:
     """Axes from start to end of k obstacles."""
 
-    def __init__(self, obstacles: Sequence[Primitive]) -> None:
-        starts, ends = _gathered(obstacles, "start"), _gathered(obstacles, "end")
+    def __init__(self, obstacles: Sequence[Primitive], precision: Precision) -> None:
+        starts, ends = _gathered(obstacles, "start", precision), _gathered(obstacles, "end", precision)
         lengths = np.linalg.norm(ends - starts, axis=1)
         self._halves, self._middles = 0.5 * lengths, 0.5 * (starts + ends)
         long = lengths[:, None] > 0.0
@@ -83,8 +108,8 @@ class _Axes:
         return np.abs(along) - self._halves, _norm(offsets - along[..., None] * self._units)
 
 
-def _half_spaces(obstacles: Sequence[Primitive]) -> Distance:
-    places, normals = _gathered(obstacles, "point"), _gathered(obstacles, "normal")
+def _half_spaces(obstacles: Sequence[Primitive], precision: Precision) -> Distance:
+    places, normals = _gathered(obstacles, "point", precision), _gathered(obstacles, "normal", precision)
     return lambda points: ((points[:, None] - places) * normals).sum(axis=-1)
 
 
@@ -98,7 +123,7 @@ def _corner(excess: Floats) -> Floats:
     return np.asarray(np.where(most > 0.0, _norm(np.maximum(excess, 0.0)), most))
 
 
-KINDS: dict[type[Primitive], Callable[[Sequence[Primitive]], Distance]] = {
+KINDS: dict[type[Primitive], Callable[[Sequence[Primitive], Precision], Distance]] = {
     Sphere: _spheres,
     Box: _boxes,
     Capsule: _capsules,

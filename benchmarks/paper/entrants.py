@@ -11,7 +11,7 @@ from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.registry import METHODS, capabilities, name_of
 from sinuous.problem.problem import Problem
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.solving.solver import Solver
 
 FAITHFUL, DIFFERENCES = "opti_path, faithful", "opti_path, differences"

@@ -5,8 +5,7 @@ from numpy.random import Generator
 
 from benchmarks.problems import PAPER_POSES, ProblemSet, arm
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.scene import Scene

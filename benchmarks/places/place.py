@@ -14,8 +14,7 @@ from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import segment_ends, tip_poses
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene

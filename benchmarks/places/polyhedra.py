@@ -11,8 +11,7 @@ from benchmarks.judges.clearances import least_clearance
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.places.place import Place
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene

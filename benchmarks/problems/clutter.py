@@ -10,8 +10,7 @@ from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems.sets import ProblemSet, in_ball, random_configurations
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere

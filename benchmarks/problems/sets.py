@@ -11,8 +11,7 @@ from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import bend_caps, tip_poses
 from sinuous.checks import Floats
 from sinuous.poses import pose
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Obstacle, Sphere
 from sinuous.scene.scene import Scene

@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
 from benchmarks.problems import ProblemSet, among_spheres, arm, full_poses, reachable
-from sinuous.problem.goals import GoalArrays
+from sinuous.problem.target import GoalArrays
 from sinuous.solving.solver import Solver
 
 SECTION = "endurance"

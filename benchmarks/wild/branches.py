@@ -13,8 +13,7 @@ from benchmarks.problems import full_poses
 from benchmarks.wild.scan import all_solutions
 from sinuous.checks import Floats
 from sinuous.poses import pose
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.solving.solver import Solver
 

@@ -6,7 +6,7 @@ from benchmarks.judges.kinematics import tip_poses
 from benchmarks.judges.self_collision import surely_clear
 from benchmarks.problems.sets import direction_targets, random_configurations
 from benchmarks.wild.worlds import World
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

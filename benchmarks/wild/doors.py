@@ -14,8 +14,7 @@ from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import body_points
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Box
 from sinuous.scene.scene import Scene

@@ -9,7 +9,7 @@ from benchmarks.harness import reference
 from benchmarks.harness.experiment import Findings, InTurn, Piece, chosen
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.wild import branches, curled, doors, worlds
+from benchmarks.wild import audit, branches, curled, doors, motions, worlds
 from benchmarks.wild.tally import Tally
 from benchmarks.wild.trials import examine
 from benchmarks.wild.worlds import World
@@ -18,12 +18,17 @@ from sinuous.problem.target import Target
 SECTION = "wild problems, each with a hidden solution that is clear of obstacles and of itself; budget 1 s"
 THICK = "thick arms (radius 10, segments of 100 to 120, bends to 3.1), targets near the base; budget 1 s"
 
+AUDIT = "what an audit of the proofs strained, each problem with a hidden solution; budget 1 s"
+
 MISSED = "not solved and found right by the judges"
 
-BLOCK, BLOCKS = 130, 100
-"""Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems."""
+BLOCK, BLOCKS, AUDITED = 130, 100, 10
+"""Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems; pieces of one audited kind."""
 
 WALLS = "walls with doors"
+
+MOTIONS = 500
+"""Motions of one kind."""
 
 ARMS, CURLED_WORLDS = (3, 5, 8), 200
 """Segments of the thick arms; how many times 50 problems each is given."""
@@ -62,12 +67,18 @@ class Wild(InTurn):
     def _pieces(self) -> Iterator[Piece]:
         """First what is short: thick arms, branches and doors; then blocks of wild worlds."""
         seed, count = self.plan.seed, self.plan.count
+        size = count(BLOCK, 10)
         for n in ARMS:
             yield _arm(n), partial(_tallied, partial(curled.make, n, seed), range(count(CURLED_WORLDS, 1)))
         for name, poses, max_bend in _poses(seed, count(branches.POSES, 2)):
             yield name, partial(_compared, poses, max_bend)
+        for kind, make in audit.KINDS.items():
+            for block in range(count(AUDITED, 1) * self.plan.rounds):
+                numbers = range(block * size, (block + 1) * size)
+                yield f"{kind} {block}", partial(_tallied, partial(make, seed), numbers)
+        for kind, judge in motions.KINDS.items():
+            yield kind, partial(_moved, partial(judge, seed), range(count(MOTIONS, 2)))
         yield WALLS, partial(_through_doors, seed, count(doors.WALLS, 3))
-        size = count(BLOCK, 10)
         for block in range(count(BLOCKS, 1) * self.plan.rounds):
             numbers = range(block * size, (block + 1) * size)
             yield f"{self.name} {block}", partial(_tallied, partial(worlds.make, seed), numbers)
@@ -80,6 +91,10 @@ class Wild(InTurn):
         """Sum up all blocks, and each of the others."""
         pieces = {name: measured for name, measured in pieces.items() if self._only is None or name in self._only}
         blocks = [pieces[name] for name in pieces if name.startswith(f"{self.name} ")]
+        audited = {
+            kind: Tally.together(pieces[name] for name in pieces if name.rpartition(" ")[0] == kind)
+            for kind in audit.KINDS
+        }
         tallies = {_arm(n): Tally.together([pieces[_arm(n)]]) for n in ARMS if _arm(n) in pieces}
         lines: list[Line] = []
         if blocks:
@@ -92,6 +107,12 @@ class Wild(InTurn):
                     *own.speed(THICK, f"{_arm(n)}, {MISSED}", MOST_THICK),
                     own.claim(THICK, f"{_arm(n)}, false claims"),
                 ]
+        for kind, own in audited.items():
+            if own.seconds:
+                tallies[kind] = own
+                lines += [*own.speed(AUDIT, f"{kind}, {MISSED}", math.inf), own.claim(AUDIT, f"{kind}, false claims")]
+        for kind in (kind for kind in motions.KINDS if kind in pieces):
+            lines += motions.lines_of(kind, [motions.Judged(*each) for each in pieces[kind]["judged"]])
         for name in (name for name, *_ in _poses(0, 0) if name in pieces):
             lines += branches.lines_of(name, [branches.Compared(*each) for each in pieces[name]["compared"]])
         if WALLS in pieces:
@@ -119,6 +140,13 @@ def _tallied(make: Callable[[int], World], numbers: range) -> dict[str, Any]:
     for number in numbers:
         tally.add(number, examine(make(number)))
     return {"busy": max(before.busy, reference.look().busy), **tally.plain()}
+
+
+def _moved(judge: Callable[[int], motions.Judged], numbers: range) -> dict[str, Any]:
+    """Make and judge motions."""
+    before = reference.look()
+    judged = [list(judge(number)) for number in numbers]
+    return {"busy": max(before.busy, reference.look().busy), "judged": judged}
 
 
 def _compared(poses: list[Target], max_bend: float) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.judges.kinematics import body_points
-from benchmarks.places.parts.surfaces import loft
+from benchmarks.places.parts.surfaces import Surface, loft
 from benchmarks.problems.sets import in_ball
 from sinuous.checks import Floats
 from sinuous.measures.obstacles import measure
@@ -139,8 +139,13 @@ def _mesh(place: tuple[Floats, Floats, float], unit: float, rng: Generator) -> M
 
 def _block(middle: Floats, half: Floats, rotation: Floats, inside: bool = False) -> Mesh:
     """Return a box of triangles."""
+    return Mesh(*block_surface(middle, half, rotation), inside=inside)
+
+
+def block_surface(middle: Floats, half: Floats, rotation: Floats) -> Surface:
+    """Return the triangles of a box with these halves of edges (3,) along the columns of a rotation (3, 3)."""
     angles = 0.25 * math.pi + 0.5 * math.pi * np.arange(4)
     square = math.sqrt(2.0) * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     rings = np.stack([np.column_stack([square, np.full(4, height)]) for height in (-1.0, 1.0)])
     skin = loft(half * rings, half * np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]))
-    return Mesh(skin.vertices @ rotation.T + middle, skin.faces, inside=inside)
+    return Surface(skin.vertices @ rotation.T + middle, skin.faces)

@@ -53,10 +53,13 @@ class Sketch:
         return Segment(self.length, self.max_bend, self.max_curvature, self.radius, tendons, chambers)
 
 
-def robot_with_shapes(count: int, rng: Generator) -> tuple[Robot, Floats]:
-    """Draw a robot, and up to `count` configurations (m, n, 3) within its limits that are clear of themselves."""
+def robot_with_shapes(count: int, rng: Generator, scales: tuple[float, float] = SCALES) -> tuple[Robot, Floats]:
+    """Draw a robot, and up to `count` configurations (m, n, 3) within its limits that are clear of themselves.
+
+    `scales` are the powers of ten between which a segment is long.
+    """
     size = int(rng.integers(*SIZES[rng.choice(len(SIZES), p=SIZE_SHARES)]))
-    unit = 10.0 ** rng.uniform(*SCALES)
+    unit = 10.0 ** rng.uniform(*scales)
     sketches = _sketches(size, unit, rng)
     place: dict[str, Any] = {
         "mount": rng.uniform(0.0, 0.8) * unit if rng.random() < 0.15 else 0.0,
@@ -64,7 +67,7 @@ def robot_with_shapes(count: int, rng: Generator) -> tuple[Robot, Floats]:
         "tool": pose(0.5 * unit * in_ball(rng), rotation=rng.normal(size=4)) if rng.random() < 0.15 else None,
     }
     robot = Robot([sketch.segment() for sketch in sketches], **place)
-    q = _shapes(robot, count, rng)
+    q = shapes_of(robot, count, rng)
     if len(q) and rng.random() < 0.15:
         robot = Robot(_driven(sketches, q, unit, rng), **place)
     return robot, q
@@ -103,8 +106,8 @@ def _bending(own: float, max_bend: float, radius: float, rng: Generator) -> Sket
     return Sketch((low, own), max_bend, curvature, radius)
 
 
-def _shapes(robot: Robot, count: int, rng: Generator) -> Floats:
-    """Draw shapes that are surely clear of themselves; those that fail are drawn anew, each time more gently bent."""
+def shapes_of(robot: Robot, count: int, rng: Generator) -> Floats:
+    """Return shapes that are surely clear of themselves; those that fail are drawn anew, each time more gently bent."""
     found = np.empty((0, len(robot), 3))
     most = 1.0
     for _ in range(DRAWS):

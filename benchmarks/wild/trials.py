@@ -74,7 +74,7 @@ def examine(world: World) -> list[Trial]:
 def refuted(world: World, solutions: dict[int, Solution]) -> dict[int, tuple[str, ...]]:
     """What is false of solutions of some problems, by their numbers."""
     false: dict[int, tuple[str, ...]] = {
-        i: (str(each.status),) if each.status in IMPOSSIBLE else () for i, each in solutions.items()
+        i: (str(each.status),) if world.possible and each.status in IMPOSSIBLE else () for i, each in solutions.items()
     }
     claims = {i: each for i, each in solutions.items() if each.solved}
     if claims:
@@ -90,7 +90,7 @@ def _wrong(world: World, claims: dict[int, Solution]) -> dict[str, Flags]:
     found = {TARGET: ~_at_targets(world, list(claims), q), LIMITS: ~within_limits(robot, q)}
     if len(world.scene):
         said = _said(claims, "clearance")
-        gaps = Clearances(robot, world.scene).least(q, max(0.0, float(np.nanmax(said))))
+        gaps = Clearances(robot, world.truth or world.scene).least(q, max(0.0, float(np.nanmax(said))))
         found |= {OVERLAP: gaps < -slack, CLEARANCE: said > gaps + slack}
     gaps = look(robot, q, 0.0).least
     return found | {SELF_OVERLAP: gaps < -slack, SELF_CLEARANCE: _said(claims, "self_clearance") > gaps + slack}

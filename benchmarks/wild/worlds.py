@@ -10,8 +10,7 @@ from benchmarks.judges.kinematics import segment_ends
 from benchmarks.wild.obstacles import scene_about
 from benchmarks.wild.robots import robot_with_shapes
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
@@ -44,6 +43,10 @@ class World:
         One list a problem: its targets are to be met at once.
     hidden : ndarray (m, n, 3)
         A solution of each, clear of obstacles and of itself.
+    possible : bool
+        Whether that is so: else the hidden shapes overlap something, and it is not known whether there is a solution.
+    truth : Scene or None
+        The obstacles that judges look at, where `scene` knows bounds of their distances only.
     """
 
     robot: Robot
@@ -51,6 +54,8 @@ class World:
     tolerance: Tolerance
     targets: list[list[Target]]
     hidden: Floats
+    possible: bool = True
+    truth: Scene | None = None
 
 
 def make(seed: int, number: int) -> World:
@@ -66,14 +71,14 @@ def make(seed: int, number: int) -> World:
         if len(q):
             break
     position, angle = 10.0 ** rng.uniform(*TOLERANCES, 2)
-    return World(robot, scene, Tolerance(position * robot.mean_length, angle), _asked(robot, q, rng), q)
+    return World(robot, scene, Tolerance(position * robot.mean_length, angle), asked(robot, q, rng), q)
 
 
-def _asked(robot: Robot, q: Floats, rng: Generator) -> list[list[Target]]:
-    """Ask the same kind of question of every shape."""
-    kind = rng.choice(list(KINDS), p=list(KINDS.values()))
+def asked(robot: Robot, q: Floats, rng: Generator, kind: str | None = None) -> list[list[Target]]:
+    """Return targets for every shape, all of one of the `KINDS`: by default any."""
+    kind = str(rng.choice(list(KINDS), p=list(KINDS.values()))) if kind is None else kind
     elbow = int(rng.integers(1, len(robot))) if len(robot) > 1 and rng.random() < ELBOWS else 0
-    asked = []
+    questions = []
     for ends in segment_ends(robot, q):
         tip = ends[-1] @ robot.tool
         place = None if kind.endswith("alone") else tip[:3, 3]
@@ -86,5 +91,5 @@ def _asked(robot: Robot, q: Floats, rng: Generator) -> list[list[Target]]:
         ]
         if elbow:
             targets.append(Target(ends[elbow][:3, 3], segment=elbow))
-        asked.append(targets)
-    return asked
+        questions.append(targets)
+    return questions

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from sinuous.methods.slinki.options import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
-    from sinuous.motion.leader.leader import follow_the_leader as follow_the_leader
-    from sinuous.motion.leader.stage import on_stage as on_stage
+    from sinuous.motion.leader import follow_the_leader as follow_the_leader
+    from sinuous.motion.leader import on_stage as on_stage
     from sinuous.motion.motion import Motion as Motion
     from sinuous.motion.plan import Planner as Planner
     from sinuous.motion.plan import plan as plan
-    from sinuous.motion.timing.trajectory import Trajectory as Trajectory
     from sinuous.motion.track import track as track
+    from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
@@ -52,17 +52,17 @@ if TYPE_CHECKING:
     from sinuous.problem.problem import Problem as Problem
     from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
     from sinuous.problem.target import Target as Target
-    from sinuous.problem.tolerance import Tolerance as Tolerance
+    from sinuous.problem.target import Tolerance as Tolerance
     from sinuous.robot.actuation import Actuator as Actuator
+    from sinuous.robot.actuators import Actuators as Actuators
     from sinuous.robot.actuators import Chambers as Chambers
     from sinuous.robot.actuators import Tendons as Tendons
-    from sinuous.robot.coupled import Actuators as Actuators
-    from sinuous.robot.parameters import arc_parameters as arc_parameters
-    from sinuous.robot.parameters import from_arc_parameters as from_arc_parameters
     from sinuous.robot.rates import Changes as Changes
     from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
+    from sinuous.robot.segment import arc_parameters as arc_parameters
+    from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
     from sinuous.scene.clouds.point_cloud import PointCloud as PointCloud
     from sinuous.scene.courses.moving import Moving as Moving
     from sinuous.scene.grids.field import Field as Field
@@ -99,24 +99,27 @@ _HOMES = {
     "assessing.tasks": ("Follow",),
     "batch.batch": ("Batch",),
     "batch.solve": ("solve_batch",),
-    "robot.actuation": ("Actuator",),
-    "robot.actuators": ("Chambers", "Tendons"),
-    "robot.coupled": ("Actuators",),
     "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
     "export.chain": ("JointChain",),
     "measures.following": ("Deviation",),
     "methods.dls.options": ("Dls",),
-    "methods.fabrik_avoid.options": ("FabrikAvoid",),
     "methods.fabrik.fabrikc": ("Fabrikc",),
     "methods.fabrik.fabrikx": ("Fabrikx",),
+    "methods.fabrik_avoid.options": ("FabrikAvoid",),
     "methods.monte_carlo.options": ("MonteCarlo",),
     "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
     "methods.slinki.options": ("Slinki",),
+    "motion.job": ("Job", "load"),
+    "motion.leader": ("follow_the_leader", "on_stage"),
+    "motion.motion": ("Motion",),
+    "motion.plan": ("Planner", "plan"),
+    "motion.track": ("track",),
+    "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
-    "pictures.surveys.assessment": ("plot_assessment",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
+    "pictures.surveys.assessment": ("plot_assessment",),
     "pictures.surveys.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.curve": ("Curve",),
@@ -124,20 +127,21 @@ _HOMES = {
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
     "problem.suspicions": ("SuspiciousInput",),
-    "problem.tolerance": ("Tolerance",),
-    "robot.parameters": ("arc_parameters", "from_arc_parameters"),
+    "problem.target": ("Target", "Tolerance"),
+    "robot.actuation": ("Actuator",),
+    "robot.actuators": ("Actuators", "Chambers", "Tendons"),
     "robot.rates": ("Changes", "Rates"),
     "robot.robot": ("Robot",),
-    "robot.segment": ("Segment",),
+    "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
+    "scene.clouds.point_cloud": ("PointCloud",),
     "scene.courses.moving": ("Moving",),
     "scene.grids.field": ("Field",),
     "scene.grids.grid": ("Grid",),
     "scene.meshes.mesh": ("Mesh",),
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
-    "scene.clouds.point_cloud": ("PointCloud",),
     "scene.scene": ("Scene",),
-    "solution.explanation": ("Explanation",),
     "solution.checking": ("check",),
+    "solution.explanation": ("Explanation",),
     "solution.solution": ("Solution",),
     "solution.solutions": ("Solutions",),
     "solution.status": ("Status",),
@@ -145,18 +149,10 @@ _HOMES = {
     "solution.verification": ("Verification", "Verifications"),
     "solving.solve": ("solve", "solve_all"),
     "solving.solver": ("Solver",),
-    "problem.target": ("Target",),
-    "motion.leader.leader": ("follow_the_leader",),
-    "motion.leader.stage": ("on_stage",),
-    "motion.timing.trajectory": ("Trajectory",),
+    "viewer.show": ("show",),
     "workspace.find": ("reach",),
     "workspace.reach": ("Reach",),
     "workspace.verdicts": ("Verdict",),
-    "motion.job": ("Job", "load"),
-    "motion.motion": ("Motion",),
-    "motion.plan": ("Planner", "plan"),
-    "motion.track": ("track",),
-    "viewer.show": ("show",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -32,6 +32,15 @@ def inside(key: str) -> Iterator[None]:
         raise error.within(key) from None
 
 
+@contextmanager
+def in_file(file: object) -> Iterator[None]:
+    """Put the name of a file in front of whatever is refused within, unless it names a file already."""
+    try:
+        yield
+    except InputError as error:
+        raise error.in_file(file) from None
+
+
 def number(
     key: str,
     value: Any,

@@ -1,11 +1,10 @@
 """What goes wrong, in words: wrong input, and a solve that did not reach its target."""
 
 import reprlib
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from sinuous.motion.motion import Motion
-    from sinuous.solution.solution import Solution
+import numpy as np
+from numpy.typing import NDArray
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
@@ -67,10 +66,29 @@ class InputError(ValueError):
         return InputError, (self.key, self.problem, self.value, self.expected, self.file)
 
 
+class Answer(Protocol):
+    """What a `Solution` and a `Motion` have in common."""
+
+    @property
+    def status(self) -> str:
+        """How it ended."""
+        ...
+
+    @property
+    def solved(self) -> bool:
+        """Whether the status is `solved`."""
+        ...
+
+    @property
+    def q(self) -> NDArray[np.float64]:
+        """Configuration (n, 3), or configurations (T, n, 3)."""
+        ...
+
+
 class NotSolvedError(RuntimeError):
     """Raised by `raise_for_status()` of a solution or motion that is not solved; `solution` holds it."""
 
-    def __init__(self, message: str, solution: "Solution | Motion") -> None:
+    def __init__(self, message: str, solution: Answer) -> None:
         super().__init__(message)
         self.solution = solution
 

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from sinuous.brief import Brief
+from sinuous.reprs import ShortRepr
 
 
-class Frozen(Brief):
+class Frozen(ShortRepr):
     """Attributes cannot be set, and arrays stay read-only when they are pickled. A copy is the object itself.
 
     NumPy forgets in a pickle that an array was read-only. So every array that is unpickled is made read-only, except

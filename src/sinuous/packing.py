@@ -1,28 +1,29 @@
-"""How nouns are written for the kernels: the one place that packs them into the tables of `sinuous.kernels.tables`.
+"""How numbers are laid out for the kernels: the one place that fills the tables of `sinuous.kernels.tables`.
+
+This is the boundary of nouns and kernels. Below it there are rows of numbers, above it robots, scenes and targets. It
+knows no noun: each noun hands over its numbers (`sinuous.robot.robot.robot_group`,
+`sinuous.problem.problem.settings_group`, `Target`, the obstacles, `Snapshot`).
 
 Rows are returned as new arrays. Kernels are compiled for writable arrays alone; whoever keeps a table and shows it to
 users keeps the array for itself and shows a read-only view of it.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels import tables as t
 
-if TYPE_CHECKING:
-    from sinuous.problem.preferences import Preferences
-    from sinuous.problem.tolerance import Tolerance
-    from sinuous.robot.robot import Robot
-    from sinuous.robot.segment import Segment
-
 ITERATIONS = 60
 """Most iterations from one start."""
 
-LOOK_DEPTH, STEP_DEPTH = 0, 3
-"""How often a segment is halved in the search for contacts: at a glance, to compare starts, and in a step."""
+LOOK_DEPTH = 0
+"""How often a segment is halved in the search for contacts where starts are compared at a glance."""
+
+STEP_DEPTH = 3
+"""How often a segment is halved in the search for contacts in a step."""
 
 MARGIN = 1e-4
 """Clearance that steps aim for beyond none, of the robot's mean length: room for the proof to decide."""
@@ -52,17 +53,13 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
     return [float(first), float(last), *weights, *limits]
 
 
-def segment_table(segments: Sequence["Segment"], curvatures: Sequence[float]) -> Floats:
-    """Return the rows (n, 7) of segments, with these limits of their curvature; read-only."""
-    rows = [
-        segment_row(segment.length, segment.max_bend, curvature, segment.radius)
-        for segment, curvature in zip(segments, curvatures, strict=True)
-    ]
-    return _closed(np.array(rows))
+def segment_table(rows: Sequence[Sequence[float]]) -> Floats:
+    """Return the table (n, 7) of segments, base to tip; read-only."""
+    return _closed(np.array(rows, np.float64))
 
 
 def actuator_table(rows: Sequence[Sequence[float]]) -> Floats:
-    """Return the rows (p, 7) of all limits of actuators, in the order of their last segment; read-only."""
+    """Return the table (p, 7) of all limits of actuators, in the order of their last segment; read-only."""
     ordered = sorted(rows, key=lambda row: row[t.LAST_SEGMENT])
     return _closed(np.array(ordered, np.float64).reshape(-1, t.ACTUATOR_WIDTH))
 
@@ -77,10 +74,10 @@ def pose_row(matrix: Floats) -> Floats:
     return np.concatenate([matrix[:3, :3].ravel(), matrix[:3, 3]])[None, :].copy()
 
 
-def robot_group(robot: "Robot") -> Floats:
-    """Return the group of a robot."""
-    header = [float(len(robot.limits)), float(len(robot.actuation)), float(robot.avoids_itself)]
-    parts = (header, robot.limits, robot.actuation, pose_row(robot.base), pose_row(robot.tool))
+def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, avoids_itself: bool) -> Floats:
+    """Return the group of a robot, of its tables (n, 7) and (p, 7), and the poses (4, 4) of base and tool."""
+    header = [float(len(limits)), float(len(actuation)), float(avoids_itself)]
+    parts = (header, limits, actuation, pose_row(base), pose_row(tool))
     return np.concatenate([np.ravel(part) for part in parts])
 
 
@@ -147,22 +144,29 @@ def target_rows(count: int, positions: Floats | None, directions: Floats | None,
 
 
 def settings_group(
-    robot: "Robot", tolerance: "Tolerance", prefer: "Preferences | None" = None, options: Sequence[float] | Floats = ()
+    *,
+    mount: float,
+    unit: float,
+    position_tolerance: float | None,
+    angle_tolerance: float,
+    start_weight: float = 0.0,
+    bends_weight: float = 0.0,
+    clearance_wish: float = 0.0,
+    options: Sequence[float] | Floats = (),
 ) -> Floats:
-    """Return the settings of a solve, with the options of its method at their end."""
-    unit = robot.mean_length
-    values: Mapping[int, float | None] = {
-        t.MOUNT: robot.mount,
+    """Return the settings of a solve, with the options of its method at their end; `unit` is the mean length."""
+    values = {
+        t.MOUNT: mount,
         t.UNIT: unit,
         t.MARGIN: MARGIN * unit,
-        t.POSITION_TOLERANCE: tolerance.position,
-        t.ANGLE_TOLERANCE: tolerance.angle,
+        t.POSITION_TOLERANCE: position_tolerance,
+        t.ANGLE_TOLERANCE: angle_tolerance,
         t.LOOK_DEPTH: LOOK_DEPTH,
         t.STEP_DEPTH: STEP_DEPTH,
         t.MAX_ITERATIONS: ITERATIONS,
-        t.INITIAL_WEIGHT: prefer.start if prefer else 0.0,
-        t.BENDS_WEIGHT: prefer.bends if prefer else 0.0,
-        t.WISHED_CLEARANCE: prefer.clearance if prefer else 0.0,
+        t.INITIAL_WEIGHT: start_weight,
+        t.BENDS_WEIGHT: bends_weight,
+        t.WISHED_CLEARANCE: clearance_wish,
     }
     own = np.array([values[i] for i in range(t.METHOD_OPTIONS)], np.float64)
     return np.concatenate([own, np.asarray(options, np.float64)])

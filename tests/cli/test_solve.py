@@ -247,7 +247,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
     """The second has obstacles: the search for routes must not be compiled between two results."""
     from sinuous.cli import work
     from sinuous.cli.answers.output import Output
-    from sinuous.solving.routing.routes import Router
+    from sinuous.solving.routing.searches import Searches
 
     events: list[str] = []
 
@@ -258,7 +258,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
 
         return call
 
-    monkeypatch.setattr(Router, "load", noted("load", Router.load))
+    monkeypatch.setattr(Searches, "load", noted("load", Searches.load))
     monkeypatch.setattr(Output, "write", noted("write", Output.write))
     assert work.solve_files([problem("easy.yaml"), problem("scene.yaml")], Options(json=True)) == 0
     assert events == ["load", "write", "load", "write"]

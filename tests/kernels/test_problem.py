@@ -13,10 +13,10 @@ from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import answer_of, read_problem
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.target import Target, target_table
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.problem import settings_group
+from sinuous.problem.target import Target, Tolerance, target_table
 from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
@@ -58,7 +58,7 @@ def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[tu
     shapes = [(len(robot), 7), (len(robot.actuation), 7), (1, 12), (1, 12), table.shape, store.shape, rows.shape]
     parts: Any = tuple(np.full(shape, np.nan) for shape in shapes)
     numbers = np.full(len(FIELDS), np.nan)
-    take_apart(packing.robot_group(robot), scene.group.copy(), settings, rows, parts, numbers)
+    take_apart(robot_group(robot), scene.group.copy(), settings, rows, parts, numbers)
     return parts, dict(zip(FIELDS, numbers.tolist(), strict=True))
 
 
@@ -95,7 +95,7 @@ obstacles = st.one_of(
 
 @given(robots)
 def test_a_robot_is_read_back(robot: Robot) -> None:
-    parts, numbers = read(robot, Scene(), [Target((0, 0, 1))], packing.settings_group(robot, Tolerance(1e-3)))
+    parts, numbers = read(robot, Scene(), [Target((0, 0, 1))], settings_group(robot, Tolerance(1e-3)))
     own, actuation, base, tool = parts[:4]
     for row, segment, curvature in zip(own, robot.segments, robot.curvatures, strict=True):
         assert (row[t.MIN_LENGTH], row[t.MAX_LENGTH]) == segment.length
@@ -129,7 +129,7 @@ def test_limits_of_actuators_say_what_their_lines_do(robot: Robot, seed: int) ->
 
 def read_scene(drawn: list[Any]) -> tuple[Floats, Floats]:
     robot = Robot.uniform(2, 1.0)
-    parts, _ = read(robot, Scene(drawn), [Target((0, 0, 1))], packing.settings_group(robot, Tolerance(1e-3)))
+    parts, _ = read(robot, Scene(drawn), [Target((0, 0, 1))], settings_group(robot, Tolerance(1e-3)))
     return parts[4], parts[5]
 
 
@@ -171,7 +171,7 @@ targets = st.one_of(
 @given(st.lists(targets, min_size=1, max_size=5))
 def test_targets_are_read_back(drawn: list[Target]) -> None:
     robot = Robot.uniform(3, 1.0)
-    parts, _ = read(robot, Scene(), drawn, packing.settings_group(robot, Tolerance(1e-3)))
+    parts, _ = read(robot, Scene(), drawn, settings_group(robot, Tolerance(1e-3)))
     for row, target in zip(parts[6], drawn, strict=True):
         assert row[t.TARGET_SEGMENT] == (-1 if target.segment is None else target.segment - 1)
         assert row[t.HAS_POSITION] == (target.position is not None)
@@ -191,7 +191,7 @@ def test_targets_are_read_back(drawn: list[Target]) -> None:
 def test_settings_are_read_back(robot: Robot, values: tuple[float, ...], options: list[float]) -> None:
     off, turn, initial, bends, clearance = values
     wishes = Preferences(initial, bends, clearance)
-    settings = packing.settings_group(robot, Tolerance(off, turn), wishes, options)
+    settings = settings_group(robot, Tolerance(off, turn), wishes, options)
     _, numbers = read(robot, Scene(), [Target((0, 0, 1))], settings)
     assert numbers == {
         "mount": robot.mount,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sinuous.measures import nearest
-from sinuous.measures.nearest import Indices, least_distances
+from sinuous.measures import obstacles
+from sinuous.measures.obstacles import Indices, least_distances
 from tests.helpers import Floats
 
 
@@ -12,8 +12,8 @@ from tests.helpers import Floats
 @pytest.mark.parametrize("spread", [0.0, 1.0, 8.0])
 def test_no_ball_is_passed_over(monkeypatch: pytest.MonkeyPatch, seed: int, spread: float) -> None:
     """Radii of one size, of all sizes, and of many orders of magnitude, looked at in small blocks."""
-    monkeypatch.setattr(nearest, "PAIRS", 50)
-    monkeypatch.setattr(nearest, "BLOCK", 200)
+    monkeypatch.setattr(obstacles, "PAIRS", 50)
+    monkeypatch.setattr(obstacles, "BLOCK", 200)
     rng = np.random.default_rng(seed)
     centers, points = rng.normal(size=(300, 3)), 2.0 * rng.normal(size=(60, 3))
     radii = 0.2 * np.exp(-spread * rng.random(300))

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.measures.obstacles import measure
-from sinuous.measures.primitives import to_boxes
+from sinuous.measures.obstacles import measure, to_boxes
 
 OBSTACLES = [
     sn.Sphere((0.2, 0.3, 1.0), 0.5),

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.measures.obstacles import measure
-from sinuous.measures.triangles import to_triangles
+from sinuous.measures.obstacles import measure, to_triangles
 from sinuous.scene.meshes.mesh import Mesh
 from tests.helpers import Floats, random_rotation
 from tests.scene.shapes import Triangles, ball, cube, inverted, together

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.measures.body import segment_ends
-from sinuous.measures.clearance import least_clearance
+from sinuous.measures.body import least_clearance, segment_ends
 from sinuous.pictures.diagrams import Kind, diagram, diagrams_of
 from tests.pictures.arms import BALL, PATH, ROBOT
 

@@ -9,8 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from sinuous.poses import rotation_matrix
-from sinuous.problem.goals import Goals
-from sinuous.problem.target import Target
+from sinuous.problem.target import Goals, Target
 from tests.helpers import refused, refused_each
 
 RNG = np.random.default_rng(3)

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from sinuous.robot.actuation import Actuator
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.coupled import Actuators
+from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from tests.helpers import Floats, refused, refused_each

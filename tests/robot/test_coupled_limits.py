@@ -7,7 +7,7 @@ import pytest
 
 from sinuous.kernels import tables as t
 from sinuous.problem.target import Target
-from sinuous.robot.coupled import Actuators
+from sinuous.robot.actuators import Actuators
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.solving.solver import Solver

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.robot.parameters import arc_parameters, from_arc_parameters
+from sinuous.robot.segment import arc_parameters, from_arc_parameters
 from tests.helpers import (
     refused,
 )

@@ -7,7 +7,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.kernels.tables import MAX_CURVATURE
-from sinuous.packing import robot_group
+from sinuous.robot.robot import robot_group
 from tests.helpers import refused_each
 
 

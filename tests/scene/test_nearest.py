@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.measures import clearance
+from sinuous.measures import body
 from sinuous.measures.body import body_places, segment_ends
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
@@ -38,7 +38,7 @@ def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
     for _ in range(6):
         q = bent(rng)
         ends = segment_ends(ROBOT, q)
-        expected = clearance.least_clearance(ROBOT, scene, q, ends)
+        expected = body.least_clearance(ROBOT, scene, q, ends)
         distance, segment, obstacle = _least_clearance(ROBOT, scene, q)
         assert distance == pytest.approx(expected.distance, abs=1e-9)
         assert obstacle == expected.obstacle
@@ -53,7 +53,7 @@ def test_a_place_has_as_much_room_as_other_code_says(name: str) -> None:
     scene = Scene(SCENES[name]).snapshot()
     # Out of a grid of distances there are bounds alone, and not the same.
     for place in np.random.default_rng(2).uniform((-0.8, -0.8, -0.3), (0.8, 0.8, 1.3), (12, 3)):
-        expected = clearance.room_at(place, scene)
+        expected = body.room_at(place, scene)
         found = room_at(place, scene)
         assert found.distance == pytest.approx(expected.distance, abs=1e-9)
         assert found.obstacle == expected.obstacle

@@ -344,7 +344,7 @@ def test_a_method_that_refuses_a_target_says_so_whatever_the_threads() -> None:
 
 def test_progress_is_shown_to_who_wants_it(monkeypatch: pytest.MonkeyPatch) -> None:
     counted: list[int] = []
-    monkeypatch.setattr("sinuous.bar.Bar.advance", lambda _, count=1: counted.append(count))
+    monkeypatch.setattr("sinuous.progress.ProgressBar.advance", lambda _, count=1: counted.append(count))
     solver, places = sn.Solver(FIXED, max_starts=20), tips(FIXED, 50)
     solver.solve_many(positions=places[:, :3, 3], rotations=places[:, :3, :3], progress=True, workers=2)
     assert sum(counted) == 50

@@ -17,6 +17,7 @@ WRONG: dict[str, tuple[Any, ...]] = {
     "max_starts": (0, -3, 1.5, "9", True, None, 10**10),
     "seed": (-1, 2**31, 0.5, "0", False, None),
     "routes": (0, 1, "yes", None),
+    "without": ("hops", ("grown", "hops"), 7, None),
 }
 
 
@@ -36,6 +37,7 @@ def test_every_field_is_kept() -> None:
         "max_starts": 7,
         "seed": 3,
         "routes": False,
+        "without": ("gates",),
     }
     assert set(given) == set(SolveOptions.__dataclass_fields__)
     options = SolveOptions.of(given)

@@ -26,7 +26,7 @@ from sinuous.kernels.tables import (
     Outcome,
 )
 from sinuous.solving.search import Distinct, FirstSolved
-from sinuous.solving.starts.sources import Batch
+from sinuous.solving.starts import Batch
 
 NONE = np.empty((0, 2, 3))
 IMPOSSIBLE = (OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE)

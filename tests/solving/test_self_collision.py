@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.measures.body import segment_ends
-from sinuous.measures.self_clearance import least_self_clearance
+from sinuous.measures.body import least_self_clearance, segment_ends
 from tests.helpers import Floats
 from tests.kernels.body.test_self_proof import curled
 

@@ -9,8 +9,7 @@ from benchmarks.judges.kinematics import tip_poses
 from benchmarks.paper.scenes import FREE_BEND, PAPER_TOLERANCE
 from benchmarks.problems import ProblemSet, among_spheres, arm, direction_targets, random_configurations
 from sinuous.checks import Floats
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 

@@ -13,7 +13,7 @@ from benchmarks.paper.table1.pictures import draw_shapes, draw_times
 from benchmarks.paper.table1.rows import EXACT, rows_of
 from benchmarks.paper.table1.tables import pose_table
 from benchmarks.problems import PAPER_POSES
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 
 BUDGET = 0.1
 """Seconds of one solve, with all its initial configurations."""

@@ -7,9 +7,9 @@ from typing import Any, Unpack
 from sinuous import checks
 from sinuous.assessing.assessment import Assessment, Row
 from sinuous.assessing.tasks import Task, read_tasks
-from sinuous.bar import Bar
 from sinuous.errors import InputError
 from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.solving.options import SolveArguments
@@ -53,7 +53,7 @@ def assess(
             with checks.inside(f"tasks[{task!r}]" + (f" of {name}" if len(robots) > 1 else "")):
                 asked[task].check(each)
     rows: list[Row] = []
-    with Bar(len(robots) * len(asked) if checks.truth("progress", progress) else 0) as bar:
+    with ProgressBar(len(robots) * len(asked) if checks.truth("progress", progress) else 0) as bar:
         for i, (name, each) in enumerate(robots.items()):
             with warnings.catch_warnings():
                 if i:  # what is suspicious of the scene is said once

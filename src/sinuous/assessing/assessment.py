@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sinuous.assessing.tasks import Done
-from sinuous.brief import Brief
-from sinuous.errors import InputError
+from sinuous.reprs import ShortRepr
 from sinuous.words import duration
+from sinuous.writing.documents import written
 
 SOLVED = "solved"
 
@@ -54,7 +54,7 @@ class Row(NamedTuple):
     done: Done
 
 
-class Assessment(Brief):
+class Assessment(ShortRepr):
     """What robots can do of a set of tasks.
 
     Attributes
@@ -92,14 +92,10 @@ class Assessment(Brief):
             When the file cannot be written.
         """
         table: list[dict[str, Any]] = self.to_dict()["rows" if tasks else "totals"]
-        try:
-            with Path(file).open("w", encoding="utf-8", newline="") as out:
-                writer = csv.DictWriter(out, list(table[0]), lineterminator="\n")
-                writer.writeheader()
-                writer.writerows(table)
-        except OSError as error:
-            wanted = "a file that can be written"
-            raise InputError("file", f"cannot be written: {error.strerror}", str(file), wanted) from None
+        with written(file), Path(file).open("w", encoding="utf-8", newline="") as out:
+            writer = csv.DictWriter(out, list(table[0]), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(table)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""

@@ -7,14 +7,14 @@ from typing import Any
 
 from sinuous.batch.conduct import Failed
 from sinuous.batch.tables.blocks import INVALID, STATUSES, Block
-from sinuous.brief import Brief
+from sinuous.reprs import ShortRepr
 
 SHOWN = 10
 """Numbers of rows that are told."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Batch(Brief):
+class Batch(ShortRepr):
     """The answers to any number of targets.
 
     Attributes

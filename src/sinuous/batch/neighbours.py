@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
-from sinuous.problem.goals import Goals
+from sinuous.problem.target import Goals
 
 Whole = NDArray[np.int64]
 

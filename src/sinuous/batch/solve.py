@@ -21,7 +21,7 @@ from sinuous.batch.tables.kinds import check_results, open_source
 from sinuous.batch.tables.source import Source
 from sinuous.batch.work import Task, Work
 from sinuous.errors import InputError, UnfinishedError
-from sinuous.problem.goals import GoalArrays
+from sinuous.problem.target import GoalArrays
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
 from sinuous.solving.solver import Solver

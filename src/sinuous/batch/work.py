@@ -10,7 +10,7 @@ from sinuous.batch.tables.blocks import INVALID, Block, Layout
 from sinuous.batch.tables.source import Raw
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.goals import GoalArrays, Goals
+from sinuous.problem.target import GoalArrays, Goals
 from sinuous.solving.solver import Solver
 
 

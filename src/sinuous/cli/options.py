@@ -11,7 +11,7 @@ from sinuous.errors import InputError
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
     from sinuous.problem.preferences import Preferences
-    from sinuous.problem.tolerance import Tolerance
+    from sinuous.problem.target import Tolerance
 
 
 @dataclass(frozen=True)

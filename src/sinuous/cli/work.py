@@ -9,7 +9,6 @@ from typing import Any
 import typer
 
 from sinuous import checks
-from sinuous.bar import Bar
 from sinuous.cli.answers.alternatives import Alternatives
 from sinuous.cli.answers.asked import asked_of
 from sinuous.cli.answers.journal import Journal
@@ -19,14 +18,15 @@ from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.methods.registry import Choice
+from sinuous.motion.configurations import check_limits
 from sinuous.motion.following.entries import read_entry, write_entry
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.job import motion_of, rates_in_time
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
-from sinuous.motion.start import check_limits
 from sinuous.motion.track import read_deviation, timetable_of, wish
 from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.several import KINDS, Kind
@@ -36,7 +36,7 @@ SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
 
 MOST_ALTERNATIVES = 10_000
 
-Question = Callable[[Any, ProblemFile, Bar], Answer]
+Question = Callable[[Any, ProblemFile, ProgressBar], Answer]
 """Asks what was prepared for a problem file."""
 
 Prepared = Callable[..., Solver | Planner]
@@ -152,7 +152,7 @@ def _answer_all(
     say_notes([one.problem for one in read])
     try:
         ahead = 0.0 if len(read) == 1 else _compile([one.problem for one in read], options, kind)
-        with Output(options, len(read)) as output, Bar(total) as bar:
+        with Output(options, len(read)) as output, ProgressBar(total) as bar:
             for one in read:
                 with bar.hidden():
                     solver, prepare_seconds = _prepare(one.problem, options, kind)
@@ -198,13 +198,13 @@ def _prepare(problem: ProblemFile, options: Options, kind: Prepared) -> tuple[So
     return solver, clock.perf_counter() - began
 
 
-def _solve(solver: Solver, problem: ProblemFile, bar: Bar) -> Solution:
+def _solve(solver: Solver, problem: ProblemFile, bar: ProgressBar) -> Solution:
     solution = solver.solve(problem.waypoints[0], problem.start)
     bar.advance()
     return solution
 
 
-def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile, bar: Bar) -> Alternatives:
+def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile, bar: ProgressBar) -> Alternatives:
     began = clock.perf_counter()
     found = solver.solve_all(problem.waypoints[0], problem.start, count=count, by=by)
     best = found[0] if found else solver.solve(problem.waypoints[0], problem.start)
@@ -212,7 +212,7 @@ def _solve_all(count: int, by: Kind | None, solver: Solver, problem: ProblemFile
     return Alternatives(tuple(found), best, clock.perf_counter() - began)
 
 
-def _plan(journal: Journal, planner: Planner, problem: ProblemFile, bar: Bar) -> Motion:
+def _plan(journal: Journal, planner: Planner, problem: ProblemFile, bar: ProgressBar) -> Motion:
     """Plan the motion, or return the one that is in the journal."""
     assert problem.start is not None
     kept = next(journal.begin(), None)
@@ -228,7 +228,7 @@ def _plan(journal: Journal, planner: Planner, problem: ProblemFile, bar: Bar) ->
     return motion
 
 
-def _track(deviation: float | None, journal: Journal, solver: Solver, problem: ProblemFile, bar: Bar) -> Motion:
+def _track(deviation: float | None, journal: Journal, solver: Solver, problem: ProblemFile, bar: ProgressBar) -> Motion:
     """Follow the path, on from where the journal ends; when interrupted, return what is there."""
     waypoints, started = len(problem.waypoints), problem.start is not None
     timetable = timetable_of(problem.scene, problem.times, waypoints, started)

@@ -3,12 +3,35 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.export.chain import JointChain
+from sinuous.writing.documents import written
+
+if TYPE_CHECKING:
+    from sinuous.robot.robot import Robot
 
 NANO = 1_000_000_000
+"""Nanoseconds of a second."""
+
+Of = Literal["joints", "actuators"]
+"""Whose values a trajectory has: joints of the chain, as in the URDF, or actuators of the robot."""
+
+
+def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> tuple[tuple[str, ...], Floats]:
+    """Names (j,) of joints or actuators, and the matrix (j, 3 n) that makes their values of a flat configuration."""
+    if checks.choice("of", of, ("joints", "actuators")) == "joints":
+        chain = JointChain(robot, joints_per_segment)
+        return chain.names, chain.matrix
+    if not robot.actuators:
+        raise InputError("of", "the robot has none", of, "joints")
+    return tuple(actuator.name for actuator in robot.actuators), np.asarray(robot.drive.jacobian)
 
 
 def joint_trajectory(
@@ -46,9 +69,5 @@ def write_json(file: str | Path, values: dict[str, Any]) -> None:
     InputError
         When the file cannot be written.
     """
-    try:
+    with written(file):
         Path(file).write_text(json.dumps(values, allow_nan=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "file", f"cannot be written: {error.strerror}", str(file), "a file that can be written"
-        ) from None

@@ -12,8 +12,8 @@ from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.errors import InputError
 from sinuous.export.chain import Joint, JointChain, Link
+from sinuous.writing.documents import written
 
 THIN = 0.005
 """Radius, as a share of the robot's mean length, of an arm that has none, to be looked at."""
@@ -31,12 +31,8 @@ def write_urdf(file: str | Path, chain: JointChain) -> None:
     """
     tree = ElementTree(robot_element(chain))
     indent(tree)
-    try:
+    with written(file):
         tree.write(Path(file), encoding="utf-8", xml_declaration=True)
-    except OSError as error:
-        raise InputError(
-            "file", f"cannot be written: {error.strerror}", str(file), "a file that can be written"
-        ) from None
 
 
 def robot_element(chain: JointChain) -> Element:

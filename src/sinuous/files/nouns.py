@@ -1,23 +1,27 @@
-"""Robot, obstacles and targets as they stand in a problem file."""
+"""Robot, obstacles, their trajectories, targets and configurations as they stand in a problem file."""
 
 from collections.abc import Callable
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import keys_of, known_entries, make
-from sinuous.files.course import MOVING, read_course
-from sinuous.files.documents import read_part
+from sinuous.files.documents import parse_json, read_part
+from sinuous.files.path_csv import parse_path
+from sinuous.files.text import read_text
 from sinuous.poses import pose
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.coupled import Actuators
+from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.courses.course import Course
 from sinuous.scene.courses.moving import Moving
 from sinuous.scene.grids.grid import Grid
 from sinuous.scene.meshes.mesh import Mesh
@@ -41,6 +45,12 @@ FROM_ARRAYS: dict[str, tuple[str, Callable[..., Obstacle]]] = {
 }
 """The same, where the problem file holds them itself: the key that says so, and the noun."""
 
+MOVING = "moving"
+"""Key of an obstacle under which its trajectory stands."""
+
+TRAJECTORY_COLUMNS = "t,x,y,z or t,x,y,z,qw,qx,qy,qz or t,x,y,z,qx,qy,qz,qw"
+"""Columns that the table of a trajectory may have."""
+
 VECTORS = {"position", "direction", "rotation", "xyzw"}
 """Keys of a target that hold numbers in a list."""
 
@@ -51,7 +61,8 @@ def read_robot(value: Any) -> Robot:
     radius = checks.number("radius", entries.pop("radius", 0.0), low=0.0)
     with checks.inside("segments"):
         entries["segments"] = _read_segments(entries["segments"], radius)
-    return make(Robot, entries, {"base": _read_pose, "tool": _read_pose, "actuators": _read_actuators})
+    read_pose = partial(make, pose)
+    return make(Robot, entries, {"base": read_pose, "tool": read_pose, "actuators": partial(make, Actuators)})
 
 
 def _read_segments(value: Any, radius: float) -> list[Segment]:
@@ -70,23 +81,7 @@ def _read_equal_segments(value: Any, radius: float) -> list[Segment]:
     keys, required = keys_of(Segment)
     entries = {"radius": radius} | known_entries(value, ("count", *keys), required)
     count = checks.integer("count", entries.pop("count", 1), 1, MOST_SEGMENTS)
-    return [make(Segment, entries, {"tendons": _read_tendons, "chambers": _read_chambers})] * count
-
-
-def _read_tendons(value: Any) -> Tendons:
-    return make(Tendons, value)
-
-
-def _read_chambers(value: Any) -> Chambers:
-    return make(Chambers, value)
-
-
-def _read_actuators(value: Any) -> Actuators:
-    return make(Actuators, value)
-
-
-def _read_pose(value: Any) -> Floats:
-    return make(pose, value)
+    return [make(Segment, entries, {"tendons": partial(make, Tendons), "chambers": partial(make, Chambers)})] * count
 
 
 def read_scene(value: Any, robot: Robot | None, folder: Path) -> Scene:
@@ -121,8 +116,8 @@ def _read_obstacles(value: Any, robot: Robot | None, folder: Path) -> list[Obsta
         if isinstance(description, dict) and MOVING in description:
             still = {key: value for key, value in description.items() if key != MOVING}
             with checks.inside(MOVING):
-                course = read_course(description[MOVING], folder)
-            return [Moving.along(part, course) for part in _read_kind(kind, still, robot, folder)]
+                trajectory = _read_trajectory(description[MOVING], folder)
+            return [Moving.along(part, trajectory) for part in _read_kind(kind, still, robot, folder)]
         return _read_kind(kind, description, robot, folder)
 
 
@@ -139,6 +134,53 @@ def _read_kind(kind: str, description: Any, robot: Robot | None, folder: Path) -
     if robot is not None:
         obstacle.check_size(robot.mean_length)
     return [*obstacle.bodies()]
+
+
+def _read_trajectory(value: Any, folder: Path) -> Course:
+    """Read a list of `[time, pose]`, or the CSV file of this name, relative to `folder`."""
+    if isinstance(value, str):
+        file = folder / value
+        text = read_text(file, "")
+        with checks.in_file(file):
+            return _trajectory_of_table(text)
+    if not isinstance(value, list) or not value:
+        raise InputError("", "", value, "a list of [time, pose] or the name of a CSV file")
+    times, poses = [], []
+    for i, entry in enumerate(value):
+        with checks.inside(f"[{i}]"):
+            if not isinstance(entry, list) or len(entry) != 2:
+                raise InputError("", "", entry, "[time, pose]")
+            times.append(checks.number("[0]", entry[0]))
+            if len(times) > 1 and times[-1] <= times[-2]:
+                raise InputError("[0]", "times must increase", times[-1], f"more than {times[-2]:g}")
+            with checks.inside("[1]"):
+                poses.append(_read_place_or_pose(entry[1]))
+    matrices = np.stack(poses)
+    turned = bool((matrices[:, :3, :3] != np.eye(3)).any())
+    return _trajectory(np.array(times), matrices[:, :3, 3].copy(), matrices[:, :3, :3].copy() if turned else None)
+
+
+def _read_place_or_pose(value: Any) -> Floats:
+    """Read a position, or a mapping with position and orientation, as a pose (4, 4)."""
+    if isinstance(value, dict):
+        return make(pose, value)
+    return pose(checks.array("", value, (3,), "[x, y, z] or a mapping with position and rotation"))
+
+
+def _trajectory_of_table(text: str) -> Course:
+    table = parse_path(text)
+    if table.times is None or table.targets[0].direction is not None:
+        raise InputError("line 1", "", text.splitlines()[0], TRAJECTORY_COLUMNS)
+    positions = np.stack([target.position for target in table.targets if target.position is not None])
+    rotations = [target.rotation for target in table.targets if target.rotation is not None]
+    return _trajectory(table.times, positions, np.stack(rotations) if rotations else None)
+
+
+def _trajectory(times: Floats, positions: Floats, rotations: Floats | None) -> Course:
+    for array in (times, positions, rotations):
+        if array is not None:
+            array.flags.writeable = False
+    return Course(times, positions, rotations)
 
 
 def read_target(value: Any, robot: Robot) -> Target:
@@ -176,6 +218,45 @@ def targets_together(entries: list[Any]) -> tuple[Target, ...]:
         return Target.each(**columns)
     except InputError:
         return ()
+
+
+def read_configuration(key: str, value: Any, robot: Robot, folder: Path) -> Floats:
+    """Read `start` or `goal`: rows of `bend_x, bend_y, length`, a result, or the name of a file with one result in it.
+
+    Parameters
+    ----------
+    key : str
+        Which of them.
+    value : object
+        What the problem file says.
+    robot : Robot
+    folder : Path
+        Where relative file names begin.
+
+    Returns
+    -------
+    ndarray (n, 3)
+
+    Raises
+    ------
+    InputError
+        When it is none of these, or is for another number of segments.
+    """
+    return read_part(key, value, folder, lambda own, _: _configuration(own, robot), lambda text, _: parse_json(text))
+
+
+def _configuration(value: Any, robot: Robot) -> Floats:
+    if not isinstance(value, dict):
+        return checks.array("", value, (len(robot), 3))
+    if "knots" in value:  # a motion: where it ends
+        knots = checks.rows("knots", value["knots"], len(robot), 3)
+        if not len(knots):
+            raise InputError("knots", "", value["knots"], "at least one configuration")
+        last: Floats = knots[-1]
+        return last
+    if "q" not in value:
+        raise InputError("q", "missing", value, "a result of an earlier solve")
+    return checks.array("q", value["q"], (len(robot), 3))
 
 
 def _list_of(what: str, value: Any, least: int = 1) -> list[Any]:

@@ -8,22 +8,20 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Rows, Vector
-from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
-from sinuous.files.documents import parse
-from sinuous.files.nouns import read_place, read_target, read_targets, targets_together
+from sinuous.files.documents import read_values
+from sinuous.files.nouns import read_configuration, read_place, read_target, read_targets, targets_together
 from sinuous.files.path_csv import parse_path
-from sinuous.files.start import read_start
 from sinuous.files.text import read_text
 from sinuous.frozen import Frozen
-from sinuous.garbage import uncollected
+from sinuous.gc_pause import gc_paused
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
-from sinuous.problem.target import Target, Targets, target_list, target_table
-from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
+from sinuous.reprs import text
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
@@ -231,13 +229,8 @@ def read_problem(file: str | Path) -> ProblemFile:
         When it cannot be read or cannot be meant: one line with the name of the file, the key, the value and what was
         expected.
     """
-    path = Path(file)
-    try:
-        text = read_text(path)
-        with uncollected():  # a long path is some hundred thousand values
-            return problem_of(parse(text, path), str(file), ProblemFile)
-    except InputError as error:
-        raise error.in_file(file) from None
+    with checks.in_file(file), gc_paused():  # a long path is some hundred thousand values
+        return problem_of(read_values(file), str(file), ProblemFile)
 
 
 def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
@@ -252,7 +245,7 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
         robot,
         scene=scene,
         tolerance=made(entries, "tolerance", Tolerance),
-        start=None if entries.get("start") is None else read_start("start", entries["start"], robot, folder),
+        start=None if entries.get("start") is None else read_configuration("start", entries["start"], robot, folder),
         prefer=made(entries, "prefer", Preferences),
         rates=_rates(entries),
         file=file,
@@ -304,7 +297,7 @@ def _read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[
     if entries.get("times") is not None:
         raise InputError("times", f"stand beside {key}", entries["times"], "those of a path")
     if key == "goal":
-        return {"goal": read_start("goal", value, robot, folder)}
+        return {"goal": read_configuration("goal", value, robot, folder)}
     with checks.inside(key):
         return {"target": (read_target(value, robot),) if key == "target" else read_targets(value, robot)}
 
@@ -313,10 +306,8 @@ def _read_path(value: Any, robot: Robot, folder: Path) -> Waypoints:
     if isinstance(value, str):
         file = folder / value
         text = read_text(file, "path")
-        try:
+        with checks.in_file(file):
             table = parse_path(text)
-        except InputError as error:
-            raise error.in_file(file) from None
         return Waypoints(tuple((target,) for target in table.targets), table.times)
     if not isinstance(value, list) or not value:
         raise InputError("path", "", value, "a list of targets or the name of a CSV file")

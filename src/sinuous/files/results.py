@@ -9,7 +9,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.errors import InputError
-from sinuous.files.json_syntax import parse_json
+from sinuous.files.documents import parse_json
 from sinuous.files.text import read_text
 
 

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 import numba
 from numba import types
 
-from sinuous.garbage import uncollected
+from sinuous.gc_pause import gc_paused
 from sinuous.kernels.compiling import once
 from sinuous.kernels.compiling.pieces import telling
 from sinuous.kernels.compiling.store import KERNELS, Store
@@ -77,7 +77,7 @@ def _quickened(compiled: Any) -> Any:
     def compile_quickly(signature: Any) -> Any:
         if isinstance(signature, tuple):
             signature = tuple(types.unliteral(each) for each in signature)  # type: ignore[no-untyped-call]
-        with uncollected():
+        with gc_paused():
             return compile_it(signature)
 
     compiled.compile = compile_quickly

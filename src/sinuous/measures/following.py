@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sinuous.arguments import Rows
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.problem.curve import Curve
+from sinuous.reprs import call
 from sinuous.robot.robot import Robot
 
 PLACES = 50

@@ -6,12 +6,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.method import Call, Case
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.robot.robot import robot_group
 from sinuous.scene.snapshot import Snapshot
 
 
@@ -47,8 +47,8 @@ class Compiled:
 
     def __init__(self, name: str, capabilities: Capabilities, entry: Entry, case: Case) -> None:
         self._name, self._capabilities, self._entry = name, capabilities, entry
-        self._robot = packing.robot_group(case.robot)
-        self._settings = packing.settings_group(case.robot, case.tolerance, case.preferences, entry.options)
+        self._robot = robot_group(case.robot)
+        self._settings = settings_group(case.robot, case.tolerance, case.preferences, entry.options)
         self._segments = len(case.robot)
         self._local = threading.local()
         self._load(case)

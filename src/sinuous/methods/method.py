@@ -9,7 +9,7 @@ from sinuous.kernels.tables import Budget, Outcome
 if TYPE_CHECKING:
     from sinuous.problem.preferences import Preferences
     from sinuous.problem.problem import Problem
-    from sinuous.problem.tolerance import Tolerance
+    from sinuous.problem.target import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
     from sinuous.scene.snapshot import Snapshot

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from sinuous import checks
-from sinuous.brief import Brief
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.reprs import ShortRepr
 
 if TYPE_CHECKING:
     from sinuous.methods.capabilities import Capabilities
@@ -89,7 +89,7 @@ def _read_flag(key: str, text: str) -> bool:
 
 
 @dataclass(frozen=True, repr=False)
-class Options(Brief):
+class Options(ShortRepr):
     """Base of the options of every method: values are checked as they come in.
 
     Raises

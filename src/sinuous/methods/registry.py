@@ -18,7 +18,7 @@ from sinuous.methods.options import Options
 
 if TYPE_CHECKING:
     from sinuous.problem.preferences import Preferences
-    from sinuous.problem.tolerance import Tolerance
+    from sinuous.problem.target import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.scene import Scene
 

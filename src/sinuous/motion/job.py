@@ -5,13 +5,12 @@ from typing import Any, TypeVar, Unpack, overload
 
 from sinuous import checks
 from sinuous.errors import InputError
-from sinuous.files.documents import parse
+from sinuous.files.documents import read_values
 from sinuous.files.nouns import read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
-from sinuous.files.text import read_text
-from sinuous.garbage import uncollected
-from sinuous.motion import plain
+from sinuous.gc_pause import gc_paused
+from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
 from sinuous.motion.track import track
@@ -86,14 +85,12 @@ class Job(ProblemFile):
         InputError
             When there is no such result, or it does not fit the problem.
         """
-        try:
+        with checks.in_file(file):
             line, values = self._own(read_results(Path(file)))
             with checks.inside(f"line {line}"):
                 if self.goal is not None or "waypoints" in values:
                     return motion_of(self, values)
                 return Solution.from_dict(values, self.problem())
-        except InputError as error:
-            raise error.in_file(file) from None
 
     def _refuse(self, *kinds: str) -> None:
         """Refuse what this file asks, if it is one of these kinds of questions."""
@@ -126,7 +123,7 @@ def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
     """
     scene = problem.scene.snapshot()
     if problem.goal is not None:
-        return plain.read(Motion, values, (), (problem.robot, scene))
+        return report.read(Motion, values, (), (problem.robot, scene))
     return Motion.from_dict(values, map(problem.problem, range(len(problem.waypoints))), scene)
 
 
@@ -163,16 +160,12 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     InputError
         In one line with the name of the file, the key, the value and what was expected.
     """
-    path = Path(file)
-    try:
-        text = read_text(path)
-        with uncollected():  # see `read_problem`
-            found = _noun_of(parse(text, path), str(file))
+    with checks.in_file(file):
+        with gc_paused():  # see `read_problem`
+            found = _noun_of(read_values(file), str(file))
         if kind is not None and not isinstance(found, kind):
             raise InputError("file", "", found, f"a {kind.__name__}")
         return found
-    except InputError as error:
-        raise error.in_file(file) from None
 
 
 def _noun_of(values: Any, file: str) -> Job | Robot | Scene:

@@ -2,25 +2,28 @@
 
 from collections.abc import Iterator
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, Stack, Vector
+from sinuous.arguments import Number, Rows, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
-from sinuous.motion import arrays, plain, wording
-from sinuous.motion.start import check_limits
+from sinuous.export.ros import Of
+from sinuous.frozen import Frozen
+from sinuous.motion import report, tables
+from sinuous.motion.configurations import check_limits
+from sinuous.motion.report import Report
 from sinuous.motion.times import even_times
-from sinuous.motion.told import Told
-from sinuous.motion.uses import Uses
 from sinuous.notebook import Shown
 from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
 from sinuous.solving.between.steps import Steps, prove_steps
@@ -29,14 +32,18 @@ from sinuous.words import duration
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
+    from sinuous.measures.following import Deviation
+    from sinuous.motion.trajectory import Trajectory
+    from sinuous.problem.curve import Curve
     from sinuous.problem.problem import Problem
+    from sinuous.robot.rates import Rates
     from sinuous.solution.verification import Verification
 
 Between = Literal["proved", "unproved"]
 """What is known of the motion between knots: all of it is proved clear, or some step is not."""
 
 
-class Motion(Shown, Uses):
+class Motion(Shown, Frozen):
     """Configurations at times, linear in q from each to the next; frozen.
 
     `track` and `plan` return one. Made of configurations from elsewhere, it proves what there is to prove.
@@ -83,6 +90,21 @@ class Motion(Shown, Uses):
         When an argument is not what it should be, or a knot violates a limit.
     """
 
+    robot: Robot
+    scene: Snapshot
+    q: Floats
+    times: Floats
+    steps: Steps
+    solutions: tuple[Solution, ...]
+    waypoint_knots: tuple[int | None, ...]
+    reconfigured: tuple[int, ...]
+    remaining: int
+    seconds: float
+    method: str
+    seed: int
+    _ended: Status | None
+    _blocking: Worst | None
+
     def __init__(
         self,
         robot: Robot,
@@ -99,20 +121,22 @@ class Motion(Shown, Uses):
             check_limits(robot, f"q[{i}]", knot)
         place = as_snapshot(scene)
         when = even_times(len(knots)) if times is None else checks.increasing("times", times, len(knots))
-        self._set(robot=robot, scene=place, q=knots, times=when, steps=prove_steps(robot, place, knots, times=when))
-        self._tell(Told())
+        steps = prove_steps(robot, place, knots, times=when)
+        self._put_together(robot, place, knots, when, steps, Report())
 
     @classmethod
-    def made(cls, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, told: Told) -> Self:
+    def made(cls, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, found: Report) -> Self:
         """Put together what was found and proved already: T knots, which may be 0, and T - 1 steps."""
         motion = object.__new__(cls)
-        motion._set(robot=robot, scene=scene, q=read_only(q), times=read_only(times), steps=steps)
-        motion._tell(told)
+        motion._put_together(robot, scene, read_only(q), read_only(times), steps, found)
         return motion
 
-    def _tell(self, told: Told) -> None:
-        shown = {name: value for name, value in vars(told).items() if name not in ("ended", "blocking")}
-        self._set(**shown, _ended=told.ended, _blocking=told.blocking)
+    def _put_together(
+        self, robot: Robot, scene: Snapshot, q: Floats, times: Floats, steps: Steps, found: Report
+    ) -> None:
+        self._set(robot=robot, scene=scene, q=q, times=times, steps=steps)
+        private = {"ended": "_ended", "blocking": "_blocking"}
+        self._set(**{private.get(name, name): value for name, value in vars(found).items()})
 
     @property
     def status(self) -> Status:
@@ -191,7 +215,141 @@ class Motion(Shown, Uses):
         if outside.any():
             wrong = when if when.ndim == 0 else when[outside][0]
             raise InputError("t", "", float(wrong), f"times from {self.times[0]:g} to {self.times[-1]:g}")
-        return arrays.interpolate(self.times, self.q, when)
+        return tables.interpolate(self.times, self.q, when)
+
+    def timed(self, rates: "Rates", blend: Number = 0.0) -> "Trajectory":
+        """Pass the same way as fast as rates and accelerations allow, from rest to rest.
+
+        The way is made of straight lines, so under limits of acceleration the robot stops in every corner, unless that
+        is rounded. With rates alone it never stops, and its speed jumps.
+
+        Parameters
+        ----------
+        rates : Rates
+        blend : float
+            How far any place of the body may leave the way to round a corner, in the length unit. More than half of
+            what is proved to be free is never used, so that a rounded corner is as clear as is proved; where nothing is
+            proved, or where the way turns by a right angle or more, it stops. Needs the extra `timing`.
+
+        Raises
+        ------
+        InputError
+            When `rates` do not limit all that moves, an argument is not what it should be, or obstacles move: then what
+            is proved is proved for its times.
+        """
+        from sinuous.motion.trajectory import timed  # noqa: PLC0415
+
+        return timed(self, rates, blend)
+
+    def reversed(self) -> Self:
+        """Return the same motion backwards: the knots from the last to the first, in the same time.
+
+        What is proved of a step holds in both directions. Where obstacles move, it is another motion in the same time:
+        all of it is proved anew, and it has no solutions.
+        """
+        times = self.times[:1] + (self.times[-1:] - self.times[::-1])  # begins at the same time, to the last digit
+        if self.scene.moves and len(self.q) > 1:
+            return type(self)(self.robot, self.q[::-1], self.scene, times)
+        last, tried = len(self.q) - 1, len(self.solutions)
+        found = Report(
+            solutions=self.solutions[::-1],
+            waypoint_knots=tuple(None if knot is None else last - knot for knot in self.waypoint_knots[::-1]),
+            reconfigured=tuple(tried + 2 - number for number in self.reconfigured[::-1] if 1 < number <= tried),
+            remaining=self.remaining,
+            seconds=self.seconds,
+            method=self.method,
+            seed=self.seed,
+            ended=self._ended,
+            blocking=self._blocking,
+        )
+        return self.made(self.robot, self.scene, self.q[::-1].copy(), times, self.steps.reversed(), found)
+
+    def resampled(self, rate: Number) -> Self:
+        """Return the motion through configurations at an even rate (Hz), the last knot included.
+
+        It cuts the corners of this one, so every step is proved anew.
+
+        Raises
+        ------
+        InputError
+            When the rate is not greater than 0, or there are fewer than two knots.
+        """
+        times, q = self._samples(rate)
+        return type(self)(self.robot, q, self.scene, times)
+
+    def deviation(self, curve: "Rows | Curve", between: Whole = 4) -> "Deviation":
+        """Measure how far the tip and the body are off a curve, by independent sampling.
+
+        Parameters
+        ----------
+        curve : array_like (K, 3) or Curve
+            Where the body enters, too: a straight line from the base leads to where it begins elsewhere.
+        between : int
+            Configurations that are looked at in every step, beside the knots.
+        """
+        from sinuous.measures.following import deviation, line_in_front  # noqa: PLC0415
+
+        if not len(self.q):
+            raise InputError("motion", "has no knots", self, "a motion with knots")
+        count = checks.integer("between", between, 0, 10_000) + 1
+        at = np.arange((len(self.q) - 1) * count + 1) / count
+        when = np.interp(at, np.arange(len(self.q)), self.times)
+        return deviation(self.robot, tables.interpolate(self.times, self.q, when), line_in_front(self.robot, curve))
+
+    def to_csv(self, file: str | Path, rate: Number | None = None) -> None:
+        """Write times, configurations and the values of all actuators as CSV.
+
+        Columns: `time`, `bend_x`, `bend_y`, `length` of every segment (`s1.bend_x`), every actuator by its name.
+
+        Parameters
+        ----------
+        file : path
+        rate : float, optional
+            Rows a unit of time (Hz), the last knot included; by default one row a knot. At a rate the lines between
+            rows cut corners of the motion, and are not proved: for this write `resampled(rate)`.
+
+        Raises
+        ------
+        InputError
+            When the rate is not greater than 0, or the file cannot be written.
+        """
+        tables.write_motion(file, self.robot, *self._samples(rate))
+
+    def to_ros(
+        self, file: str | Path, rate: Number | None = None, of: Of = "joints", joints_per_segment: Whole = 8
+    ) -> None:
+        """Write positions as JSON in the shape of a ROS 2 `trajectory_msgs/JointTrajectory`.
+
+        There are no velocities, because between positions alone a controller moves along straight lines, and these are
+        what was proved. `timed(rates).to_ros` writes velocities.
+
+        Parameters
+        ----------
+        file : path
+        rate : float, optional
+            Points a unit of time (Hz), the last knot included; by default one point a knot. At a rate the lines between
+            points cut corners of the motion, and are not proved: for this write `resampled(rate)`.
+        of : str
+            `joints`: those that `Robot.to_urdf` writes, with as many `joints_per_segment`; or `actuators`.
+        joints_per_segment : int
+
+        Raises
+        ------
+        InputError
+            When an argument is not what it should be, the robot has no actuators where those are asked for, there are
+            no knots, or the file cannot be written.
+        """
+        times, q = self._samples(rate)
+        if not len(q):
+            raise InputError("motion", "has no knots", self, "a motion with knots")
+        tables.write_ros(file, self.robot, times, q, None, of, joints_per_segment)
+
+    def _samples(self, rate: Number | None) -> tuple[Floats, Floats]:
+        """Times and configurations, of the knots or at an even rate."""
+        if rate is None:
+            return self.times, self.q
+        times = tables.sample_times(self.times, checks.number("rate", rate, above=0.0))
+        return times, tables.interpolate(self.times, self.q, times)
 
     def verify(self) -> "list[Verification]":
         """Recompute every waypoint by an independent, slow path."""
@@ -225,11 +383,11 @@ class Motion(Shown, Uses):
             When `values` are no result of a motion, or one of another number of waypoints.
         """
         place = None if scene is None else as_snapshot(scene)
-        return plain.read(cls, values, tuple(problems), scene=place)
+        return report.read(cls, values, tuple(problems), scene=place)
 
     def to_dict(self) -> dict[str, Any]:
         """Return totals, knots and waypoints as plain values, in the order of the file format."""
-        return plain.write(self)
+        return report.write(self)
 
     def to_npz(self, file: str | Path) -> None:
         """Write knots, times, actuators and what is proved of the steps as NumPy arrays; see `from_npz`.
@@ -239,7 +397,7 @@ class Motion(Shown, Uses):
         InputError
             When the file cannot be written.
         """
-        arrays.save(self, file)
+        tables.write_npz(file, self.robot, self.times, self.q, self.steps.proved)
 
     @classmethod
     def from_npz(cls, file: str | Path, robot: Robot, scene: SceneLike | Snapshot | None = None) -> "Motion":
@@ -250,7 +408,7 @@ class Motion(Shown, Uses):
         InputError
             When the file cannot be read, or its knots are not for this robot.
         """
-        q, times = arrays.load(file, robot)
+        q, times = tables.read_npz(file, robot)
         return cls(robot, q, scene, times)
 
     def _least(self, of_waypoints: list[float | None], between: float | None) -> float | None:
@@ -261,7 +419,7 @@ class Motion(Shown, Uses):
         return min(known, default=None)
 
     def _content(self) -> dict[str, Any]:
-        told = (
+        names = (
             "robot",
             "scene",
             "q",
@@ -274,13 +432,65 @@ class Motion(Shown, Uses):
             "seed",
             "status",
         )
-        return {name: getattr(self, name) for name in told} | {"answers": self.steps.answers}
+        return {name: getattr(self, name) for name in names} | {"answers": self.steps.answers}
 
     def _shown(self) -> Iterator[str]:
         yield str(self.status)
-        yield from (f"{wording.counted(self)} solved",) if self.solutions else ()
+        yield from (f"{_count_reached(self)} solved",) if self.solutions else ()
         yield f"{len(self.q)} knots"
         yield duration(self.seconds)
 
     def __str__(self) -> str:
-        return wording.text(self)
+        return _text(self)
+
+
+def _text(motion: Motion) -> str:
+    """Return what `print` shows of a motion."""
+    bend, length = motion.largest_step
+    parts = [f"Motion: {motion.status} ({_sentence(motion)})"]
+    if motion.clearance is not None:
+        where = "all the way" if motion.between == "proved" and len(motion.q) > 1 else "at the waypoints"
+        parts.append(f"  clearance  {motion.clearance:.3g} {where}")
+    if motion.between == "unproved":
+        parts.append(f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear")
+    if len(motion.q) > 1:
+        parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots")
+    parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
+    parts.append(f"  effort     {duration(motion.seconds)}{_median(motion)}")
+    return "\n".join(parts)
+
+
+def _count_reached(motion: Motion) -> str:
+    """Say how many waypoints the motion comes to: a plan may know a shape for its goal, and no way there."""
+    reached = len(motion.solutions) - motion.waypoint_knots.count(None)
+    return f"{reached} of {len(motion.solutions) + motion.remaining} waypoints"
+
+
+def _sentence(motion: Motion) -> str:
+    failed = next((i for i, solution in enumerate(motion.solutions) if not solution.solved), None)
+    if failed is not None:
+        solution = motion.solutions[failed]
+        return f"{_count_reached(motion)}; waypoint {failed + 1}: {solution.worst or solution.sentence}"
+    begun = _count_reached(motion) if motion.solutions else motion.status.sentence
+    if motion.worst is not None:
+        return f"{begun}; {motion.worst}"
+    if motion.solutions and motion.status is Status.TIME_LIMIT and not motion.remaining:
+        return f"{begun}; {motion.status.sentence}"
+    return f"{begun}; {_where(motion)} not proved clear" if motion.unproved_steps else begun
+
+
+def _where(motion: Motion) -> str:
+    """Between which waypoints the first step that is not proved lies."""
+    first = motion.unproved_steps[0]
+    known = [(i, knot) for i, knot in enumerate(motion.waypoint_knots, 1) if knot is not None]
+    for (i, a), (j, b) in pairwise(known):
+        if a < first <= b:
+            return f"the way from waypoint {i} to {j} is"
+    return f"step {first} is"
+
+
+def _median(motion: Motion) -> str:
+    if not motion.solutions:
+        return ""
+    middle = float(np.median([solution.seconds for solution in motion.solutions]))
+    return f", median {duration(middle)} a solve"

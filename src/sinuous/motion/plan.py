@@ -8,26 +8,25 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Whole
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
+from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
 from sinuous.motion.in_time.find import standing
 from sinuous.motion.in_time.search import InTime
-from sinuous.motion.in_time.timing import Timing
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.goals import FixedGoal, Goals, waypoints_of
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
 from sinuous.motion.planning.workspaces import Workspace, Workspaces
-from sinuous.motion.start import blocked_by, check_limits, overlap_at, violated_by
-from sinuous.motion.times import lever_metric, spread_times
-from sinuous.motion.told import Told
+from sinuous.motion.report import Report
+from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import Target, Targets, target_list
+from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
@@ -228,7 +227,7 @@ class Planner:
         if times is None:
             times = self._timing.spread(spread_times(robot, q, fixed, np.arange(float(len(fixed)))))
         method, seed = name_of(self._options.method), self._options.seed
-        found = Told(seconds=spent.seconds, method=method, seed=seed, **told)
+        found = Report(seconds=spent.seconds, method=method, seed=seed, **told)
         return Motion.made(robot, scene, q, times, Steps(answers), found)
 
     def _end(self, goal: Goal) -> Floats | list[Target]:

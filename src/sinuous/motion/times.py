@@ -1,16 +1,21 @@
-"""When a robot is at the knots of a motion, where nobody said it."""
+"""Times of a motion: those of its knots, of the waypoints of a path, and of a plan."""
 
-from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous import checks
 from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.motion.configurations import distances
+from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
-from sinuous.robot.segment import Segment
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
 
-KEPT = 64
-"""Robots whose levers are kept."""
+PATIENCE = 8.0
+"""How many times as long as the straight way the robot may be on its way after all obstacles have come to rest."""
 
 
 def even_times(count: int) -> Floats:
@@ -50,26 +55,100 @@ def spread_times(robot: Robot, q: Floats, fixed: NDArray[np.intp], times: Floats
     return result
 
 
-def distances(robot: Robot, q: Floats) -> Floats:
-    """Return how far neighbouring configurations (T, n, 3) are apart (T - 1,), in the length unit.
+class Timetable:
+    """The times of a start and of waypoints, and the scene as it is then, in which they are solved.
 
-    A change of a bend counts by the length of what it moves, from the middle of its segment to the tip, at mean
-    lengths; a change of a length by itself.
+    Parameters
+    ----------
+    scene : Snapshot
+        Whose obstacles move.
+    times : ndarray (m,), optional
+        Of all waypoints; by default 0, 1, 2, ...
+    waypoints : int
+    started : bool
+        Whether there is a start before the first waypoint: at 0 by default, and the first waypoint at 1.
+
+    Attributes
+    ----------
+    scene : Snapshot
+    live : Scene
+        The scene as it is at the time that was looked at last.
     """
-    steps = (q[1:] - q[:-1]) * lever_metric(robot)
-    result: Floats = np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
-    return result
+
+    def __init__(self, scene: Snapshot, times: Floats | None, waypoints: int, started: bool) -> None:
+        given = even_times(waypoints + started)[started:] if times is None else times
+        self._times = with_start(given) if started else given
+        self._started = started
+        self.scene, self.live = scene, Scene.of(scene.at(float(self._times[0])))
+
+    @property
+    def begin(self) -> float:
+        """When the motion begins."""
+        return float(self._times[0])
+
+    def of(self, waypoint: int) -> float:
+        """When the robot is at a waypoint, 0 = first."""
+        return float(self._times[waypoint + self._started])
+
+    def look_at(self, when: float) -> None:
+        """Let the live scene be what it is at a time; solutions that were found before keep theirs."""
+        before = self.live.snapshot()
+        self.live.become(self.scene.at(when))
+        before.forget()
 
 
-def lever_metric(robot: Robot) -> Floats:
-    """Return by how much changes of bends and lengths (n, 3) count in a distance; see `distances`."""
-    return _levers_of(robot.segments)
+class Timing(NamedTuple):
+    """When a plan begins, and how long it takes.
 
+    Attributes
+    ----------
+    rates : Rates or None
+    begin : float
+    duration : float or None
+        As short as is found, when there are rates.
+    """
 
-@lru_cache(maxsize=KEPT)
-def _levers_of(segments: tuple[Segment, ...]) -> Floats:
-    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in segments])
-    levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
-    result = np.stack([levers, levers, np.ones(len(levers))], axis=-1)
-    result.flags.writeable = False
-    return result
+    rates: Rates | None = None
+    begin: float = 0.0
+    duration: float | None = None
+
+    @classmethod
+    def of(cls, robot: Robot, given: dict[str, Any]) -> "Timing":
+        """Check what a user says.
+
+        Raises
+        ------
+        InputError
+        """
+        rates, duration = given.get("rates"), given.get("duration")
+        if not (rates is None or isinstance(rates, Rates)):
+            raise InputError("rates", "", rates, "Rates")
+        if rates:
+            with checks.inside("rates"):
+                rates.check(robot)
+        long = None if duration is None else checks.number("duration", duration, above=0.0)
+        return cls(rates or None, checks.number("begin", given.get("begin", 0.0)), long)
+
+    def check(self, scene: Snapshot) -> None:
+        """Refuse what is missing, or not kept, in a scene.
+
+        Raises
+        ------
+        InputError
+        """
+        if not scene.moves and self.rates is not None:
+            raise InputError("rates", "no obstacle moves", self.rates, "none; the motion's timed(rates) keeps them")
+        if scene.moves and self.rates is None and self.duration is None:
+            raise InputError("rates", "missing: obstacles move", None, "rates, or the duration of the motion")
+
+    def end(self, scene: Snapshot, least: float) -> float:
+        """When the motion ends, at the latest, if the straight way takes at least so long."""
+        if self.duration is not None:
+            return self.begin + self.duration
+        rest = max((float(course.times[-1]) for course in scene.courses.values()), default=self.begin)
+        return max(rest, self.begin) + PATIENCE * max(least, 1e-6)
+
+    def spread(self, shares: Floats) -> Floats:
+        """Times at shares of the motion (T,)."""
+        times: Floats = self.begin + (1.0 if self.duration is None else self.duration) * shares
+        return times

@@ -9,15 +9,14 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
 from sinuous.motion.following.room import Room
-from sinuous.motion.following.timetable import Timetable
 from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
-from sinuous.motion.plain import MOST_WAYPOINTS
+from sinuous.motion.report import MOST_WAYPOINTS
+from sinuous.motion.times import Timetable
 from sinuous.problem.asked import read_asked
-from sinuous.problem.goals import KEYS, GoalArrays
 from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.target import Targets
+from sinuous.problem.target import KEYS, GoalArrays, Targets
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solution.solution import Solution

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.goals import KEYS, Goals
-from sinuous.problem.target import Target, Targets, target_list, target_table
+from sinuous.problem.target import KEYS, Goals, Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
 
 Truths = NDArray[np.bool_]

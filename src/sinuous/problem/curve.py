@@ -7,11 +7,11 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Rows, Stack, Vector, Whole
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only
+from sinuous.reprs import call
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline

@@ -7,13 +7,12 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Orientations, Rows, Vector, Whole
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.poses import least_rotation
-from sinuous.problem.goals import GoalArrays, Goals
-from sinuous.problem.target import Target
+from sinuous.problem.target import GoalArrays, Goals, Target
+from sinuous.reprs import call
 
 MOST_BETWEEN = 100_000
 

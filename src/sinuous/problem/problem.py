@@ -1,16 +1,16 @@
 """The question: a robot, its targets, what stands around, and how exactly they must be met."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, TypedDict, Unpack
 
-from sinuous import checks
-from sinuous.brief import text
+from sinuous import checks, packing
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.packing import read_only
-from sinuous.problem.target import Target, Targets, target_list, target_table
-from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
+from sinuous.reprs import text
 from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_snapshot
@@ -128,3 +128,20 @@ def check_sizes(robot: Robot, scene: Scene | Snapshot) -> None:
         if isinstance(obstacle, Mesh):
             with checks.inside(f"scene[{i}].mesh"):
                 obstacle.check_size(robot.mean_length)
+
+
+def settings_group(
+    robot: Robot, tolerance: Tolerance, prefer: Preferences | None = None, options: Sequence[float] | Floats = ()
+) -> Floats:
+    """Return the settings of a solve as kernels read them, a new array; see `sinuous.packing.settings_group`."""
+    wishes = prefer or Preferences()
+    return packing.settings_group(
+        mount=robot.mount,
+        unit=robot.mean_length,
+        position_tolerance=tolerance.position,
+        angle_tolerance=tolerance.angle,
+        start_weight=wishes.start,
+        bends_weight=wishes.bends,
+        clearance_wish=wishes.clearance,
+        options=options,
+    )

@@ -1,7 +1,11 @@
-"""By how much configurations are outside the limits of a robot; plain NumPy, no table of the kernels is read."""
+"""By how much configurations violate the limits of a robot; plain NumPy, no table of the kernels is read.
+
+The thickness of the body is a limit of curvature where the body must not run through itself.
+"""
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +15,38 @@ from sinuous.arguments import LimitKind
 from sinuous.checks import Floats
 from sinuous.robot.actuation import Actuation
 from sinuous.robot.segment import Segment
+
+ROUND = 1e-9
+"""By how much the largest curvature is less than 1 / radius, relative to it: there, half a circle touches itself."""
+
+
+def curvature_limits(segments: Sequence[Segment], radii: Sequence[float], avoids_itself: bool) -> tuple[float, ...]:
+    """Largest curvature of every segment: its own limit and, where it must not run through itself, 1 / radius."""
+    return tuple(
+        min(segment.max_curvature, (1.0 - ROUND) / radius) if avoids_itself and radius > 0.0 else segment.max_curvature
+        for segment, radius in zip(segments, radii, strict=True)
+    )
+
+
+def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: Sequence[float]) -> list[str]:
+    """Say which segments may bend less than their own limits allow, because they are too thick; one line a kind.
+
+    It is said for their least length, for one that may vanish for its largest: near 0, curvature always limits a bend.
+    """
+    notes, first = [], 1
+    for (segment, radius, curvature), group in groupby(zip(segments, radii, curvatures, strict=True)):
+        last = first + len(list(group)) - 1
+        length = segment.length[0] or segment.length[1]
+        own, allowed = min(segment.max_bend, segment.max_curvature * length), curvature * length
+        if allowed < own * (1.0 - 2.0 * ROUND):
+            which = f"segment {first}" if first == last else f"segments {first} to {last}"
+            notes.append(
+                f"{which}: a radius of {radius:g} is above the smallest radius of curvature, {length / own:.4g}; "
+                f"while self_collision is avoided, the bend at length {length:g} is at most {allowed:.4g}"
+            )
+        first = last + 1
+    return notes
+
 
 KEPT = 64
 """Robots whose bounds are kept as arrays."""

@@ -1,16 +1,13 @@
 """Names of segments and of what drives them: those that were given, and default names for the rest."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from sinuous import checks
 from sinuous.errors import InputError
-
-if TYPE_CHECKING:
-    from sinuous.robot.segment import Segment
 
 
 def optional_name(value: Any) -> str | None:
@@ -26,11 +23,6 @@ def listed_names(value: Any, count: int) -> tuple[str, ...] | None:
     if len(names) != count:
         raise InputError("names", "", value, f"a list of {count} names")
     return tuple(checks.text(f"names[{i}]", name) for i, name in enumerate(names))
-
-
-def segment_names(segments: Sequence["Segment"]) -> tuple[str, ...]:
-    """Names of all segments; by default `s1`, `s2`, ... from base to tip."""
-    return tuple(segment.name or f"s{k + 1}" for k, segment in enumerate(segments))
 
 
 def line_names(segment: str, letter: str, given: tuple[str, ...] | None, count: int) -> tuple[str, ...]:

@@ -10,22 +10,19 @@ import numpy as np
 
 from sinuous import checks, packing
 from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack, Whole
-from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.notebook import Shown
 from sinuous.poses import as_pose
+from sinuous.reprs import call, text
 from sinuous.robot import limits
-from sinuous.robot.actuation import Actuation, Actuator
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.coupled import Actuators
-from sinuous.robot.coupled_limits import coupled_rows
+from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
+from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.inverse import Inverse, fitting
-from sinuous.robot.limits import Violation
-from sinuous.robot.names import optional_name, segment_names
-from sinuous.robot.segment import Segment
-from sinuous.robot.thickness import curvature_limits, held_back
+from sinuous.robot.limits import Violation, curvature_limits, held_back
+from sinuous.robot.names import optional_name
+from sinuous.robot.segment import Segment, segment_names
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
 
@@ -147,7 +144,12 @@ class Robot(Shown, Frozen):
         radii = tuple(segment.radius for segment in listed)
         curvatures = curvature_limits(listed, radii, self_collision == "avoid")
         drive = Actuation(listed, actuators)
-        table = packing.segment_table(listed, curvatures)
+        table = packing.segment_table(
+            [
+                packing.segment_row(segment.length, segment.max_bend, curvature, segment.radius)
+                for segment, curvature in zip(listed, curvatures, strict=True)
+            ]
+        )
         coupled = () if actuators is None else coupled_rows(actuators, drive.linear_gains, table)
         self._set(
             segments=listed,
@@ -367,3 +369,8 @@ class Robot(Shown, Frozen):
     @cached_property
     def _inverse(self) -> Inverse:
         return Inverse(self.drive, self.limits)
+
+
+def robot_group(robot: Robot) -> Floats:
+    """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
+    return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)

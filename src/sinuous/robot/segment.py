@@ -1,14 +1,18 @@
-"""One piece of a robot that bends into a circular arc and may stretch."""
+"""One piece of a robot that bends into a circular arc and may stretch, and the arc parameters of the literature."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypedDict, Unpack
 
+import numpy as np
+
 from sinuous import checks
-from sinuous.arguments import Limits, Number
-from sinuous.brief import call, text
+from sinuous.arguments import Limits, Number, Stack
+from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.reprs import call, text
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.names import optional_name
 from sinuous.writing.plain import described, plain
@@ -114,3 +118,35 @@ class Segment(Frozen):
             f"{len(own.angles)} {key}" for key in ("tendons", "chambers") if (own := getattr(self, key)) is not None
         ]
         return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *lines])
+
+
+def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:
+    """Names of all segments; by default `s1`, `s2`, ... from base to tip."""
+    return tuple(segment.name or f"s{k + 1}" for k, segment in enumerate(segments))
+
+
+def from_arc_parameters(curvature: Number | Stack, plane_angle: Number | Stack, length: Number | Stack) -> Floats:
+    """Configuration (..., 3) of segments with these curvatures (1 / length), bending-plane angles (rad) and lengths.
+
+    Webster & Jones 2010: (kappa, phi, l). The arrays broadcast; `(n,)` arrays make one configuration (n, 3).
+    """
+    given = (("curvature", curvature), ("plane_angle", plane_angle), ("length", length))
+    parts = [checks.stack(key, value, ()) for key, value in given]
+    kappa, phi, arc = checks.broadcast("curvature", curvature, *parts)
+    return np.stack([kappa * arc * np.cos(phi), kappa * arc * np.sin(phi), arc], axis=-1)
+
+
+def arc_parameters(q: Stack) -> tuple[Floats, Floats, Floats]:
+    """Curvature (1 / length), bending-plane angle (rad; 0 when straight) and length of every segment, each (..., n).
+
+    A segment of length 0 has no curvature unless it is straight (then 0).
+    """
+    x = checks.stack("q", q, (3,))
+    bend = np.hypot(x[..., 0], x[..., 1])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        curvature = np.where(bend == 0.0, 0.0, bend / x[..., 2])
+    if not np.isfinite(curvature).all():
+        raise InputError(
+            "q", "has a bent segment of length 0", x.tolist(), "a length greater than 0 where there is a bend"
+        )
+    return curvature, np.arctan2(x[..., 1], x[..., 0]), x[..., 2].copy()

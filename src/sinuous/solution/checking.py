@@ -9,8 +9,7 @@ import numpy as np
 from sinuous.arguments import Batch, Number
 from sinuous.errors import InputError
 from sinuous.problem.problem import check_sizes
-from sinuous.problem.target import Targets, target_list, target_table
-from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.problem.target import Targets, Tolerance, as_tolerance, target_list, target_table
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sinuous.brief import call
+from sinuous.reprs import call
 from sinuous.solution.binding.binding import Binding, nearest_limits
 from sinuous.solution.binding.wording import in_words
 from sinuous.solution.reasons import Reason

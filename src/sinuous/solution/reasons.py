@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from sinuous.arguments import BoundName
-from sinuous.brief import Brief
-from sinuous.measures.reach import bounds
-from sinuous.measures.targets import backbone_end
+from sinuous.measures.reach import backbone_end, bounds
+from sinuous.reprs import ShortRepr
 from sinuous.scene.nearest import room_at
 from sinuous.words import number
 
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Reason(Brief):
+class Reason(ShortRepr):
     """A bound that no configuration can keep.
 
     Attributes

@@ -9,11 +9,11 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, StartKind
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.notebook import Shown
+from sinuous.reprs import call
 from sinuous.robot.rates import Changes
 from sinuous.solution.again import Elsewhere
 from sinuous.solution.binding.binding import Binding, find_binding, rate_binding

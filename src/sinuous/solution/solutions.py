@@ -32,7 +32,7 @@ from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of
 
 if TYPE_CHECKING:
-    from sinuous.problem.tolerance import Tolerance
+    from sinuous.problem.target import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.snapshot import Snapshot
     from sinuous.solution.again import Again

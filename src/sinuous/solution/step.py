@@ -6,13 +6,13 @@ from typing import Any, NamedTuple, get_args
 import numpy as np
 
 from sinuous.arguments import StepConstraint, StepStatus
-from sinuous.brief import Brief, call
 from sinuous.checks import Floats
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.asked import POSITION, TARGETS
 from sinuous.kernels.velocity.working import CLEARANCE, SELF_CLEARANCE
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
+from sinuous.reprs import ShortRepr, call
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
@@ -24,7 +24,7 @@ NEARLY = 1e-3
 
 
 @dataclass(frozen=True, repr=False)
-class Active(Brief):
+class Active(ShortRepr):
     """A limit, a rate or an obstacle that held a step back.
 
     Attributes

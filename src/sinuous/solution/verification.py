@@ -13,13 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.arguments import Constraint
-from sinuous.brief import Brief, call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.measures.body import SAMPLES, segment_ends
-from sinuous.measures.clearance import least_clearance
-from sinuous.measures.self_clearance import Meeting, least_self_clearance
-from sinuous.measures.targets import target_errors
+from sinuous.measures.body import SAMPLES, Meeting, least_clearance, least_self_clearance, segment_ends
+from sinuous.measures.reach import target_errors
+from sinuous.reprs import ShortRepr, call
 from sinuous.robot.limits import unit_of
 from sinuous.scene.nearest import least_gap
 from sinuous.solution.binding.contacts import self_contacts_of
@@ -28,8 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from sinuous.problem.problem import Problem
-    from sinuous.problem.target import Target
-    from sinuous.problem.tolerance import Tolerance
+    from sinuous.problem.target import Target, Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.snapshot import Snapshot
 
@@ -45,7 +42,7 @@ WorstKind = Constraint | Literal["position", "angle"]
 
 
 @dataclass(frozen=True, repr=False)
-class Worst(Brief):
+class Worst(ShortRepr):
     """The constraint that is farthest from being met.
 
     Attributes
@@ -99,7 +96,7 @@ class Worst(Brief):
 
 
 @dataclass(frozen=True, repr=False)
-class Verification(Brief):
+class Verification(ShortRepr):
     """What the slow path found.
 
     Attributes

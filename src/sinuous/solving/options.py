@@ -1,6 +1,6 @@
 """What a solve may be told, in one place: for `Solver`, `solve`, `solve_all`, `track` and the command line."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypedDict
 
@@ -9,7 +9,8 @@ from sinuous.arguments import Number, Truth, Whole
 from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.tolerance import Tolerance, as_tolerance
+from sinuous.problem.target import Tolerance, as_tolerance
+from sinuous.solving.strategy import read_without
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -28,6 +29,7 @@ class SolveArguments(TypedDict, total=False):
     max_starts: Whole
     seed: Whole
     routes: Truth
+    without: str | Sequence[str]
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,8 @@ class SolveOptions:
     routes : bool
         Whether to search for routes through free space when the first starts fail; only for methods that take routes
         (see `Capabilities.routes`).
+    without : str or sequence of str
+        Attempts that are switched off, by the names in `sinuous.solving.strategy.ATTEMPTS`: to see what they bring.
 
     Raises
     ------
@@ -65,6 +69,7 @@ class SolveOptions:
     max_starts: int = MAX_STARTS
     seed: int = 0
     routes: bool = True
+    without: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         prefer = Preferences() if self.prefer is None else self.prefer
@@ -78,6 +83,7 @@ class SolveOptions:
             "max_starts": checks.integer("max_starts", self.max_starts, 1, 10**9),
             "seed": checks.integer("seed", self.seed, 0, 2**31 - 1),
             "routes": checks.truth("routes", self.routes),
+            "without": read_without(self.without),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)

@@ -8,7 +8,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, OUT_OF_REACH, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
-from sinuous.solving.starts.sources import Batch
+from sinuous.solving.starts import Batch
 
 UNDECIDED = (FAILED, UNPROVED)
 """How a call ends after which a search goes on."""

@@ -1,7 +1,7 @@
 """Several solutions of one problem: distinct shapes, or one of every class of routes."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from time import monotonic
 from typing import Literal
@@ -16,10 +16,10 @@ from sinuous.solving.classes.by_class import CANDIDATES, ByClass, Dislike
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.explorer import Explorer
 from sinuous.solving.classes.naming import name_classes, sort_out
-from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.search import Distinct
-from sinuous.solving.starts.portfolio import Portfolio
-from sinuous.solving.starts.sources import Batch, OneAfterAnother, Question
+from sinuous.solving.starts import Batch, Question
+from sinuous.solving.strategy import Passages, Strategy, opening
 
 Kind = Literal["route", "shape"]
 """What may be asked for."""
@@ -32,6 +32,10 @@ SEARCHING = 0.8
 
 FIRST = 0.5
 """Share of the time for the search, and of the starts, that a first solution may take."""
+
+
+Strategies = Callable[[Question, Passages | None], Strategy]
+"""Makes the strategy for a question, with routes through other passages if these are given."""
 
 
 @dataclass(frozen=True)
@@ -86,26 +90,27 @@ class Several:
         else:
             self.search = Distinct(CANDIDATES * wanted.count, *own)
 
-    def batches(self, portfolio: Portfolio, router: Router | None, question: Question) -> Iterator[Batch]:
-        """Yield the starts of `solve` up to a first solution, then those of the portfolio for several.
+    def batches(self, strategy: Strategies, searches: Searches | None, question: Question) -> Iterator[Batch]:
+        """Yield the starts of `solve` up to a first solution, then those of a strategy for several.
 
         By route these have, before its routes, those through different passages, too.
         """
-        yield from portfolio.opening.batches(question)
-        if router is not None and not self.search.found:
-            yield from self._up_to_first(portfolio, question._replace(several=False))
-        if self._curves is not None and isinstance(self.search, ByClass) and router is not None:
-            explorer = Explorer(router, self._curves, self.search.has)
-            portfolio = Portfolio(self._wanted.max_starts, OneAfterAnother(explorer, router))
-        yield from portfolio.further(question)
+        yield opening(question, self._wanted.max_starts, searches is not None)
+        if searches is not None and not self.search.found:
+            yield from self._up_to_first(strategy, question._replace(several=False))
+        passages = None
+        if self._curves is not None and isinstance(self.search, ByClass) and searches is not None:
+            passages = Explorer(searches, self._curves, self.search.has).batches
+        yield from strategy(question, passages).batches()
 
-    def _up_to_first(self, portfolio: Portfolio, question: Question) -> Iterator[Batch]:
+    def _up_to_first(self, strategy: Strategies, question: Question) -> Iterator[Batch]:
         """Yield starts as `solve` follows them, one by one, until one is solved, or a share of time or starts is spent.
 
         What leads to one solution soonest is left out, or put off, where others are looked for beside it.
         """
         seconds, starts = (1.0 - FIRST) * question.seconds_left(), (1.0 - FIRST) * self.search.starts_left
-        for batch in portfolio.further(question._replace(seconds_left=lambda: question.seconds_left() - seconds)):
+        sooner = question._replace(seconds_left=lambda: question.seconds_left() - seconds)
+        for batch in strategy(sooner, None).batches():
             for part in (batch,) if batch.closed is not None else batch.parts(lambda: 1):
                 yield part
                 if self.search.found or question.seconds_left() <= seconds or self.search.starts_left <= starts:

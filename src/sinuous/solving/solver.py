@@ -9,18 +9,17 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Whole
-from sinuous.bar import Bar
-from sinuous.brief import call, text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Call
 from sinuous.problem.asked import read_asked
-from sinuous.problem.goals import GoalArrays
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
-from sinuous.problem.target import Target, Targets, target_list
+from sinuous.problem.target import GoalArrays, Target, Targets, target_list
+from sinuous.progress import ProgressBar
+from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
@@ -31,12 +30,12 @@ from sinuous.solving.again import Again
 from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
-from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
-from sinuous.solving.starts.portfolio import Portfolio
-from sinuous.solving.starts.sources import Batch, Question, Source
-from sinuous.solving.starts.thinner import Thinner
+from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.strategy import Passages, Strategy, opening_starts
+from sinuous.solving.thinner import Thinner
 from sinuous.solving.velocity.stepping import Stepping
 
 Initial = Solution | Rows
@@ -55,7 +54,7 @@ class Solver(Stepping):
     scene : Scene or list of obstacles, optional
         Live: after an update the next solve sees the new obstacles.
     **options
-        The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes.
+        The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without.
 
     Attributes
     ----------
@@ -71,9 +70,6 @@ class Solver(Stepping):
 
     _ahead: ClassVar[bool] = True
     """Whether the search for routes is compiled, or loaded, before the first solve."""
-
-    _grows: ClassVar[bool] = True
-    """Whether thinner bodies are tried where all routes fail."""
 
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> None:
         if not isinstance(robot, Robot):
@@ -97,22 +93,16 @@ class Solver(Stepping):
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
-        self._router = Router(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
-        if self._router is not None and self._ahead:
-            self._router.load()
-        self._portfolio = Portfolio(chosen.max_starts, self._further())
+        self._searches = Searches(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
+        if self._searches is not None and self._ahead:
+            self._searches.load()
+        self._thinner = Thinner(robot, chosen, OneSolve.prepared)
         self._again = Again(OneSolve.prepared, chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
         self._no_initial: Floats = np.empty((0, *self._shape))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
-
-    def _further(self) -> Source | None:
-        """What is asked after the first starts, among obstacles: routes, and thinner bodies between them."""
-        if self._router is None or not self._grows:
-            return self._router
-        return Thinner(self._router, self.robot, self.options, ThinSolve.prepared)
 
     def solve(
         self,
@@ -160,8 +150,8 @@ class Solver(Stepping):
             budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
-            if self._router is not None and self._grows and outcome.code in UNDECIDED:
-                began += self._router.load()  # compiling is no solving
+            if self._searches is not None and outcome.code in UNDECIDED:
+                began += self._searches.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
         return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
 
@@ -233,7 +223,7 @@ class Solver(Stepping):
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = Questions(self.robot, asked, scene, self.tolerance, given)
-        with Bar(len(asked) if shown else 0) as bar:
+        with ProgressBar(len(asked) if shown else 0) as bar:
             many = Many(questions, self._prepared, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
@@ -300,7 +290,7 @@ class Solver(Stepping):
             return []
         several = Several(problem, wanted, partial(self._dislike, reference=None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
-        several.search.pursue(several.batches(self._portfolio, self._router, question), self._follow(problem, given))
+        several.search.pursue(several.batches(self._strategy, self._searches, question), self._follow(problem, given))
         return [
             Solution(problem, outcome, outcome.seconds, self._again, given, route_class)
             for outcome, route_class in several.best()
@@ -328,7 +318,7 @@ class Solver(Stepping):
 
     def _budget(self, given: int, time: Number) -> Budget:
         """What the first call may spend, after so many initial configurations."""
-        return 0, self._portfolio.opening.own(given), self.options.seed, checks.number("time", time, low=0.0)
+        return 0, self._opening(given), self.options.seed, checks.number("time", time, low=0.0)
 
     def _look(self, problem: Problem, given: Floats) -> Outcome:
         """Look at one start, so that errors are known, where the base is blocked."""
@@ -341,9 +331,19 @@ class Solver(Stepping):
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
         search = FirstSolved(first, self.options.max_starts, seconds)
-        further = self._portfolio.further(Question(problem, given, lambda: search.seconds_left))
-        search.pursue(further, self._follow(problem, given))
+        strategy = self._strategy(Question(problem, given, lambda: search.seconds_left))
+        search.pursue(strategy.batches(), self._follow(problem, given))
         return search.outcome
+
+    def _opening(self, given: int) -> int:
+        """How many starts the method makes by itself in the first call, after so many initial configurations."""
+        return opening_starts(self.options.max_starts, given, self._searches is not None)
+
+    def _strategy(self, question: Question, passages: Passages | None = None) -> Strategy:
+        """What is tried for a question after the first call."""
+        given = len(question.initial)
+        scattered = Scattered(self._opening(given), self.options.max_starts - given)
+        return Strategy(question, scattered, self._searches, self.options.without, self._thinner.begun, passages)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""
@@ -379,9 +379,3 @@ class OneSolve(Solver):
     """A solver for one question: the search for routes is compiled, or loaded, only where the first starts fail."""
 
     _ahead = False
-
-
-class ThinSolve(OneSolve):
-    """A solver for a body that is thinner than that of a solver that has the search for routes ready."""
-
-    _grows = False

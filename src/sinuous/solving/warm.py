@@ -20,7 +20,7 @@ from sinuous.solving.between.tip import Tip
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.planning.trees import load_trees
-from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.solver import OneSolve, Solver
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
@@ -50,7 +50,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
     chosen = tuple(dict.fromkeys(map(name_of, methods)))
     own = [
         Step("single solves", partial(OneSolve, ROBOT)),
-        Step("routes among obstacles", Router(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
+        Step("routes among obstacles", Searches(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
         Step("single solves among obstacles", partial(OneSolve, ROBOT, FAR)),
         Step("batches of solves", lambda: OneSolve(ROBOT).solve_many([TARGET])),
         Step("batches of solves among obstacles", lambda: OneSolve(ROBOT, FAR).solve_many([TARGET])),

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Number, Rows, Truth, Vector, Whole
-from sinuous.bar import Bar
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
@@ -96,7 +96,7 @@ def reach(
     taken = _within_reach(free, voxels, workers)
     points = voxels.middles[taken]
     work = _Work(robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, workers, given)
-    with Bar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
+    with ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
         alone = _without_obstacles(work, free, bar)
         among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
     verdicts, unhindered = (_whole(codes, taken) for codes in (among, alone.codes))
@@ -125,14 +125,14 @@ def _within_reach(free: Solver, voxels: Voxels, workers: int) -> NDArray[np.bool
     return np.concatenate(near).reshape(voxels.shape)
 
 
-def _without_obstacles(work: _Work, free: Solver, bar: Bar) -> Answers:
+def _without_obstacles(work: _Work, free: Solver, bar: ProgressBar) -> Answers:
     rounds = Rounds(free, work.places, work.neighbours, work.directions, work.workers)
     rounds.begin(np.arange(rounds.answers.codes.size), None, bar)
     rounds.from_neighbours()
     return rounds.answers
 
 
-def _among_obstacles(work: _Work, solver: Solver, alone: Answers, bar: Bar) -> tuple[Codes, NDArray[np.int16]]:
+def _among_obstacles(work: _Work, solver: Solver, alone: Answers, bar: ProgressBar) -> tuple[Codes, NDArray[np.int16]]:
     """Verdicts (m, d), and the obstacle (m,) that takes most directions away, -1 where none does."""
     rounds = Rounds(solver, work.places, work.neighbours, work.directions, work.workers)
     codes = rounds.answers.codes

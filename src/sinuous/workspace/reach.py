@@ -15,6 +15,7 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.workspace.grid import Voxels
 from sinuous.workspace.verdicts import Codes, Verdict
+from sinuous.writing.documents import written
 
 Truths = NDArray[np.bool_]
 
@@ -160,12 +161,8 @@ class Reach(Frozen):
             "names": np.array(self.names, np.str_),
             "codes": np.array([code.name.lower() for code in Verdict]),
         }
-        try:
-            with Path(file).open("wb") as out:
-                np.savez_compressed(out, reach=FORMAT, seconds=self.seconds, **own, **grid, **words)
-        except OSError as error:
-            wanted = "a file that can be written"
-            raise InputError("file", f"cannot be written: {error.strerror}", str(file), wanted) from None
+        with written(file), Path(file).open("wb") as out:
+            np.savez_compressed(out, reach=FORMAT, seconds=self.seconds, **own, **grid, **words)
 
     @classmethod
     def load(cls, file: str | Path) -> "Reach":

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.bar import Bar
 from sinuous.checks import Floats
+from sinuous.progress import ProgressBar
 from sinuous.solution.solutions import Solutions
 from sinuous.solving.solver import Solver
 from sinuous.workspace.verdicts import Codes, Verdict, verdicts_of
@@ -55,7 +55,7 @@ class Rounds:
         Numbers of the places beside each, -1 where there is none.
     directions : ndarray (d, 3)
     workers : int
-    bar : Bar
+    bar : ProgressBar
     """
 
     def __init__(self, solver: Solver, places: Floats, neighbours: Whole, directions: Floats, workers: int) -> None:
@@ -66,7 +66,7 @@ class Rounds:
             np.full(shape, Verdict.NOT_FOUND, np.uint8), np.zeros((*shape, len(solver.robot), 3), np.float32)
         )
 
-    def begin(self, asked: Whole, initial: NDArray[np.float32] | None, bar: Bar) -> None:
+    def begin(self, asked: Whole, initial: NDArray[np.float32] | None, bar: ProgressBar) -> None:
         """Solve some questions, numbers (k,) of place and direction together, each by itself or from its own."""
         for first in range(0, len(asked), TOGETHER):
             some = asked[first : first + TOGETHER]

@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,18 @@ _WORDS = frozenset({"null", "true", "false", "yes", "no", "on", "off", "y", "n"}
 """Texts that some version of YAML takes for something else."""
 
 
+@contextmanager
+def written(file: str | Path, key: str = "file") -> Iterator[None]:
+    """Refuse a file, under `key`, when it turns out within that it cannot be written."""
+    wanted = "a file that can be written"
+    if "\0" in str(file):
+        raise InputError(key, "cannot be written: a null character in its name", str(file), wanted)
+    try:
+        yield
+    except OSError as error:
+        raise InputError(key, f"cannot be written: {error.strerror or error}", str(file), wanted) from None
+
+
 def write_document(file: str | Path, values: Any) -> None:
     """Write plain values: as JSON when the file is called so, as YAML otherwise. A file that is there is replaced.
 
@@ -27,12 +40,11 @@ def write_document(file: str | Path, values: Any) -> None:
     path = Path(file)
     text = json.dumps(values, indent=1) + "\n" if path.suffix.lower() == ".json" else yaml_text(values)
     try:
-        path.write_bytes(text.encode())
+        data = text.encode()
     except UnicodeEncodeError as error:
         raise InputError("file", "a name in it has no form in UTF-8", error.object, "texts in UTF-8") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError("file", f"cannot be written: {reason}", str(file), "a file that can be written") from None
+    with written(file):
+        path.write_bytes(data)
 
 
 def yaml_text(values: Any) -> str:

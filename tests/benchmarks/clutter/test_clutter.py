@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.__main__ import main
 from benchmarks.clutter import figures, trials
 from benchmarks.clutter.experiment import Clutter
 from benchmarks.clutter.figures import lines_of, tasks_of
@@ -21,7 +22,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.places import FAMILIES, Place, make
 from benchmarks.places.place import right
 from benchmarks.solvers.among_spheres import AmongSpheres
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -207,3 +208,26 @@ def test_ipopt_takes_balls_only() -> None:
     assert not AmongSpheres.takes(robot, Scene([Sphere((0, 0, 0), 9, inside=True)]))
     assert not AmongSpheres.takes(robot, make("spheres 100", 2).scene) or len(robot) * 10 * 100 <= 3000
     assert IPOPT not in examine(Task("shelf", 0, (IPOPT,))).others
+
+
+def test_attempts_can_be_switched_off(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["clutter", "--quick", "--piece", "spheres 12", "--out", str(tmp_path), "--without"]
+    assert main([*arguments, "gates,hops"]) == 2
+    assert "'hops'" in capsys.readouterr().err
+    assert main(["wild", "--without", "gates"]) == 2
+    assert capsys.readouterr().err.startswith("--without: expected nothing with wild")
+    assert main([*arguments, "gates,cells"]) == 0
+    journal = next(tmp_path.glob("*.jsonl")).read_text().splitlines()[0]
+    assert '"without": "cells,gates"' in journal.replace('":"', '": "')
+
+
+def test_what_is_switched_off_reaches_the_solver(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[Any] = []
+
+    def noted(*given: Any, **options: Any) -> sn.Solver:
+        seen.append(options.get("without"))
+        return sn.Solver(*given, **options)
+
+    monkeypatch.setattr(trials, "Solver", noted)
+    assert examine(Task("spheres 12", 0, without=("gates",))).ours.solved
+    assert seen == [("gates",)]

@@ -13,7 +13,7 @@ from benchmarks.judges.collisions import Body
 from benchmarks.judges.judge import judge, within_limits
 from benchmarks.judges.kinematics import arc_poses, body_points, segment_ends, tip_poses, twist_norm
 from sinuous.checks import Floats
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 

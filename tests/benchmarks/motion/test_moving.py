@@ -5,7 +5,7 @@ import pytest
 
 import sinuous as sn
 from benchmarks.motion.in_time import clouds, moving
-from sinuous.motion.told import Told
+from sinuous.motion.report import Report
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), radius=0.05)
 STRAIGHT = np.tile([0.0, 0.0, 1.0], (3, 2, 1))
@@ -33,8 +33,8 @@ def nearer() -> sn.Moving:
     return sn.Moving(sn.Sphere((0, 0, 0), 0.3), [0, 1, 2], [(2, 0, 1), (0.3, 0, 1), (2, 0, 1)])
 
 
-def told(motion: sn.Motion) -> Told:
-    return Told(method=motion.method)
+def told(motion: sn.Motion) -> Report:
+    return Report(method=motion.method)
 
 
 @pytest.mark.parametrize("how", [clouds.MOVED, clouds.SEEN])

@@ -14,8 +14,7 @@ from benchmarks.problems import ProblemSet, among_spheres, arm, reachable
 from sinuous.errors import InputError
 from sinuous.kernels.tables import FAILED
 from sinuous.methods.registry import METHODS
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status

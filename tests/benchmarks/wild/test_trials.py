@@ -21,7 +21,7 @@ from benchmarks.wild.trials import (
 )
 from benchmarks.wild.worlds import World
 from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, SOLVED, TARGET_BLOCKED
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.solution.solution import Solution
 from tests.benchmarks.tampering import moved
 

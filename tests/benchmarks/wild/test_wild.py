@@ -13,14 +13,14 @@ from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems import random_configurations
-from benchmarks.wild import branches, curled, doors, experiment, replay, scan, worlds
+from benchmarks.wild import audit, branches, curled, doors, experiment, motions, replay, scan, worlds
+from benchmarks.wild.audit import KINDS
 from benchmarks.wild.experiment import Wild
 from benchmarks.wild.tally import MANY, Tally
 from benchmarks.wild.trials import OVERLAP, Trial, examine
 from benchmarks.wild.worlds import World
 from sinuous.errors import InputError
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.solving.solver import Solver
 
 
@@ -29,6 +29,8 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """A run of few problems, without the scan."""
     monkeypatch.setattr(curled, "TOGETHER", 3)
     monkeypatch.setattr(doors, "BUDGET", 0.1)
+    monkeypatch.setattr(audit, "KINDS", {"units": audit.units})
+    monkeypatch.setattr(motions, "KINDS", {"timed": motions.timed})
     monkeypatch.setattr(experiment, "_poses", lambda seed, count: iter(()))
     monkeypatch.setattr(Plan, "count", lambda self, full, quick: min(quick, 3))
 
@@ -53,8 +55,8 @@ def test_it_runs_and_goes_on_where_it_was(
     report = json.loads(capsys.readouterr().out)
     assert report["correct"]
     assert [line["reached"] for line in report["lines"] if line["what"].startswith("false")] == [0] * 11
-    assert len(calls) - before == 4  # the block that was interrupted alone, and once more to load
-    assert set(report["problems"]) == {"3 segments", "5 segments", "8 segments", "wild"}
+    assert len(calls) - before == 8  # the block that was interrupted and the one after it, each once more to load
+    assert set(report["problems"]) == {"3 segments", "5 segments", "8 segments", "wild", "units"}
 
 
 @pytest.mark.usefixtures("short")
@@ -73,7 +75,7 @@ def test_a_false_claim_is_wrong_and_named(
 
 def test_more_rounds_are_fresh_problems() -> None:
     names = [name for name, _ in Wild(Plan(rounds=2)).pieces()]
-    assert len(names) == len(set(names)) == 3 + 3 + 1 + 2 * experiment.BLOCKS
+    assert len(names) == len(set(names)) == 3 + 3 + 1 + 2 + 2 * (experiment.BLOCKS + len(KINDS) * experiment.AUDITED)
 
 
 def tally(*parts: Iterable[Trial]) -> Tally:

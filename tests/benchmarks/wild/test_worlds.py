@@ -6,8 +6,12 @@ import pytest
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import target_errors, within_limits
 from benchmarks.judges.self_collision import look
-from benchmarks.wild import curled, worlds
+from benchmarks.wild import audit, curled, worlds
 from benchmarks.wild.worlds import World
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.obstacles import HalfSpace, Sphere
+from sinuous.scene.scene import Scene
 
 MADE = [worlds.make(3, number) for number in range(80)]
 
@@ -32,6 +36,33 @@ def test_what_is_hidden_is_a_solution(world: World) -> None:
     assert within_limits(robot, q).all()
     assert (look(robot, q, 0.0).least > 0.0).all()
     assert (Clearances(robot, world.scene).least(q, 0.0) > 0.0).all()
+
+
+@pytest.mark.parametrize("kind", audit.KINDS)
+@pytest.mark.parametrize("number", range(4))
+def test_audited_worlds_have_hidden_solutions_where_they_say_so(kind: str, number: int) -> None:
+    world = audit.KINDS[kind](3, number)
+    robot, q = world.robot, world.hidden
+    assert 1 <= len(world.targets) == len(q)
+    assert within_limits(robot, q).all()
+    for targets in zip(*world.targets, strict=True):
+        position, angle = target_errors(robot, targets, q)
+        assert (position <= 1e-9 * robot.mean_length + 1e-12 * np.abs(robot.base).max()).all()
+        assert (angle <= 1e-9).all()
+    least = Clearances(robot, world.truth or world.scene).least(q, 0.0) if len(world.scene) else np.ones(1)
+    assert (least > 0.0).all() or not world.possible
+
+
+def test_the_judge_knows_distances_to_huge_obstacles_to_the_last_digits_of_the_robot() -> None:
+    """A ball of radius 1e10 that is 1e-7 away: in double precision the gap is lost."""
+    robot = Robot([Segment(1.0, 1.0, radius=0.1)])
+    straight = np.array([[[0.0, 0.0, 1.0]]])
+    for gap in (1e-7, -1e-7):
+        wall = HalfSpace((0.0, 1e10, 1.1 + gap), (0.0, 0.0, -1.0))
+        ball = Sphere((0.0, 0.0, 1e10 + 1.1 + 2e-6), 1e10)
+        assert Clearances(robot, Scene([wall])).least(straight)[0] == pytest.approx(gap, abs=1e-15)
+        exact = ball.center[2] - 1e10 - 1.1
+        assert Clearances(robot, Scene([ball])).least(straight)[0] == pytest.approx(exact, abs=1e-9)
 
 
 def test_a_body_that_avoids_itself_can_have_the_hidden_curvature() -> None:

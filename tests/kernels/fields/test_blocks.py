@@ -8,7 +8,7 @@ from sinuous.kernels.fields.blocks import FOUND, LANES, WORKSPACE
 from sinuous.kernels.fields.discs import DISC_SIZE
 from sinuous.kernels.fields.trees import Tree
 from sinuous.kernels.tables import BALLS, TRIANGLES
-from sinuous.measures.triangles import to_triangles
+from sinuous.measures.obstacles import to_triangles
 from sinuous.scene.prepared.trees import with_planes
 from tests.helpers import Floats
 from tests.kernels.fields.test_discs import MESHES, made

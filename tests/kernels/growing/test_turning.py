@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from sinuous import packing
 from sinuous.kernels.growing.turning import turn_round
 from sinuous.poses import pose
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.robot.segment import Segment
 
 
@@ -22,7 +21,7 @@ def test_a_chain_and_the_one_turned_round_are_one_curve(seed: int) -> None:
     roll = pose(rotation=(np.cos(0.4), 0.0, 0.0, np.sin(0.4)))  # nothing may hang on the angle that it begins with
     other = Robot(segments, base=tip @ roll @ flip)
     back, there = np.empty((n, 3)), np.empty((n, 3))
-    groups = packing.robot_group(robot), packing.robot_group(other)
+    groups = robot_group(robot), robot_group(other)
     # From the robot's own chain to that of the turned one, and back.
     turn_round(groups[1], groups[0], q, back)
     assert np.allclose(robot.backbone(q, 5), other.backbone(back, 5)[::-1])

@@ -11,7 +11,7 @@ from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, VERDICT
 from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH, sweep_size
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size
-from sinuous.packing import robot_group
+from sinuous.robot.robot import robot_group
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import prove_steps
 from tests.helpers import Floats

@@ -8,7 +8,6 @@ import numba
 import numpy as np
 import pytest
 
-from sinuous import packing
 from sinuous.kernels.clock import DEADLINE
 from sinuous.kernels.compile import OPTIONS
 from sinuous.kernels.solve import driver
@@ -36,10 +35,9 @@ from sinuous.kernels.tables import (
     answer_size,
 )
 from sinuous.methods.compiled import as_outcomes
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
@@ -81,7 +79,7 @@ def run(
 ) -> tuple[list[Outcome], Floats]:
     """Give outcomes, and which starts were followed: place, own number, seed."""
     problems = [Problem(ROBOT, target, scene, Tolerance(1e-3, 1e-3)) for target in targets]
-    settings = packing.settings_group(ROBOT, problems[0].tolerance, options=[float(x) for x in options])
+    settings = settings_group(ROBOT, problems[0].tolerance, options=[float(x) for x in options])
     answers = np.empty((len(targets), answer_size(2)))
     rows = np.stack([problem.rows for problem in problems])
     seen = np.zeros((ROOM, 4))
@@ -89,7 +87,7 @@ def run(
     scratch = np.empty(check_size(2, len(snapshot)))
     initial = np.broadcast_to(WRONG, (len(targets), given, 2, 3)).copy()
     work = Work(seen, RIGHT, WRONG)
-    search(work, packing.robot_group(ROBOT), snapshot.group.copy(), settings, rows, initial, budget, scratch, answers)
+    search(work, robot_group(ROBOT), snapshot.group.copy(), settings, rows, initial, budget, scratch, answers)
     return as_outcomes(answers), seen[: int(seen[0, 0]), 1:].copy()
 
 

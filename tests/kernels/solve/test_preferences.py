@@ -8,16 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous import packing
 from sinuous.kernels.fields import solids
 from sinuous.kernels.solve.preferences import Wishes, cost, prefer
 from sinuous.kernels.step import newton
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import MAX_ITERATIONS
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
 from sinuous.solution.verification import verify
 from tests.helpers import Floats, kernel_problem
@@ -44,15 +43,13 @@ def problem_at(q: Floats, scene: Any = None) -> Problem:
 def preferred(
     problem: Problem, wish: Preferences, q: Floats, reference: Floats, seconds: float = 30.0, most: int = 60
 ) -> tuple[Floats, int, float, float, float, float]:
-    settings = packing.settings_group(ROBOT, problem.tolerance, wish)
+    settings = settings_group(ROBOT, problem.tolerance, wish)
     settings[MAX_ITERATIONS] = most
     size = workspace_size(len(ROBOT), 0, len(problem.scene), len(problem.targets))
     best = q.copy()
     proved = 0.125, 0.25, 0.5, 0.75, seconds  # no values that a solve would give
     group = problem.scene.group.copy()
-    told = prefer(
-        packing.robot_group(ROBOT), group, settings, problem.rows.copy(), reference, proved, np.empty(size), best
-    )
+    told = prefer(robot_group(ROBOT), group, settings, problem.rows.copy(), reference, proved, np.empty(size), best)
     return best, *told[:-1]
 
 

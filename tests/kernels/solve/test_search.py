@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous import packing
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
@@ -25,9 +24,9 @@ from sinuous.kernels.tables import (
     Outcome,
     answer_size,
 )
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Box, Sphere
 from sinuous.solution.verification import verify
 from tests.helpers import Floats, random_pose
@@ -51,9 +50,9 @@ class Groups(NamedTuple):
 def groups(problem: Problem, rows: Any = None) -> Groups:
     robot = problem.robot
     size = workspace_size(len(robot), len(robot.actuation), len(problem.scene), len(problem.targets))
-    settings = packing.settings_group(robot, problem.tolerance)
+    settings = settings_group(robot, problem.tolerance)
     targets = problem.rows.copy() if rows is None else rows
-    return Groups(packing.robot_group(robot), problem.scene.group.copy(), settings, targets, np.empty(size), len(robot))
+    return Groups(robot_group(robot), problem.scene.group.copy(), settings, targets, np.empty(size), len(robot))
 
 
 def solved(

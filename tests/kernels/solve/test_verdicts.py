@@ -10,8 +10,7 @@ from sinuous.kernels.solve import verdicts
 from sinuous.kernels.solve.verdicts import POSSIBLE
 from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
 from sinuous.poses import pose
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Box, Sphere

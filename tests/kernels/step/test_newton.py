@@ -17,8 +17,7 @@ from sinuous.kernels.step import newton
 from sinuous.kernels.step.newton import MISSED
 from sinuous.kernels.step.states import ANGLE, MERIT, POSITION, SEEN
 from sinuous.poses import pose
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.actuators import Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment

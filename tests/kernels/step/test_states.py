@@ -9,8 +9,7 @@ from sinuous.kernels.problem import Problem as KernelProblem
 from sinuous.kernels.problem import read_problem
 from sinuous.kernels.step.states import STATES, carve, pick, workspace_size
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.actuators import Tendons
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere

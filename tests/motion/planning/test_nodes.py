@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from sinuous.motion.configurations import distances
 from sinuous.motion.planning.nodes import FIRST, Nodes
-from sinuous.motion.times import distances
 from tests.motion.planning.places import INSIDE, ROBOT
 
 

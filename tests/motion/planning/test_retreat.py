@@ -5,12 +5,12 @@ import pytest
 
 import sinuous as sn
 from benchmarks.motion.judged import collides
+from sinuous.motion.configurations import distances
 from sinuous.motion.planning.goals import FixedGoal
 from sinuous.motion.planning.means import Means
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.retreat import ENOUGH, KINDS, LONGEST, Kind, Retreat, _moved_ends, slid_back
 from sinuous.motion.planning.watch import Watch
-from sinuous.motion.times import distances
 from sinuous.problem.curve import Curve
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous import Box, Problem, Robot, Sphere, Target, pose
-from sinuous.measures.body import segment_ends
-from sinuous.measures.clearance import least_clearance
+from sinuous.measures.body import least_clearance, segment_ends
 from sinuous.solution.binding.contacts import contacts_of
 from tests.helpers import Floats
 

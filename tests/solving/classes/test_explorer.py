@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.solving.classes import explorer
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.explorer import Explorer
 from sinuous.solving.classes.tasks import Task, Tasks
-from sinuous.solving.routing.routes import Router
-from sinuous.solving.starts.sources import Batch, Question
+from sinuous.solving.routing.searches import Searches
+from sinuous.solving.starts import Batch, Question
 from tests.helpers import Floats
 from tests.solving.classes.places import BARS, DOORS, ROBOT, TARGET, bars, pillar, wall
 
@@ -26,7 +25,7 @@ def explored(
     scene, tolerance = Scene(obstacles), Tolerance().for_robot(ROBOT)
     problem = Problem(ROBOT, target, scene, tolerance)
     question = Question(problem, np.empty((0, len(ROBOT), 3)), lambda: seconds)
-    source = Explorer(Router(ROBOT, scene, tolerance), Curves(ROBOT, scene.snapshot()), solved)
+    source = Explorer(Searches(ROBOT, scene, tolerance), Curves(ROBOT, scene.snapshot()), solved)
     return list(source.batches(question))
 
 
@@ -61,7 +60,7 @@ def test_there_is_a_route_through_every_passage(
     expected = {1, 3} if place is wall else set(range(len(edges) + 1))
     assert set(gaps) == expected
     assert {batch.source for batch in batches} == {"route"}
-    assert sum(batch.then for batch in batches) > 0
+    assert sum(batch.cost for batch in batches) > 0
 
 
 def test_where_no_start_is_solved_others_follow(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 
 from benchmarks.places import Place, make
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.routes import Router
-from sinuous.solving.starts.sources import Question
+from sinuous.solving.routing.searches import Searches
+from sinuous.solving.starts import Question
 
 
 @cache
@@ -16,8 +16,8 @@ def place(family: str, number: int) -> Place:
     return make(family, number)
 
 
-def asked(at: Place, several: bool = False, seconds: float = 60.0) -> tuple[Router, Question]:
+def asked(at: Place, several: bool = False, seconds: float = 60.0) -> tuple[Searches, Question]:
     """The question of a place, with so much time left, and what searches for its routes."""
     problem = Problem.prepared(at.robot, at.targets, at.scene.snapshot(), at.tolerance)
     question = Question(problem, np.empty((0, len(at.robot), 3)), lambda: seconds, several)
-    return Router(at.robot, at.scene, at.tolerance), question
+    return Searches(at.robot, at.scene, at.tolerance), question

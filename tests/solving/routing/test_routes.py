@@ -1,7 +1,7 @@
 """Routes as starts: narrow places that a local solver does not get into, and rooms without a door."""
 
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,10 @@ from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.course import CELLS_A_START, FIRST, Course
 from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.routes import Router
 from sinuous.solving.routing.searches import MEMORY, Found, Searches
-from sinuous.solving.starts.sources import Question
+from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.strategy import ATTEMPTS, CELLS_A_START, Strategy, plans_of
 from tests.helpers import Floats
 from tests.solving.routing.questions import asked as asked_of
 from tests.solving.routing.questions import place
@@ -53,19 +52,25 @@ def problem(robot: Robot, target: Target, scene: Scene) -> Problem:
     return Problem(robot, target, scene)
 
 
-def router(robot: Robot, scene: Scene) -> Router:
-    return Router(robot, scene, sn.Tolerance().for_robot(robot))
+def router(robot: Robot, scene: Scene) -> Searches:
+    return Searches(robot, scene, sn.Tolerance().for_robot(robot))
 
 
 def question(asked: Problem, seconds: float = 60.0) -> Question:
     return Question(asked, np.empty((0, len(asked.robot), 3)), lambda: seconds)
 
 
-def first(finder: Router, asked: Problem) -> Found:
+def batches_of(finder: Searches, asked: Question, *without: str) -> Iterator[Batch]:
+    """All starts but scattered ones."""
+    off = ("scattered", *without)
+    return (batch for batch in Strategy(asked, Scattered(3, 10), finder, off).batches() if batch.size)
+
+
+def first(finder: Searches, asked: Problem) -> Found:
     """What the quickest plan finds."""
     query = finder.query(asked)
     assert query is not None
-    return finder.find(asked, query, finder.plans[0], 60.0)
+    return finder.find(asked, query, finder.coarse, 60.0)
 
 
 def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Target) -> None:
@@ -84,7 +89,7 @@ def test_a_route_leads_where_scattered_starts_do_not(narrow: Scene, target: Targ
 def test_routes_go_from_base_to_target_and_configurations_lie_in_them(narrow: Scene, target: Target) -> None:
     finder, asked = router(ROBOT, narrow), problem(ROBOT, target, narrow)
     found = first(finder, asked)
-    batch = next(finder.batches(question(asked)))
+    batch = next(batches_of(finder, question(asked)))
     assert len(found.routes) == len(batch.initial) == 1
     route = found.routes[0]
     assert np.allclose(route[0], 0.0)
@@ -99,18 +104,18 @@ def test_routes_go_from_base_to_target_and_configurations_lie_in_them(narrow: Sc
 def test_the_same_search_gives_the_same_routes(narrow: Scene, target: Target) -> None:
     asked = problem(ROBOT, target, narrow)
     finder = router(ROBOT, narrow)
-    one, again = (next(finder.batches(question(asked))) for _ in range(2))
-    other = next(router(ROBOT, narrow).batches(question(asked)))
+    one, again = (next(batches_of(finder, question(asked))) for _ in range(2))
+    other = next(batches_of(router(ROBOT, narrow), question(asked)))
     assert np.array_equal(one.initial, again.initial)
     assert np.array_equal(one.initial, other.initial)
 
 
 def test_threads_that_search_at_once_find_the_same(narrow: Scene, target: Target) -> None:
     asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
-    alone = next(finder.batches(question(asked))).initial
+    alone = next(batches_of(finder, question(asked))).initial
 
     def search(_: int) -> Any:
-        return next(finder.batches(question(asked))).initial
+        return next(batches_of(finder, question(asked))).initial
 
     with ThreadPoolExecutor(4) as threads:
         assert all(np.array_equal(alone, found) for found in threads.map(search, range(12)))
@@ -122,25 +127,18 @@ def test_routes_differ_in_the_side_on_which_they_pass() -> None:
     asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
     query = finder.query(asked)
     assert query is not None
-    routes = [route for plan in finder.plans for route in finder.find(asked, query, plan, 60.0).routes]
+    routes = [route for _, plan in plans_of(finder) for route in finder.find(asked, query, plan, 60.0).routes]
     sides = {tuple(np.sign(np.round(route[np.abs(route[:, 2] - 2.2).argmin(), :2], 1))) for route in routes}
     assert len(sides) >= 3
 
 
-def test_no_route_of_one_grid_is_handed_over_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Course, "_try", lambda *_: iter(()))  # that is several starts a route
+def test_no_route_of_one_grid_is_handed_over_twice() -> None:
     scene = Scene([Sphere((0, 0, 2.2), 0.7)])
     asked, finder = problem(ROBOT, Target((0, 0, 4.4)), scene), router(ROBOT, scene)
-    given: dict[tuple[float, bool], list[bytes]] = {}
-    plans = (plan for plan in finder.plans if not plan.between)
-    plan, batches = next(plans), finder.batches(question(asked))
-    assert next(batches).then == FIRST
-    for batch in batches:
-        given.setdefault((plan.cell, plan.exact), []).extend(q.tobytes() for q in batch.initial)
-        if batch.then > 0:
-            plan = next(plans, plan)
-    assert max(len(routes) for routes in given.values()) == 4
-    assert all(len(routes) == len(set(routes)) for routes in given.values())
+    off = set(ATTEMPTS) - {"cells", "laid"}
+    laid = [q.tobytes() for batch in batches_of(finder, question(asked), *off) for q in batch.initial]
+    assert len(laid) >= 4
+    assert len(laid) == len(set(laid))
 
 
 def test_a_route_that_is_too_short_for_the_robot_is_made_longer() -> None:
@@ -151,7 +149,7 @@ def test_a_route_that_is_too_short_for_the_robot_is_made_longer() -> None:
     asked, finder = problem(robot, Target((0.3, 0.0, 2.6)), scene), router(robot, scene)
     query = finder.query(asked)
     assert query is not None
-    route = finder.find(asked, query, finder.plans[1], 60.0).routes[0]
+    route = finder.find(asked, query, finder.fine, 60.0).routes[0]
     assert np.linalg.norm(np.diff(route, axis=0), axis=1).sum() < 3.1
     longer = finder.lengthen(asked, query, route, 0.0, 60.0)
     assert longer is not None
@@ -232,7 +230,7 @@ def test_the_route_around_the_edges_of_a_door_comes_first() -> None:
     route = finder.by_edges(asked, query, 60.0)
     assert route is not None
     assert scene.distance(route).min() > 0.085
-    batch = next(finder.batches(question(asked)))
+    batch = next(batches_of(finder, question(asked)))
     assert np.array_equal(batch.routes[0], route)
     assert finder.by_edges(asked, query, -1.0) is None
     closed = box_room(center, 0.6, 0.1)
@@ -242,7 +240,7 @@ def test_the_route_around_the_edges_of_a_door_comes_first() -> None:
 def test_around_the_edges_of_a_cell_of_one_mesh_it_is_looked_long_enough() -> None:
     """The door is behind the base, and the way there and through takes some thousand looks."""
     place = make("door in mesh", 54)
-    router = Router(place.robot, place.scene, place.tolerance)
+    router = Searches(place.robot, place.scene, place.tolerance)
     asked = Problem.prepared(place.robot, place.targets, place.scene.snapshot(), place.tolerance)
     query = router.query(asked)
     assert query is not None
@@ -260,17 +258,14 @@ def test_what_sits_in_the_mount_may_pass_the_wall() -> None:
     assert solution.status is not Status.NO_ROUTE
 
 
-def test_the_dearer_a_search_the_more_scattered_starts_follow_it(narrow: Scene, target: Target) -> None:
-    asked = problem(ROBOT, target, narrow)
-    finder = router(ROBOT, narrow)
+def test_a_search_costs_as_much_as_the_cells_that_it_looks_at(narrow: Scene, target: Target) -> None:
+    asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
     query = finder.query(asked)
     assert query is not None
-    cells = [finder.find(asked, query, plan, 60.0).cells for plan in finder.plans[:4]]
-    then = list(islice((batch.then for batch in finder.batches(question(asked)) if batch.then > 0), 4))
-    least = [plan.then for plan in finder.plans[:4]]
-    asks = [max(few, looked // CELLS_A_START) for few, looked in zip(least, cells, strict=True)]
-    assert all(count >= few for count, few in zip(then, asks, strict=True))
-    assert then != least  # what was tried along the routes counts, too
+    strategy = Strategy(question(asked), Scattered(3, 10), finder, set(ATTEMPTS) - {"cells"})
+    cells = [finder.find(asked, query, plan, 60.0).cells for _, plan in plans_of(finder) if not plan.between]
+    costs = [batch.cost for batch in strategy.batches() if batch.cost > 0]
+    assert costs == [looked / CELLS_A_START for looked in cells]
 
 
 def test_a_base_in_a_closed_room_is_said_to_be() -> None:
@@ -284,11 +279,11 @@ def test_without_a_position_there_is_no_route() -> None:
     scene = Scene([Sphere((0, 0, 3), 0.3)])
     asked = problem(ROBOT, Target(direction=(0, 0, 1)), scene)
     assert router(ROBOT, scene).query(asked) is None
-    assert list(router(ROBOT, scene).batches(question(asked))) == []
+    assert list(batches_of(router(ROBOT, scene), question(asked))) == []
 
 
 def test_no_time_no_route(narrow: Scene, target: Target) -> None:
-    assert list(router(ROBOT, narrow).batches(question(problem(ROBOT, target, narrow), 0.0))) == []
+    assert list(batches_of(router(ROBOT, narrow), question(problem(ROBOT, target, narrow), 0.0))) == []
 
 
 def test_all_solutions_come_from_different_routes() -> None:
@@ -304,13 +299,13 @@ def test_all_solutions_come_from_different_routes() -> None:
 @pytest.fixture
 def without_routes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Fail where a route is searched for, once a `Solver` is made."""
-    find = Router.find
+    find = Searches.find
 
-    def only_loading(self: Router, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+    def only_loading(self: Searches, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
         assert seconds == 0.0, "searched for a route"
         return find(self, problem, query, plan, seconds)
 
-    monkeypatch.setattr(Router, "find", only_loading)
+    monkeypatch.setattr(Searches, "find", only_loading)
 
 
 @pytest.mark.usefixtures("without_routes")
@@ -371,7 +366,7 @@ def test_nothing_is_proved_where_the_body_may_end_within_its_mount(mount: float,
     searches = Searches(robot, scene, problem.tolerance)
     query = searches.query(problem)
     assert query is not None
-    ended = {searches.find(problem, query, plan, 30.0).ended for plan in searches.plans if plan.prove}
+    ended = {searches.find(problem, query, plan, 30.0).ended for _, plan in plans_of(searches) if plan.prove}
     assert (PROVED_CLOSED in ended) is proved
     solution = sn.solve(robot, Target(robot.tip(hidden)[:3, 3]), scene, initial=hidden)
     assert solution.solved is (mount == 0.7)

@@ -10,10 +10,11 @@ from sinuous.kernels.tables import QUERY_RADIUS
 from sinuous.kernels.tubes.axis import MOUTH
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
-from sinuous.solving.routing.routes import Router
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.routing.tubes import SHARES, Tube, out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups
-from sinuous.solving.starts.sources import Question
+from sinuous.solving.starts import Question, Scattered
+from sinuous.solving.strategy import Strategy
 from tests.helpers import Floats
 
 RADIUS = 0.08
@@ -39,9 +40,9 @@ PIPE = Scene([solid(open_tube(AXIS, 1.3 * RADIUS, 2.1 * RADIUS), "pipe")])
 TARGET = Target(ROBOT.tip(Q)[:3, 3])
 
 
-def asked(robot: Robot, scene: Scene, targets: list[Target]) -> tuple[Router, Problem, Groups, Floats]:
+def asked(robot: Robot, scene: Scene, targets: list[Target]) -> tuple[Searches, Problem, Groups, Floats]:
     tolerance = Tolerance().for_robot(robot)
-    router = Router(robot, scene, tolerance)
+    router = Searches(robot, scene, tolerance)
     problem = Problem.prepared(robot, tuple(targets), scene.snapshot(), tolerance)
     query = router.query(problem)
     assert query is not None
@@ -135,9 +136,10 @@ def test_there_is_no_chain_when_the_time_is_over() -> None:
 def test_robots_with_limits_of_actuators_are_left_alone(tendons: bool) -> None:
     lines = Tendons(3, 0.05, displacement=(-0.5, 0.5)) if tendons else None
     robot = Robot([Segment((0.8, 1.2), 1.8, radius=RADIUS, tendons=lines)] * 7)
-    router, problem, _, _ = asked(robot, PIPE, [TARGET])
+    searches, problem, _, _ = asked(robot, PIPE, [TARGET])
     question = Question(problem, np.empty((0, len(robot), 3)), lambda: 60.0)
-    first = next(batch for batch in router.batches(question) if len(batch.initial))
+    batches = Strategy(question, Scattered(3, 10), searches).batches()
+    first = next(batch for batch in batches if len(batch.initial))
     assert len(first.initial) == 1
     in_tube = PIPE.distance(robot.backbone(first.initial[0], 20)[: 20 * (ENCLOSED - 1)]).min() > RADIUS
     assert in_tube != tendons

@@ -9,7 +9,7 @@ import numpy as np
 from sinuous.batch.tables.source import Raw
 from sinuous.errors import InputError
 from sinuous.poses import any_rotations
-from sinuous.problem.goals import KEYS
+from sinuous.problem.target import KEYS
 
 SHAPES: dict[str, list[tuple[int, ...]]] = {
     "positions": [(3,)],

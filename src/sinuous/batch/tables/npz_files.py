@@ -15,7 +15,7 @@ from sinuous.batch.tables.blocks import STATUSES, Block, Layout
 from sinuous.batch.tables.source import Raw, fingerprint_of
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.goals import KEYS
+from sinuous.problem.target import KEYS
 
 
 class _Member:

@@ -10,7 +10,7 @@ from sinuous.cli.options import Options, is_page, numbered
 from sinuous.errors import InputError
 from sinuous.files.results import json_line, result
 from sinuous.motion.motion import Motion
-from sinuous.motion.table import write_csv
+from sinuous.motion.tables import write_csv
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from sinuous.arguments import Shortest
 from sinuous.checks import Floats
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.following.knots import Knot
-from sinuous.motion.times import lever_metric
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 

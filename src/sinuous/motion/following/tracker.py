@@ -10,11 +10,11 @@ from sinuous.arguments import Shortest
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.motion.configurations import blocked_by
 from sinuous.motion.following.entries import Entry
 from sinuous.motion.following.knots import Knot
 from sinuous.motion.following.shortest import Means, metric_of, shorten
 from sinuous.motion.following.straight import Straight
-from sinuous.motion.following.timetable import Timetable
 from sinuous.motion.in_time.find import find_in_time
 from sinuous.motion.in_time.question import TimedQuestion
 from sinuous.motion.motion import Motion
@@ -22,9 +22,8 @@ from sinuous.motion.planning.goals import Goals
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
-from sinuous.motion.start import blocked_by
-from sinuous.motion.times import spread_times, with_start
-from sinuous.motion.told import Told
+from sinuous.motion.report import Report
+from sinuous.motion.times import Timetable, spread_times, with_start
 from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
@@ -322,7 +321,7 @@ class Tracker:
         q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
         answers = [knot.came for knot in self._knots if knot.came is not None]
         steps = Steps(np.concatenate(answers) if answers else np.zeros((0, ANSWER_WIDTH)))
-        told = Told(
+        found = Report(
             solutions=tuple(solution for solution, _ in self._tried),
             waypoint_knots=tuple(knot for _, knot in self._tried),
             reconfigured=tuple(self._reconfigured),
@@ -334,7 +333,7 @@ class Tracker:
             blocking=self.blocked,
         )
         when = self._times(q, times) if self._timetable is None else np.array([knot.time for knot in self._knots])
-        return Motion.made(robot, self._prover.scene, q, when, steps, told)
+        return Motion.made(robot, self._prover.scene, q, when, steps, found)
 
     def _times(self, q: Floats, of_waypoints: Floats | None = None) -> Floats:
         """Times of the knots: the first one is at 0, and every waypoint takes 1, unless they have times."""

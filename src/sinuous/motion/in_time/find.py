@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.motion.configurations import overlap_at
 from sinuous.motion.in_time.easing import eased
 from sinuous.motion.in_time.pacing import paced
 from sinuous.motion.in_time.question import TimedQuestion, TimedWay
@@ -13,7 +14,6 @@ from sinuous.motion.in_time.tree import Tree
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
-from sinuous.motion.start import overlap_at
 from sinuous.scene.courses.moving import Moving
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.steps import Prover

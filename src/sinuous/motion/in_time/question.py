@@ -10,7 +10,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
-from sinuous.motion.timing.scaling import largest
+from sinuous.motion.timing import largest
 from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot

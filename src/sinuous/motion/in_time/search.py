@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.motion.configurations import blocked_by, overlap_at
 from sinuous.motion.in_time.find import find_in_time, standing
 from sinuous.motion.in_time.question import ROUNDING, TimedQuestion, TimedWay
-from sinuous.motion.in_time.timing import Timing
 from sinuous.motion.planning.goals import FixedGoal, Goals, waypoints_of
-from sinuous.motion.start import blocked_by, overlap_at
+from sinuous.motion.times import Timing
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene

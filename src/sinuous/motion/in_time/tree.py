@@ -5,8 +5,8 @@ import math
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.in_time.question import TimedQuestion, TimedWay
-from sinuous.motion.times import lever_metric
 from sinuous.robot.robot import Robot
 
 MOST_NODES = 20_000

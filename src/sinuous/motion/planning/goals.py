@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.motion.times import distances
+from sinuous.motion.configurations import distances
 from sinuous.robot.robot import Robot
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver

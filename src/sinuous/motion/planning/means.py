@@ -13,13 +13,12 @@ from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.planning.question import Question
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import OneSolve, Solver
-from sinuous.solving.starts.thinner import with_radii
+from sinuous.solving.thinner import with_radii
 
 ROOMS = (0.2, 0.05)
 """By how much thicker robots are thicker, in radii of each segment."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.planning.ends import Chain
-from sinuous.motion.times import lever_metric
 from sinuous.robot.robot import Robot
 
 FIRST = 64

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.motion.leader.laying import movable, within_limits
+from sinuous.motion.configurations import movable, within_limits
 from sinuous.motion.planning.means import ROOMS, Means
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot

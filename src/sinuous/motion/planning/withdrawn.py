@@ -6,11 +6,11 @@ from itertools import count
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.motion.configurations import lever_metric
 from sinuous.motion.planning.ends import Chain, Ends, roots_of
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.retreat import KINDS, Retreat
 from sinuous.motion.planning.yielding import Yielding
-from sinuous.motion.times import lever_metric
 from sinuous.solving.planning.trees import Trees, Way
 
 DRAWS, MOST_DRAWS = 256, 2**20

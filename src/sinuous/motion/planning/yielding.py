@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.motion.leader.laying import within_limits
+from sinuous.motion.configurations import within_limits
 from sinuous.motion.planning.ends import Chain
 from sinuous.motion.planning.means import ROOMS, Means
 from sinuous.motion.planning.nodes import Nodes

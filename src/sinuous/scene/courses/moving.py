@@ -8,10 +8,10 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Orientations, Rows, Stack, Vector
-from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.poses import any_rotations
+from sinuous.reprs import text
 from sinuous.scene.courses.course import Course
 from sinuous.scene.courses.moved import moved
 from sinuous.scene.obstacles import Obstacle

@@ -10,9 +10,9 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Orientation, Rows, Triangles, Truth, Vector
-from sinuous.brief import text
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.reprs import text
 from sinuous.scene.meshes.bodies import apart
 from sinuous.scene.meshes.mending import mend
 from sinuous.scene.meshes.topology import Integers

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.arguments import Constraint
-from sinuous.brief import Brief
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
+from sinuous.reprs import ShortRepr
 from sinuous.robot.rates import Changes
 from sinuous.solution.binding.contacts import Contact, contacts_of, self_contacts_of
 from sinuous.solution.binding.limits import Limit, limits_of, normal
@@ -40,7 +40,7 @@ DENSE = 4_000_000
 
 
 @dataclass(frozen=True, repr=False)
-class Binding(Brief):
+class Binding(ShortRepr):
     """A limit or an obstacle that holds a configuration back.
 
     Attributes

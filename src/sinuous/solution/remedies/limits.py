@@ -7,8 +7,7 @@ from typing import Any
 
 from sinuous import words
 from sinuous.problem.problem import Problem
-from sinuous.robot.actuators import Chambers, Tendons
-from sinuous.robot.coupled import UNLIMITED, Actuators
+from sinuous.robot.actuators import UNLIMITED, Actuators, Chambers, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.solution.binding.binding import Binding

@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
-from sinuous.brief import Brief
+from sinuous.reprs import ShortRepr
 from sinuous.words import number
 
 
 @dataclass(frozen=True, repr=False)
-class Remedy(Brief):
+class Remedy(ShortRepr):
     """A change that was tried: with it, the problem is solved and proved.
 
     Attributes

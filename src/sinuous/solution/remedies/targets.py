@@ -9,8 +9,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.solution.binding.pull import pull_of
 from sinuous.solution.remedies.nearest import nearest
 from sinuous.solution.remedies.remedy import Remedy

@@ -8,14 +8,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import packing
-from sinuous.brief import call
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
 from sinuous.kernels.between.sweep import DRIFT_WIDTH, SEEN_WIDTH, WHEN, sweep_size
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
-from sinuous.robot.robot import Robot
+from sinuous.reprs import call
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.drifts import Drifts, divided_knots, together
 
@@ -114,7 +113,7 @@ class Prover:
 
     def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
         self.scene = scene
-        self._group, self._scene_group = packing.robot_group(robot), scene.at(0.0)._kernel_group
+        self._group, self._scene_group = robot_group(robot), scene.at(0.0)._kernel_group
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(robot), len(scene)))
         self._drifts = Drifts(scene) if scene.moves else None

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.between.tip import leave_line
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 
 
 class Tip:
@@ -22,7 +21,7 @@ class Tip:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._group, self._q = packing.robot_group(robot), np.empty((len(robot), 3))
+        self._group, self._q = robot_group(robot), np.empty((len(robot), 3))
         self._frames, self.line = np.empty((len(robot) + 1, 12)), np.zeros((2, 3))
         self.deviation(np.zeros((2, len(robot), 3)), 0.0)  # compiled, or loaded
 

@@ -18,15 +18,20 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.classes.tasks import Task, Tasks
 from sinuous.solving.polylines import lengths_along
-from sinuous.solving.routing.plans import ALTERNATIVES, Plan
-from sinuous.solving.routing.routes import Router
-from sinuous.solving.starts.sources import Batch, Question
+from sinuous.solving.routing.candidates import Candidates
+from sinuous.solving.routing.plans import Plan
+from sinuous.solving.routing.searches import SIDES, Searches
+from sinuous.solving.starts import Batch, Question
 
 SEARCHES = 96
 """Most searches for routes."""
 
-CELLS_A_START = 1000
-"""Cells that a search may look at for each scattered start that follows it: few, because routes find more classes."""
+CELLS_A_START = 600
+"""Cells that a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
+classes than scattered starts do."""
+
+ALTERNATIVES = 4
+"""Routes that differ, of a search after no start along the first one led to a solution."""
 
 THICK = 0.5
 """Thickness of a screen, in units of the cells' edge."""
@@ -52,7 +57,7 @@ class Explorer:
 
     Parameters
     ----------
-    router : Router
+    searches : Searches
     curves : Curves
         Of the same robot and scene.
     solved : callable
@@ -61,17 +66,17 @@ class Explorer:
 
     name = SOURCES[ROUTE]
 
-    def __init__(self, router: Router, curves: Curves, solved: Callable[[Floats], bool]) -> None:
-        self._router, self._curves, self._solved = router, curves, solved
+    def __init__(self, searches: Searches, curves: Curves, solved: Callable[[Floats], bool]) -> None:
+        self._searches, self._curves, self._solved = searches, curves, solved
         self._screens: list[tuple[Passage, Mesh]] = []
         self._known: list[Floats] = []
 
     def batches(self, question: Question) -> Iterator[Batch]:
         """Yield configurations along routes of different classes, while time is left."""
-        query = self._router.query(question.problem)
+        query = self._searches.query(question.problem)
         if query is None:
             return
-        plans = self._router.single_plans
+        plans = self._searches.single_plans
         bounds = _bounds(query, plans[0])
         todo, seen = Tasks(len(plans)), {frozenset[int]()}
         todo.add(Task(frozenset(), 0))
@@ -80,7 +85,7 @@ class Explorer:
             if task is None or question.seconds_left() <= 0.0:
                 return
             routes, cells = self._find(question, query, task, plans)
-            yield Batch(self.name, question.initial[:0], then=cells // CELLS_A_START)
+            yield Batch(self.name, question.initial[:0], cost=cells / CELLS_A_START)
             if not routes:
                 todo.add(task._replace(plan=task.plan + 1), last=True)
                 continue
@@ -104,13 +109,22 @@ class Explorer:
             classes = len(self._known)
             known = self._recognise(route)
             if len(self._known) > classes or not self._solved(known):
-                for batch in self._router.along(question, query, route):
+                for batch in self._along(question, query, route):
                     yield batch
                     if self._solved(known):
                         break
                 else:
                     failed = True
         return failed
+
+    def _along(self, question: Question, query: Floats, route: Floats) -> Iterator[Batch]:
+        """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to most sides."""
+        candidates = Candidates(self._searches, question, query)
+        candidate, _ = candidates.note(route, finest=True)
+        yield from candidates.laid([route])
+        assert candidate is not None  # the first one
+        for side in SIDES:
+            yield from candidates.lengthened(candidate, side)
 
     def _find(self, question: Question, query: Floats, task: Task, plans: tuple[Plan, ...]) -> tuple[list[Floats], int]:
         """Return routes (k, 3) that lead through no closed passage and are wide enough, and how many cells they cost.
@@ -121,7 +135,7 @@ class Explorer:
         scene = self._curves.scene.beside([self._screens[i][1] for i in sorted(task.closed)])
         shut = Problem.prepared(problem.robot, problem.targets, scene, problem.tolerance)
         plan = plan._replace(routes=ALTERNATIVES if task.again else 1)
-        found = self._router.find(shut, query, plan, question.seconds_left())
+        found = self._searches.find(shut, query, plan, question.seconds_left())
         least = WIDE * query[QUERY_RADIUS] if task.plan + 1 < len(plans) else -np.inf
         return [route for route in found.routes if self._keeps(problem.scene, route) >= least], found.cells
 

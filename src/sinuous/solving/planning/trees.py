@@ -6,13 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.between.sweep import sweep_size
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
 
@@ -36,7 +35,7 @@ class Trees:
         n = len(robot)
         nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
         self._scene = scene
-        self._robot, self._groups = robot, (packing.robot_group(robot), scene._kernel_group)
+        self._robot, self._groups = robot, (robot_group(robot), scene._kernel_group)
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
 

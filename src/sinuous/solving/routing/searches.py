@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from time import monotonic
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -19,10 +19,9 @@ from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
 from sinuous.kernels.tubes.axis import MOUTH
-from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Box, Capsule, Sphere
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
@@ -32,7 +31,7 @@ from sinuous.solving.routing.gates import FAR, WIDE
 from sinuous.solving.routing.growth import FEW, grown, query_of, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond, segments_in
-from sinuous.solving.routing.plans import CELLS, Plan, coarser, plans_of
+from sinuous.solving.routing.plans import CELLS, Plan, coarser, plan_of
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
 
@@ -89,37 +88,45 @@ class Searches:
 
     Attributes
     ----------
-    plans : tuple of Plan
-        The searches for one target, from the quickest to the most thorough.
+    coarse, fine : Plan
+        The quickest searches with coarse cells, and with fine ones.
+    proves : bool
+        Whether fine cells prove that a room is closed: where no segment is thinner than the ball.
     """
 
+    loaded: ClassVar[bool] = False
+    """Whether what they call is compiled, or loaded, in this process."""
+
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance) -> None:
-        self._robot = robot
-        self._group, self._settings = packing.robot_group(robot), packing.settings_group(robot, tolerance)
+        self._robot, self._scene, self._tolerance = robot, scene, tolerance
+        self._group, self._settings = robot_group(robot), settings_group(robot, tolerance)
         self._radius = ball_radius(segments_in(self._group))
         self._walls: tuple[Snapshot, Walls] | None = None
         self._about: tuple[Snapshot, bool] | None = None
         self._longest = sum(segment.length[1] for segment in robot.segments)
-        self.plans = plans_of(self._radius, self._longest, proves=min(robot.radii) >= self._radius)
-        nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene.snapshot(), tolerance)
-        self._nowhere: Problem | None = nowhere  # to load the entries with
+        self.coarse, self.fine = (plan_of(self._radius, self._longest, coarse) for coarse in (True, False))
+        self.proves = min(robot.radii) >= self._radius
+
+    def coarser(self, plan: Plan) -> Plan:
+        """Return a search with cells of twice the edge."""
+        return coarser(plan, self._radius)
 
     @property
     def single_plans(self) -> tuple[Plan, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
         few, many, _ = CELLS
-        coarse, fine = self.plans[0], self.plans[-1]
-        first = coarser(coarse, self._radius)
+        coarse, fine = self.coarse, self.fine
+        first = self.coarser(coarse)
         among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
-        plans = [plan._replace(cells=cells, routes=1, exact=False, prove=False) for plan, cells in among]
+        plans = [plan._replace(cells=cells) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
 
     def leg_plans(self, finest: bool) -> tuple[Plan, ...]:
         """Searches for the route from one target to the next, the first of which that finds one."""
         few, many, _ = CELLS
-        coarse, fine = self.plans[0], self.plans[-1]
+        coarse, fine = self.coarse, self.fine
         among = ((fine, few), (fine, many), (coarse, few)) if finest else ((coarse, few), (fine, few), (fine, many))
-        plans = [plan._replace(cells=cells, routes=1, exact=False, prove=False) for plan, cells in among]
+        plans = [plan._replace(cells=cells) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
 
     def query(self, problem: Problem) -> Floats | None:
@@ -151,7 +158,7 @@ class Searches:
 
     def by_edges(self, problem: Problem, query: Floats, seconds: float) -> Floats | None:
         """Return a route (K, 3) around edges, found in at most so many seconds; `None` proves nothing."""
-        fine = self.plans[-1]
+        fine = self.fine
         planned = packing.plan_search(
             query,
             cell=fine.cell,
@@ -248,11 +255,12 @@ class Searches:
     def load(self) -> float:
         """Compile the entries, or load them from the cache, where that is not done yet; return the seconds it took."""
         began = monotonic()
-        problem, self._nowhere = self._nowhere, None
-        if problem is not None:
+        if not Searches.loaded:
+            Searches.loaded = True
+            problem = Problem.prepared(self._robot, (Target((0.0, 0.0, 0.0)),), self._scene.snapshot(), self._tolerance)
             query = self.query(problem)
             if query is not None:
-                self.find(problem, query, self.plans[0]._replace(cells=256), 0.0)
+                self.find(problem, query, self.coarse._replace(cells=256), 0.0)
                 self.by_edges(problem, query, 0.0)
                 self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -5,14 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.velocity import asked as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.working import most_bounds, most_rows, tick_size
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.problem import settings_group
+from sinuous.problem.target import Tolerance
 from sinuous.robot.rates import Changes, Rates
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.velocity.boxes import Boxes
 
@@ -57,8 +57,8 @@ class Stepper:
 
     def __init__(self, robot: Robot, tolerance: Tolerance) -> None:
         self._robot = robot
-        self._group = packing.robot_group(robot)
-        self._settings = packing.settings_group(robot, tolerance)
+        self._group = robot_group(robot)
+        self._settings = settings_group(robot, tolerance)
         self._boxes = Boxes(robot, Changes())
         self._free = self._boxes
         self._local = threading.local()

@@ -15,8 +15,7 @@ from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.asked import POSE, POSITION, TARGETS
 from sinuous.kernels.velocity.working import ACCELERATION, LENGTH_RATE
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target, Targets, target_list, target_table
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Targets, Tolerance, target_list, target_table
 from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene

@@ -6,7 +6,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.measures.body import segment_ends
-from sinuous.measures.targets import target_errors
+from sinuous.measures.reach import target_errors
 from sinuous.problem.target import Target
 from sinuous.robot.limits import Violation
 from sinuous.robot.robot import Robot

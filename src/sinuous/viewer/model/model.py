@@ -12,8 +12,7 @@ from sinuous.methods.registry import name_of
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.poses import least_rotation
-from sinuous.problem.target import Target
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.mover import Mover

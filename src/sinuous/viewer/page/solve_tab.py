@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from viser import GuiApi
 
 from sinuous.methods.registry import METHODS
-from sinuous.problem.tolerance import Tolerance
+from sinuous.problem.target import Tolerance
 from sinuous.viewer.model.model import MOST_SECONDS
 from sinuous.viewer.page.fields import Fields, step_of
 

@@ -6,10 +6,10 @@ import pytest
 import sinuous as sn
 from benchmarks.places import Place
 from sinuous import Scene, Solver
-from sinuous.solving.routing.elbows.threading import COSTS, Threading
+from sinuous.solving.routing.elbows.threading import Elbows
 from sinuous.solving.routing.growth import GLANCE, ONE
-from sinuous.solving.starts.sources import Batch
-from tests.helpers import Floats
+from sinuous.solving.starts import Batch
+from sinuous.solving.strategy import ELBOWS_PRICES
 from tests.solving.routing.questions import asked, place
 
 HARD = [
@@ -26,12 +26,13 @@ AMONG_WALLS = ("box duct", 28)
 """A place with an elbow, and walls about the base."""
 
 
-def threading(at: Place, several: bool = False, seconds: float = 60.0) -> Threading:
-    return Threading(*asked(at, several, seconds))
+def threading(at: Place, several: bool = False, seconds: float = 60.0) -> Elbows:
+    return Elbows(*asked(at, several, seconds))
 
 
 def chains(at: Place, several: bool = False, seconds: float = 60.0) -> list[Batch]:
-    return list(threading(at, several, seconds).among([]))
+    source = threading(at, several, seconds)
+    return [batch for beam in ELBOWS_PRICES for batch in source.chains(beam)]
 
 
 @pytest.mark.parametrize(("family", "number"), HARD)
@@ -49,10 +50,10 @@ def test_a_chain_is_led_through_the_tube_to_the_elbow(family: str, number: int) 
 
 def test_where_no_edges_say_a_route_one_is_searched_for_with_more_effort() -> None:
     source = threading(place("cells", 113))
-    assert list(source._chains(GLANCE))
+    assert list(source.chains(GLANCE))
     assert source._guessed
     first = [parts for _, parts in source._parts]
-    list(source._chains(ONE))
+    list(source.chains(ONE))
     assert not source._guessed
     assert all(parts not in first for _, parts in source._parts)
     for way, _ in source._parts:
@@ -80,20 +81,6 @@ def test_it_makes_no_chains_without_an_elbow_in_a_tube_without_time_or_for_sever
     assert chains(one) == []
 
 
-@pytest.mark.parametrize(("where", "counts"), [(HARD[0], [1, 1, 3]), (AMONG_WALLS, [0, 0, 3])])
-def test_effort_grows_with_what_the_other_starts_have_cost(where: tuple[str, int], counts: list[int]) -> None:
-    source = threading(place(*where))
-    made: list[object] = []
-
-    def some(beam: object) -> list[Batch]:
-        made.append(beam)
-        return []
-
-    def empty(then: int) -> Batch:
-        return Batch("route", nothing, then=then)
-
-    source._chains = some  # type: ignore[method-assign, assignment]
-    nothing: Floats = np.empty((0, 20, 3))
-    others = iter([empty(0), empty(60), empty(0)])
-    assert [len(made) for _ in source.among(others)] == counts
-    assert made == list(COSTS)
+def test_walls_about_the_base_are_seen() -> None:
+    assert threading(place(*AMONG_WALLS)).from_inside
+    assert not threading(place(*HARD[0])).from_inside

@@ -1,5 +1,7 @@
 """Chains whose ends lie in tubes: found where a route from end to end leaves by the wrong mouth."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 
@@ -7,9 +9,9 @@ import sinuous as sn
 from benchmarks.places import Place
 from benchmarks.places.place import right
 from sinuous import Solver
-from sinuous.solving.routing.ends.ends import COSTS, Ends
-from sinuous.solving.starts.sources import Batch
-from tests.helpers import Floats
+from sinuous.solving.routing.ends.ends import Ends
+from sinuous.solving.starts import Batch
+from sinuous.solving.strategy import ENDS_PRICES
 from tests.solving.routing.questions import asked, place
 
 HARD = [("two tubes", 3), ("two tubes", 4), ("two tubes", 17), ("funnel", 11)]
@@ -23,11 +25,17 @@ def ends(at: Place, several: bool = False, seconds: float = 60.0) -> Ends:
     return Ends(router, question, query)
 
 
+def chains(source: Ends) -> Iterator[Batch]:
+    """All that comes of it, with more and more effort."""
+    for beam in (None, *ENDS_PRICES) if source.possible else ():
+        yield from source.made(beam)
+
+
 @pytest.mark.parametrize(("family", "number"), HARD)
 def test_a_chain_leads_from_tube_to_tube(family: str, number: int) -> None:
     at = place(family, number)
     solver = Solver(at.robot, at.scene, tolerance=at.tolerance, routes=False, max_starts=1)
-    batch = next(b for b in ends(at).among([]) if solver.solve(at.targets, b.initial[0], time=30.0).solved)
+    batch = next(b for b in chains(ends(at)) if solver.solve(at.targets, b.initial[0], time=30.0).solved)
     assert at.robot.excess(batch.initial[0]) <= 1e-9
     (route,) = batch.routes
     assert np.allclose(route[0], at.robot.base[:3, 3])
@@ -46,34 +54,19 @@ def test_such_places_are_solved(family: str, number: int) -> None:
 
 def test_it_makes_nothing_in_the_open_without_time_or_for_several_solutions() -> None:
     at = place(*HARD[0])
-    assert list(ends(at, seconds=0.0).among([])) == []
-    assert list(ends(at, several=True).among([])) == []
-    assert list(ends(place("spheres 12", 0)).among([])) == []
+    assert list(chains(ends(at, seconds=0.0))) == []
+    assert list(chains(ends(at, several=True))) == []
+    assert list(chains(ends(place("spheres 12", 0)))) == []
 
 
-@pytest.mark.parametrize(
-    ("where", "efforts", "counts"),
-    [(HARD[0], [None, *COSTS], [0, 2, 4]), (("open pipe 1.6", 0), list(COSTS), [0, 1, 3])],
-)
-def test_effort_grows_with_what_the_other_starts_have_cost(
-    where: tuple[str, int], efforts: list[object], counts: list[int]
-) -> None:
-    source, made = ends(place(*where)), list[object]()
-
-    def some(beam: object) -> list[Batch]:
-        made.append(beam)
-        return []
-
-    source._made = some  # type: ignore[method-assign, assignment]
-    nothing: Floats = np.empty((0, 20, 3))
-    others = iter([Batch("route", nothing, then=then) for then in (30, 60, 0)])
-    assert [len(made) for _ in source.among(others)] == counts
-    assert made == efforts
+def test_walls_near_the_target_are_seen() -> None:
+    assert ends(place(*HARD[0])).near_walls
+    assert not ends(place("open pipe 1.6", 0)).near_walls
 
 
 def test_a_look_goes_on_to_a_glance_where_the_tip_lies_in_a_tube(monkeypatch: pytest.MonkeyPatch) -> None:
     for where, count in ((HARD[0], 1), (("cells", 15), 0)):
         source, parts = ends(place(*where)), list[bool]()
         monkeypatch.setattr(source, "_parts", lambda parts=parts: parts.append(True) or iter(()))
-        list(source._made(None))
+        list(source.made(None))
         assert len(parts) == count

@@ -1,34 +1,27 @@
-"""Starts for elbows in tubes: chains through the tube, part after part, between the other starts of routes."""
+"""Starts for elbows in tubes: chains through the tube, part after part."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import QUERY_AXIS, QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS
-from sinuous.solving.routing.course import along
+from sinuous.solving.routing.candidates import along
 from sinuous.solving.routing.crossing import Parts
 from sinuous.solving.routing.elbows.inside import Inside, tube_of
 from sinuous.solving.routing.elbows.ways import Route, Ways
 from sinuous.solving.routing.gates import Way
-from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam, leg_queries
+from sinuous.solving.routing.growth import GLANCE, Beam, leg_queries
 from sinuous.solving.routing.parts import backbone_of
 from sinuous.solving.routing.searches import AHEAD, Searches
-from sinuous.solving.starts.among import among
-from sinuous.solving.starts.sources import Batch, Question
-
-COSTS = {GLANCE: 0, ONE: 10, SOME: 50, FEW: 200, MANY: 600}
-"""How much effort is made, and what routes have cost before, in scattered starts."""
-
-FROM_INSIDE = {**COSTS, GLANCE: 1}
-"""The same where the base stands among walls: the first way out of there often leads through the elbow's tube, too."""
+from sinuous.solving.starts import Batch, Question
 
 AMONG_WALLS = 7.0
 """How near walls are at most to a place `AHEAD` of the base that stands among them, in radii of the body."""
 
 
-class Threading:
+class Elbows:
     """Chains through the tube that an elbow lies in, for one question.
 
     Before and behind the tube no more is made of a route at first than edges give, or a straight line: mostly there is
@@ -49,20 +42,22 @@ class Threading:
         self._ways = self._begun(self._guess)
         self._tried: set[bytes] = set()
 
-    def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
-        """Yield batches, and chains with more and more effort between them."""
-        return among(batches, FROM_INSIDE if self._from_inside() else COSTS, self._chains)
+    @property
+    def possible(self) -> bool:
+        """Whether there may be an elbow, and a first solution is looked for."""
+        return len(self._problem.targets) > 1 and not self._question.several
 
-    def _from_inside(self) -> bool:
-        """Whether the base stands among walls, and there may be an elbow."""
-        query = self._searches.query(self._problem) if len(self._problem.targets) > 1 else None
+    @property
+    def from_inside(self) -> bool:
+        """Whether the base stands among walls."""
+        query = self._searches.query(self._problem)
         if query is None:
             return False
         radius, axis = query[QUERY_RADIUS], query[QUERY_AXIS : QUERY_AXIS + 3]
         place = query[QUERY_ORIGIN : QUERY_ORIGIN + 3] + AHEAD * radius * axis
         return bool(self._problem.scene.distance(place[None])[0] <= AMONG_WALLS * radius)
 
-    def _chains(self, beam: Beam) -> Iterator[Batch]:
+    def chains(self, beam: Beam) -> Iterator[Batch]:
         """Yield chains whose parts took no more effort than this, each once."""
         if beam != GLANCE and self._guessed:
             self._parts, self._ways, self._guessed = [], self._begun(self._route), False
@@ -93,7 +88,7 @@ class Threading:
     @cached_property
     def _place(self) -> tuple[list[Floats], Inside | None]:
         """What routes have to keep to the elbow and from there, and the tube that it lies in."""
-        queries = [] if self._question.several else leg_queries(self._groups)
+        queries = leg_queries(self._groups) if self.possible else []
         if len(queries) != 2:  # one elbow
             return queries, None
         elbow = queries[0][QUERY_GOAL : QUERY_GOAL + 3]

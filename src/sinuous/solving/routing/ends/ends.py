@@ -1,33 +1,24 @@
-"""Starts for a base, a tip, or both, that lie in tubes, between the other starts of routes.
+"""Starts for a base, a tip, or both, that lie in tubes.
 
 A route from end to end is of little use there: it is that of a ball, which turns round in the tube, and leaves by the
 nearer mouth. So a route is searched for from mouth to mouth, for what is left of the robot between what is laid along
 the axes.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import QUERY_GOAL, QUERY_ORIGIN, QUERY_RADIUS
 from sinuous.solving.polylines import respaced
-from sinuous.solving.routing.course import along
+from sinuous.solving.routing.candidates import along
 from sinuous.solving.routing.crossing import Part
 from sinuous.solving.routing.ends.axes import NEAR, axes_from_goal, joined
 from sinuous.solving.routing.ends.rests import Rest, rests
-from sinuous.solving.routing.growth import FEW, GLANCE, LEG_POINTS, MANY, ONE, SOME, Beam, divided, query_of
+from sinuous.solving.routing.growth import GLANCE, LEG_POINTS, Beam, divided, query_of
 from sinuous.solving.routing.parts import backbone_of, fitted
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.routing.tubes import in_the_open, tube_around
-from sinuous.solving.starts.among import among
-from sinuous.solving.starts.sources import Batch, Question
-
-COSTS: dict[Beam | None, int] = {GLANCE: 21, ONE: 40, SOME: 90, FEW: 200, MANY: 600}
-"""How much effort is made, and what routes have cost before, in scattered starts: mostly what leads along these, or out
-of the tube of the base, suffices."""
-
-LOOK = 3
-"""What routes have cost before it is looked whether the tip lies in a tube, too. Where it does, there is a glance at
-once: what leads out of the tube of the base, or around edges, seldom gets into another one."""
+from sinuous.solving.starts import Batch, Question
 
 
 class Ends:
@@ -39,31 +30,31 @@ class Ends:
     question : Question
     query : ndarray (28,)
         What a route to the tip has to keep.
+
+    Attributes
+    ----------
+    possible : bool
+        Whether anything is made.
     """
 
     def __init__(self, searches: Searches, question: Question, query: Floats) -> None:
         self._searches, self._question, self._query = searches, question, query
         self._left, self._groups = question.seconds_left, searches.groups(question.problem)
         # limits of actuators join what is in a tube and what is not; and several solutions lead not only through tubes
-        self._none = question.several or self._groups[0][1] > 0.0
+        self.possible = not (question.several or self._groups[0][1] > 0.0)
         self._rests: Iterator[Rest] | None = None
         self._into_tube = False
         self._known: list[tuple[Rest, Part]] = []
         self._tried: set[bytes] = set()
 
-    def among(self, batches: Iterable[Batch]) -> Iterator[Batch]:
-        """Yield batches, and chains with more and more effort between them."""
-        return among(batches, self._costs(), self._made)
-
-    def _costs(self) -> dict[Beam | None, int]:
-        """What has been tried before each effort; `None`: a glance, if the tip lies in a tube."""
-        if self._none:
-            return {}
+    @property
+    def near_walls(self) -> bool:
+        """Whether walls are near the target, so that it may lie in a tube."""
         goal, radius = self._query[QUERY_GOAL : QUERY_GOAL + 3], float(self._query[QUERY_RADIUS])
-        outside = in_the_open(goal, radius, self._question.problem.scene.distance)
-        return COSTS if outside else {None: LOOK, **COSTS}
+        return not in_the_open(goal, radius, self._question.problem.scene.distance)
 
-    def _made(self, beam: Beam | None) -> Iterator[Batch]:
+    def made(self, beam: Beam | None) -> Iterator[Batch]:
+        """Yield chains, each once; `None`: with a glance, if the tip lies in a tube."""
         for chain in self._chains(beam):
             if chain.tobytes() not in self._tried:
                 self._tried.add(chain.tobytes())

@@ -1,0 +1,171 @@
+"""What each attempt of the solver brings: `python -m benchmarks.clutter.ablation [--piece NAME] [--count N]`.
+
+Each place is solved with everything, and with one attempt after the other switched off. What counts is the CPU time of
+the thread, so that other work on the machine hardly matters; the second of two solves is timed.
+"""
+
+import csv
+import sys
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from statistics import fmean, median
+from time import thread_time
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import typer
+
+from benchmarks.harness.experiment import chosen
+from benchmarks.harness.quiet import ignore_suspicions
+from benchmarks.places import FAMILIES, Place, make
+from benchmarks.places.place import right
+from benchmarks.solvers.parallel import in_processes
+from sinuous import checks
+from sinuous.cli.app import execute
+from sinuous.cli.options import check_writable
+from sinuous.kernels.tables import ROUTE, SOURCES
+from sinuous.solving.solver import Solver
+from sinuous.solving.strategy import ATTEMPTS, OPENING
+
+EVERYTHING = "everything"
+"""What is called where nothing is switched off."""
+
+OFF = tuple(name for name in ATTEMPTS if name != "passages")
+"""What is switched off in turn: `solve` knows no passages."""
+
+LIMIT = 1.0
+"""Seconds of CPU time in which a place has to be solved."""
+
+PATIENCE = 3.0
+"""Budget of a solve on the clock, in units of that: the machine may be busy."""
+
+MOVES_SOLVED, MOVES_TIME = 0.01, 0.10
+"""Share of the places of a family that is lost, and share by which its p95 changes, from which on an attempt counts."""
+
+
+class Row(NamedTuple):
+    """One place, with one attempt switched off.
+
+    Attributes
+    ----------
+    family : str
+    seed : int
+    off : str
+    solved : bool
+        Within the limit, and right.
+    milliseconds : float
+        CPU time; that of the limit where it is not solved.
+    """
+
+    family: str
+    seed: int
+    off: str
+    solved: bool
+    milliseconds: float
+
+
+def examined(place: tuple[str, int], off: Sequence[str] = OFF) -> list[Row]:
+    """Solve one place with everything, and with each attempt switched off."""
+    family, seed = place
+    at = make(family, seed)
+    whole, opened = _row(at, EVERYTHING)
+    # what the first call solves knows no attempts
+    return [whole, *(whole._replace(off=name) if opened else _row(at, name)[0] for name in off)]
+
+
+def _row(at: Place, off: str) -> tuple[Row, bool]:
+    without = () if off == EVERYTHING else (off,)
+    solver = Solver(at.robot, at.scene, tolerance=at.tolerance, time=PATIENCE * LIMIT, without=without)
+    for _ in range(2):
+        began = thread_time()
+        solution = solver.solve(at.targets)
+        spent = thread_time() - began
+    solved = solution.solved and spent <= LIMIT and right(at, solution.q)
+    opened = solution.solved and solution.start != SOURCES[ROUTE] and solution.starts <= OPENING
+    return Row(at.family, at.seed, off, solved, 1e3 * (spent if solved else LIMIT)), opened
+
+
+def tables(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield Markdown: what each attempt brings over all places, and then by family."""
+    by: defaultdict[tuple[str, str], list[Row]] = defaultdict(list)
+    for row in rows:
+        by[row.family, row.off].append(row)
+        by["all", row.off].append(row)
+    families = list(dict.fromkeys(row.family for row in rows))
+    names = list(dict.fromkeys(row.off for row in rows))
+    yield "| switched off | solved | mean, ms | median, ms | p95, ms | families that it moves |"
+    yield "|---|---:|---:|---:|---:|---|"
+    for name in names:
+        moved = [family for family in families if _moves(by[family, EVERYTHING], by[family, name])]
+        figures = _figures(by["all", name])
+        mean = fmean(row.milliseconds for row in by["all", name])
+        yield f"| {name} | {figures[0]} | {mean:.1f} | {figures[1]:.2f} | {figures[2]:.1f} | {', '.join(moved)} |"
+    yield ""
+    yield "Solved, median and p95 (ms), with each attempt switched off:"
+    yield ""
+    yield "| family | " + " | ".join(names) + " |"
+    yield "|---" + "|---:" * len(names) + "|"
+    for family in (*families, "all"):
+        cells = ("{} · {:.2f} · {:.1f}".format(*_figures(by[family, name])) for name in names)
+        yield f"| {family} | " + " | ".join(cells) + " |"
+
+
+def _figures(rows: Sequence[Row]) -> tuple[str, float, float]:
+    spent = [row.milliseconds for row in rows]
+    return f"{sum(row.solved for row in rows)}/{len(rows)}", median(spent), float(np.quantile(spent, 0.95))
+
+
+def _moves(whole: Sequence[Row], without: Sequence[Row]) -> bool:
+    """Whether an attempt matters in a family: more places are lost without it, or the slowest take longer."""
+    lost = sum(row.solved for row in whole) - sum(row.solved for row in without)
+    return lost > MOVES_SOLVED * len(whole) or _figures(without)[2] > (1.0 + MOVES_TIME) * _figures(whole)[2]
+
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+
+
+@app.command()
+def run(
+    piece: Annotated[
+        list[str] | None, typer.Option(metavar="FAMILY", help="Only this family, or a pattern; repeat for more.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Place i of a family is 1000 * seed + i.")] = 0,
+    count: Annotated[int, typer.Option(help="Places of each family.")] = 60,
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Switch off only this attempt; repeat for more.")
+    ] = None,
+    alone: Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")] = False,
+    out: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Keep what each place took.")] = None,
+) -> None:
+    """Print what each attempt of the solver brings, by family of places."""
+    checks.integer("--seed", seed, 0, 2**31 // 1000 - 1)
+    checks.integer("--count", count, 1, 1000)
+    names = list(FAMILIES)
+    families = [name for name in names if not piece or name in chosen(names, piece)]
+    off = OFF if not only else tuple(checks.choice("--only", name, OFF) for name in only)
+    if out is not None:
+        check_writable("--csv", out)
+    ignore_suspicions()
+    places = [(family, 1000 * seed + i) for family in families for i in range(count)]
+    rows = [row for found in in_processes(partial(examined, off=off), places, alone=alone) for row in found]
+    if out is not None:
+        with out.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([Row._fields, *rows])
+    typer.echo("\n".join(tables(rows)))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit code.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        Default: those of the process.
+    """
+    return execute(app, "python -m benchmarks.clutter.ablation", arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,264 @@
+"""Kinds of worlds that an audit of the proofs asked for: each strains one argument, and each claim is judged.
+
+The judge shares no code with the solver. Obstacles with huge coordinates are judged in extended precision.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.judges.clearances import Clearances
+from benchmarks.judges.kinematics import body_points
+from benchmarks.places.parts.surfaces import Surface, joined
+from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
+from benchmarks.wild.robots import robot_with_shapes, shapes_of
+from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.poses import pose
+from sinuous.problem.target import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.grids.field import Field
+from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.scene import Scene
+
+UNITS = (-9.0, 9.0)
+"""Powers of ten between which a segment is long."""
+
+HUGE, GAPS = (3.0, 12.0), (-12.0, -2.0)
+"""Powers of ten of the size of huge obstacles, and of their gap to a body; both in lengths of a segment."""
+
+BALLS = 6
+"""Most obstacles that stand about a mount."""
+
+CELLS = 24
+"""Cells of a field or a grid along its longest edge."""
+
+DRAWS = 30
+"""Draws of a scene before another robot is drawn."""
+
+
+def mounts(seed: int, number: int) -> World:
+    """Robots whose mount holds short segments that bend and long ones that do not, with obstacles about the mount."""
+    rng = np.random.default_rng([seed, 11, number])
+    while True:
+        unit = 10.0 ** rng.uniform(-2.0, 2.0)
+        segments = [_uneven(unit, rng) for _ in range(int(rng.integers(2, 7)))]
+        longest = sum(segment.length[1] for segment in segments)
+        base = pose(unit * rng.normal(size=3), rotation=rng.normal(size=4))
+        robot = Robot(segments, mount=rng.uniform(0.05, 1.0) * longest, base=base)
+        q = shapes_of(robot, SHAPES, rng)
+        for _ in range(DRAWS if len(q) else 0):
+            points = body_points(robot, q, 12)[0].reshape(-1, 3)
+            balls: list[Obstacle] = []
+            for _ in range(int(rng.integers(1, BALLS))):
+                center = points[rng.integers(len(points))] + 0.2 * unit * rng.normal(size=3)
+                balls.append(Sphere(center, unit * rng.uniform(0.02, 0.5)))
+            world = _world(robot, balls, q, rng)
+            if world is not None:
+                return world
+
+
+def units(seed: int, number: int) -> World:
+    """Wild worlds whose segments are 1e-9 to 1e9 long."""
+    rng = np.random.default_rng([seed, 12, number])
+    while True:
+        robot, q = robot_with_shapes(SHAPES, rng, UNITS)
+        world = _world(robot, list(scene_about(robot, q, rng).obstacles), q, rng) if len(q) else None
+        if world is not None:
+            return world
+
+
+def huge(seed: int, number: int) -> World:
+    """One obstacle up to 1e12 times as large as the robot, or as far away, that a body touches, or nearly does.
+
+    Few segments have to meet a whole pose, so that hardly any shape but the hidden one does. In half of the worlds the
+    hidden shape overlaps the obstacle by a hair.
+    """
+    rng = np.random.default_rng([seed, 13, number])
+    while True:
+        unit = 10.0 ** rng.uniform(-1.0, 1.0)
+        robot = Robot([_plain(unit, rng) for _ in range(int(rng.integers(1, 4)))], base=pose(unit * rng.normal(size=3)))
+        q = shapes_of(robot, 1, rng)
+        for _ in range(DRAWS if len(q) else 0):
+            points, along = body_points(robot, q, 200)
+            radii = np.broadcast_to(np.array(robot.radii)[:, None], along.shape).reshape(-1)
+            i, side = int(rng.integers(along.size)), rng.choice([-1.0, 1.0])
+            gap = side * unit * 10.0 ** rng.uniform(*GAPS)
+            obstacle = _huge(points.reshape(-1, 3)[i], float(radii[i]) + gap, unit, rng)
+            found = float(Clearances(robot, Scene([obstacle])).least(q)[0])
+            if abs(found) < unit * 10.0 ** GAPS[1]:
+                targets = asked(robot, q, rng, "rotation")
+                return World(robot, Scene([obstacle]), Tolerance(1e-9 * unit, 1e-9), targets, q, found > CLEAR * unit)
+
+
+def bodies(seed: int, number: int) -> World:
+    """Meshes of two boxes that overlap, or nearly touch, nearer to each other than their samples.
+
+    In half of the worlds one box lies within the other, and the base between their faces: it is in the solid.
+    """
+    rng = np.random.default_rng([seed, 14, number])
+    if number % 2:
+        return _within_wall(rng)
+    while True:
+        robot, q = robot_with_shapes(SHAPES, rng, (-1.0, 1.0))
+        for _ in range(DRAWS if len(q) else 0):
+            points = body_points(robot, q, 12)[0].reshape(-1, 3)
+            size = robot.mean_length * rng.uniform(0.1, 0.6, 3)
+            middle, turn = (
+                points[rng.integers(len(points))] + size * rng.normal(size=3),
+                pose_rotation(rng.normal(size=4)),
+            )
+            share = rng.integers(2) + rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-3.0, -0.5)
+            other = middle + turn @ (share * size * np.eye(3)[rng.integers(3)])
+            both = joined([block_surface(place, 0.5 * size, turn) for place in (middle, other)])
+            world = _world(robot, _solids(both), q, rng)
+            if world is not None:
+                return world
+
+
+def radii(seed: int, number: int) -> World:
+    """Robots of thick and thin segments and of hinges without any thickness, folded."""
+    rng = np.random.default_rng([seed, 15, number])
+    while True:
+        unit = 10.0 ** rng.uniform(-2.0, 2.0)
+        robot = Robot([_thick_or_thin(unit, rng) for _ in range(int(rng.integers(3, 9)))])
+        q = shapes_of(robot, SHAPES, rng)
+        if len(q):
+            return World(robot, Scene(), _tolerance(robot, rng), asked(robot, q, rng), q)
+
+
+def bounds(seed: int, number: int) -> World:
+    """Fields and grids that know bounds of distances to balls: a share of them, or no more than some value."""
+    rng = np.random.default_rng([seed, 16, number])
+    while True:
+        robot, q = robot_with_shapes(SHAPES, rng, (-1.0, 1.0))
+        for _ in range(DRAWS if len(q) else 0):
+            points, unit = body_points(robot, q, 12)[0].reshape(-1, 3), robot.mean_length
+            balls: list[Obstacle] = []
+            for _ in range(int(rng.integers(1, BALLS))):
+                center = points[rng.integers(len(points))] + 0.3 * unit * rng.normal(size=3)
+                balls.append(Sphere(center, unit * rng.uniform(0.05, 0.4)))
+            world = _world(robot, balls, q, rng)
+            if world is not None:
+                return replace(world, scene=Scene([_bounding(balls, points, unit, rng)]), truth=world.scene)
+
+
+KINDS: dict[str, Callable[[int, int], World]] = {
+    "mounts with uneven segments": mounts,
+    "units from 1e-9 to 1e9": units,
+    "obstacles with huge coordinates": huge,
+    "overlapping bodies in a mesh": bodies,
+    "fields and grids with bounds": bounds,
+    "several radii and hinges": radii,
+}
+
+
+def _world(robot: Robot, obstacles: list[Obstacle], q: Floats, rng: Generator) -> World | None:
+    """The world of those shapes that are clear; `None` where none is."""
+    scene = Scene(obstacles)
+    if obstacles:
+        q = q[Clearances(robot, scene).least(q, 0.0) > CLEAR * robot.mean_length]
+    return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q) if len(q) else None
+
+
+def _tolerance(robot: Robot, rng: Generator) -> Tolerance:
+    position, angle = 10.0 ** rng.uniform(*TOLERANCES, 2)
+    return Tolerance(position * robot.mean_length, angle)
+
+
+def _uneven(unit: float, rng: Generator) -> Segment:
+    """A segment that turns at once, a rigid link, or an ordinary segment."""
+    radius = unit * rng.uniform(0.002, 0.02)
+    kind = rng.integers(3)
+    if kind == 0:
+        return Segment(unit * rng.uniform(0.03, 0.2), rng.uniform(0.5, 2.5), radius=radius)
+    if kind == 1:
+        return Segment(unit * rng.uniform(0.2, 1.0), 0.0, radius=radius)
+    low, high = np.sort(unit * rng.uniform(0.2, 1.2, 2))
+    return Segment((float(low), float(high)), rng.uniform(0.5, 3.0), radius=radius)
+
+
+def _plain(unit: float, rng: Generator) -> Segment:
+    low, high = unit * rng.uniform(0.5, 1.0), unit * rng.uniform(1.0, 1.5)
+    return Segment((low, high), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.01, 0.1))
+
+
+def _thick_or_thin(unit: float, rng: Generator) -> Segment:
+    """A thick segment, a thin one, or a hinge."""
+    kind = rng.integers(3)
+    if kind == 0:
+        return Segment(unit * rng.uniform(0.5, 1.5), rng.uniform(0.5, 3.0), radius=unit * rng.uniform(0.05, 0.15))
+    if kind == 1:
+        return Segment(unit * rng.uniform(0.3, 1.5), rng.uniform(1.0, 6.0), radius=unit * rng.uniform(0.003, 0.03))
+    return Segment(unit * rng.uniform(1e-3, 0.05), rng.uniform(1.0, 3.1), radius=0.0)
+
+
+def _huge(at: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
+    """An obstacle that begins `off` from a place. Its axes are those of the world, so no rotation of it is rounded."""
+    size = unit * 10.0 ** rng.uniform(*HUGE)
+    kind = rng.choice(["sphere", "room", "box", "half-space", "capsule", "cylinder"])
+    axis, side = np.eye(3)[rng.integers(3)], rng.choice([-1.0, 1.0])
+    away = rng.normal(size=3)
+    away /= np.linalg.norm(away)
+    if kind == "sphere":
+        return Sphere(at + (off + size) * away, size)
+    if kind == "room":
+        return Sphere(at + (size - off) * away, size, inside=True)
+    if kind == "half-space":
+        return HalfSpace(at + side * off * axis + size * (rng.normal(size=3) * (1.0 - axis)), -side * axis)
+    if kind == "box":
+        sides = size * rng.uniform(0.5, 2.0, 3)
+        across = 0.4 * sides * rng.uniform(-1.0, 1.0, 3) * (1.0 - axis)
+        return Box(at + side * (off + 0.5 * sides @ axis) * axis + across, sides)
+    other = np.roll(axis, 1)
+    middle = at + side * (off + size) * axis + 0.4 * size * rng.uniform(-1.0, 1.0) * other
+    return (Capsule if kind == "capsule" else Cylinder)(middle - size * other, middle + size * other, size)
+
+
+def _bounding(balls: list[Obstacle], points: Floats, unit: float, rng: Generator) -> Obstacle:
+    """A field or a grid whose values are bounds of the distance to balls."""
+    centers, radii = (np.array([getattr(ball, name) for ball in balls]) for name in ("center", "radius"))
+    share, most = (
+        (rng.uniform(0.2, 0.9), np.inf) if rng.random() < 0.5 else (1.0, unit * 10.0 ** rng.uniform(-2.0, 0.0))
+    )
+    low, high = points.min(axis=0) - 0.5 * unit, points.max(axis=0) + 0.5 * unit
+    spacing = float((high - low).max()) / CELLS
+
+    def bound(places: Floats) -> Floats:
+        gaps = np.linalg.norm(places[:, None] - centers, axis=-1) - radii
+        return np.asarray(np.minimum(share * gaps.min(axis=1), most))
+
+    if rng.random() < 0.5:
+        return Field(bound, low, high, spacing)
+    axes = [np.arange(a, b + spacing, spacing) for a, b in zip(low, high, strict=True)]
+    places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    return Grid(bound(places.reshape(-1, 3)).reshape(places.shape[:3]), low, spacing)
+
+
+def _within_wall(rng: Generator) -> World:
+    """A thin robot in the solid between the faces of two boxes of one mesh."""
+    half, wall, turn = rng.uniform(0.2, 0.5, 3), 10.0 ** rng.uniform(-3.0, -1.0), pose_rotation(rng.normal(size=4))
+    both = joined([block_surface(np.zeros(3), half + grown, turn) for grown in (0.0, wall)])
+    length, place = 0.2 * float(half.min()), np.append(half[:2] * rng.uniform(-0.5, 0.5, 2), half[2] + 0.5 * wall)
+    base = pose(turn @ place, direction=turn[:, 0])
+    robot = Robot.uniform(2, (0.8 * length, length), 0.5, radius=0.1 * wall, base=base)
+    q = np.array([[[0.0, 0.0, length], [0.0, 0.0, 0.9 * length]]])
+    scene = Scene(_solids(both))
+    return World(robot, scene, Tolerance(1e-3 * length, 1e-3), asked(robot, q, rng, "position"), q, possible=False)
+
+
+def _solids(surface: Surface) -> list[Any]:
+    """A mesh as it is; where it is refused because its bodies overlap, each of its bodies."""
+    mesh = Mesh(surface.vertices, surface.faces)
+    try:
+        Scene([mesh]).prepare()
+    except InputError:
+        return list(mesh.bodies())
+    return [mesh]

@@ -1,0 +1,182 @@
+"""The geometry of a path: straight pieces in configuration space, and parabolas that blend its corners.
+
+A piece is `c0 + c1 s + c2 s^2` for s from 0 to its length. All pieces together have a continuous slope, except in
+corners that are not blended.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.robot.robot import Robot
+from sinuous.solving.between.steps import Steps
+
+STRAIGHT = 1e-9
+"""Steps are one leg where no place of the body leaves them by more, in lengths of the body at its longest."""
+
+ROUNDED = 1e-14
+"""The same where less is proved to be free: the rounding of knots in one line."""
+
+KEPT = 0.5
+"""Share of the proved clearance that rounding a corner leaves."""
+
+SHORT = 1e-6
+"""A corner is not rounded where that would take less than so great a share of a step."""
+
+
+@dataclass(frozen=True)
+class BlendedPath:
+    """A path of pieces, each a polynomial of degree 2 in its length s.
+
+    Attributes
+    ----------
+    pieces : ndarray (P, 3, n, 3)
+        Coefficients c0, c1, c2.
+    lengths : ndarray (P,)
+        Greater than 0.
+    stops : ndarray (P + 1,) of bool
+        Whether the slope jumps where a piece begins, or ends; also at both ends of the path.
+    """
+
+    pieces: Floats
+    lengths: Floats
+    stops: np.ndarray
+
+    def at(self, piece: np.ndarray, s: Floats, order: int = 0) -> Floats:
+        """Places (..., n, 3) on pieces (...), or their first or second derivative by s."""
+        c0, c1, c2 = np.moveaxis(self.pieces[piece], -3, 0)
+        along = np.asarray(s)[..., None, None]
+        result: Floats = (c0 + along * (c1 + along * c2), c1 + 2.0 * along * c2, 2.0 * c2)[order]
+        return result
+
+
+@dataclass(frozen=True)
+class Legs:
+    """The straight legs of a path: steps that move, neighbours in one direction joined.
+
+    Attributes
+    ----------
+    corners : ndarray (L + 1, n, 3)
+    margins : ndarray (L,)
+        How far places of the body may leave a leg, by its proved clearances; 0 where nothing is proved.
+    sizes : ndarray (L,)
+        How far a place of the body moves on a leg at most.
+    """
+
+    corners: Floats
+    margins: Floats
+    sizes: Floats
+
+
+def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
+    """Return the legs of knots (T, n, 3) whose steps are proved so far; without any for a robot that stands still."""
+    levers = _levers(robot, q)
+    moves = np.diff(q, axis=0)
+    sizes = _reach(moves, levers)
+    moving = sizes > 0.0
+    free = steps_margins(robot, steps)
+    # Where nothing is proved, no clearance has to be kept.
+    allowed = np.clip(np.where(steps.proved, 0.5 * free, np.inf), ROUNDED * levers[0], STRAIGHT * levers[0])
+    first = np.flatnonzero(moving)[_leg_starts(moves[moving], sizes[moving], allowed[moving], levers)]
+    margins = np.minimum.reduceat(np.where(moving, free, np.inf), first) if len(first) else first
+    corners = np.concatenate([q[first], q[-1:]])
+    return Legs(corners, np.asarray(margins, np.float64), _reach(np.diff(corners, axis=0), levers))
+
+
+def _leg_starts(moves: Floats, sizes: Floats, allowed: Floats, levers: Floats) -> list[int]:
+    """Return the numbers of the steps (m, n, 3) that begin a leg: the others go on in the direction of its first step.
+
+    By the lengths that the direction of steps differs from that of the first one, their ends leave the line of the
+    leg by no more than the sum of these, and its chord by no more than twice that. This stays below what is `allowed`
+    (m,) on each step of the leg. Sizes, levers and `allowed` are in the length unit, see `_reach`.
+    """
+    units = moves / sizes[:, None, None]
+    # A step that turns by more than is allowed on its own begins a leg, whatever came before it.
+    turning = 2.0 * _reach(np.diff(units, axis=0), levers) * sizes[1:] > allowed[1:]
+    ends = [*(np.flatnonzero(turning) + 1).tolist(), len(moves)]
+    starts, first = [], 0
+    for end in ends:
+        while first < end:
+            starts.append(first)
+            first = _leg_end(units[first:end], sizes[first:end], allowed[first:end], levers) + first
+    return starts
+
+
+def _leg_end(units: Floats, sizes: Floats, allowed: Floats, levers: Floats) -> int:
+    """Return how many of these steps, of which each goes on nearly as the one before, are one leg: one at least."""
+    count = 1
+    while count < len(units):  # twice as many at a time: legs are as often short as long
+        count = min(2 * count, len(units))
+        aside = 2.0 * np.cumsum(_reach(units[:count] - units[0], levers) * sizes[:count])
+        leaving = np.flatnonzero(aside > np.minimum.accumulate(allowed[:count]))
+        if len(leaving):
+            return max(1, int(leaving[0]))
+    return count
+
+
+def steps_margins(robot: Robot, steps: Steps) -> Floats:
+    """How far places of the body may leave each step (m,) and still be clear of obstacles and of the body itself.
+
+    Where all places move by m at most, clearances shrink by m, and gaps of the body by 2 m. Where segments stretch,
+    which places are pi radii apart along the body changes too, by m at most, and with it the gap: 3 m in all. With
+    several radii that holds for fixed lengths alone.
+    """
+    stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
+    shares = 3.0 if len(set(robot.radii)) == 1 else np.inf
+    own = np.where(np.isinf(steps.self_clearances), np.inf, steps.self_clearances / (shares if stretching else 2.0))
+    margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.clearances, own), 0.0)
+    return margins
+
+
+def stop_at_corners(legs: Legs) -> BlendedPath:
+    """Return the path with all its corners, at each of which the robot stops."""
+    pieces = np.zeros((len(legs.sizes), 3, *legs.corners.shape[1:]))
+    pieces[:, 0], pieces[:, 1] = legs.corners[:-1], np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
+    return BlendedPath(pieces, legs.sizes, np.ones(len(legs.sizes) + 1, bool))
+
+
+def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
+    """Return the path with its corners blended, so that no place of the body leaves the legs by more than `most`.
+
+    Nor by more than half of what is proved to be free. A parabola lies in the triangle of its corner, so it keeps all
+    limits, which are convex; it is farthest from the legs in its middle, by a quarter of the sum of both arms. Where
+    the path turns by a right angle or more, the robot stops.
+    """
+    slopes = np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
+    bends = np.diff(slopes, axis=0)
+    allowed = np.minimum(most, np.minimum(legs.margins[1:], legs.margins[:-1]))
+    arms = 4.0 * allowed / _reach(bends, _levers(robot, legs.corners))
+    shorter = np.minimum(legs.sizes[1:], legs.sizes[:-1])
+    back = np.einsum("lnk,lnk->l", slopes[1:], slopes[:-1]) <= 0.0
+    arms = np.where(back, 0.0, np.minimum(arms, 0.5 * shorter))
+    arms = np.concatenate([[0.0], np.where(arms < SHORT * shorter, 0.0, arms), [0.0]])
+    pieces, lengths, stops = [], [], [True]
+    for i, slope in enumerate(slopes):
+        rest = legs.sizes[i] - arms[i] - arms[i + 1]
+        if rest > SHORT * legs.sizes[i]:
+            pieces.append([legs.corners[i] + arms[i] * slope, slope, np.zeros_like(slope)])
+            lengths.append(rest)
+            stops.append(bool(arms[i + 1] == 0.0))
+        if arms[i + 1] > 0.0:
+            turn = bends[i] / (4.0 * arms[i + 1])
+            pieces.append([legs.corners[i + 1] - arms[i + 1] * slope, slope, turn])
+            lengths.append(2.0 * arms[i + 1])
+            stops.append(False)
+    return BlendedPath(np.array(pieces), np.array(lengths), np.array(stops))
+
+
+def _levers(robot: Robot, q: Floats) -> Floats:
+    """Length (n,) of the body from the beginning of every segment to the tip, and to the tool, at most."""
+    longest = q[..., 2].max(axis=0)
+    tool: Floats = np.cumsum(longest[::-1])[::-1] + float(np.linalg.norm(robot.tool[:3, 3]))
+    return tool
+
+
+def _reach(moves: Floats, levers: Floats) -> Floats:
+    """How far a place of the body moves at most (m,) when configurations change by `moves` (m, n, 3).
+
+    A bend turns what lies beyond it by at most as much as it changes.
+    """
+    far: Floats = np.hypot(moves[..., 0], moves[..., 1]) @ levers + np.abs(moves[..., 2]).sum(axis=-1)
+    return far

@@ -1,0 +1,108 @@
+"""Configurations on the way: how far they are apart, and whether a robot can be there."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.kernels.between.query import VERDICT
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.robot.limits import unit_of
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.solution.verification import Worst, find_overlap
+from sinuous.solving.between.steps import Prover
+
+KEPT = 64
+"""Robots whose levers are kept in memory."""
+
+SLACK = 1e-9
+"""By how much a configuration may exceed limits, in mean lengths of the robot or rad: rounding."""
+
+
+def distances(robot: Robot, q: Floats) -> Floats:
+    """Return how far neighbouring configurations (T, n, 3) are apart (T - 1,), in the length unit.
+
+    A change of a bend counts by the length of what it moves, from the middle of its segment to the tip, at mean
+    lengths; a change of a length by itself.
+    """
+    steps = (q[1:] - q[:-1]) * lever_metric(robot)
+    result: Floats = np.sqrt(np.einsum("tnk,tnk->t", steps, steps))
+    return result
+
+
+def lever_metric(robot: Robot) -> Floats:
+    """Return by how much changes of bends and lengths (n, 3) count in a distance; see `distances`."""
+    return _levers_of(robot.segments)
+
+
+@lru_cache(maxsize=KEPT)
+def _levers_of(segments: tuple[Segment, ...]) -> Floats:
+    lengths = np.array([0.5 * (segment.length[0] + segment.length[1]) for segment in segments])
+    levers = np.cumsum(lengths[::-1])[::-1] - 0.5 * lengths
+    result = np.stack([levers, levers, np.ones(len(levers))], axis=-1)
+    result.flags.writeable = False
+    return result
+
+
+def movable(segments: tuple[Segment, ...]) -> Floats:
+    """Which coordinates (3 n,) can move."""
+    bends = np.array([segment.max_bend > 0.0 and segment.length[1] > 0.0 for segment in segments])
+    stretches = np.array([segment.length[0] < segment.length[1] for segment in segments])
+    result: Floats = np.stack([bends, bends, stretches], axis=1).ravel()
+    return result
+
+
+def within_limits(robot: Robot, q: Floats) -> Floats:
+    """Configurations brought within the limits of segments."""
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    result = q.copy()
+    result[..., 2] = np.clip(q[..., 2], low, high)
+    most = np.array([segment.max_bend if segment.length[1] > 0.0 else 0.0 for segment in robot.segments])
+    curvatures = np.array(robot.curvatures)
+    with np.errstate(invalid="ignore"):  # no limit of curvature, and no length
+        allowed = np.fmin(most, curvatures * result[..., 2])
+    bends = np.hypot(q[..., 0], q[..., 1])
+    result[..., :2] *= np.where(bends > allowed, allowed / np.where(bends > 0.0, bends, 1.0), 1.0)[..., None]
+    return result
+
+
+def violated_by(robot: Robot, q: Floats) -> Worst | None:
+    """Return the limit that a configuration (n, 3) violates most; `None` when it is within all of them."""
+    unit = robot.mean_length
+    found = [(amount / unit_of(limit, unit), limit, segment, amount) for limit, segment, amount in robot.violations(q)]
+    relative, limit, segment, amount = max(found, default=(0.0, "length", 0, 0.0), key=lambda each: each[0])
+    if relative <= SLACK:
+        return None
+    return Worst(limit, segment, None, amount)
+
+
+def check_limits(robot: Robot, key: str, q: Floats) -> None:
+    """Refuse a configuration (n, 3) that violates a limit.
+
+    Raises
+    ------
+    InputError
+    """
+    violated = violated_by(robot, q)
+    if violated is not None:
+        raise InputError(key, str(violated), q.tolist(), "a configuration within all limits")
+
+
+def blocked_by(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:
+    """Return the limit that a start (n, 3) violates, or else where it overlaps an obstacle or itself at a time.
+
+    `None` when it is within all limits and no overlap is seen. What is too near to contact to be proved clear is no
+    claim that it is clear: the first step is not proved then.
+    """
+    return violated_by(robot, q) or overlap_at(robot, q, prover, when)
+
+
+def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Worst | None:
+    """Return where a configuration (n, 3) overlaps an obstacle or itself at a time; `None` when no overlap is seen."""
+    if prover.prove(np.stack([q, q]), slack=1.0, times=np.array([when, when]))[0, VERDICT] == CLEAR:
+        return None
+    worst = find_overlap(robot, prover.scene.at(when), q)
+    # So near to contact that a proof fails: no overlap is seen.
+    return worst if worst.amount > SLACK * robot.mean_length else None

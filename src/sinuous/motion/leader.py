@@ -1,0 +1,258 @@
+"""Follow the leader: the body moves along the curve that its tip has made; and the insertion stage that it needs."""
+
+import math
+import time as clock
+from itertools import pairwise
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Number, Rows
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.measures.following import line_in_front
+from sinuous.motion.laying import depths_of, lay
+from sinuous.motion.motion import Motion
+from sinuous.motion.report import Report
+from sinuous.problem.curve import Curve
+from sinuous.problem.target import Tolerance
+from sinuous.robot.actuators import Actuators
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.scene import SceneLike
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.solution.solutions import Solutions
+from sinuous.solving.between.steps import Prover, Steps, unproved
+from sinuous.solving.options import TIME
+from sinuous.solving.solver import Solver
+
+EXACT = 1e-10
+"""How exactly the tip is on the curve at every knot, in lengths of the robot."""
+
+TIP_DEVIATION = 3e-6
+"""How far the tip may leave the curve between knots, by default, in lengths of the robot."""
+
+LAID = 8
+"""Chains that are laid, for each length of the shortest segment that bends; what lies between is interpolated."""
+
+LEAST_LAID, MOST_LAID, MOST_KNOTS = 6, 400, 100_000
+
+ROUNDS, DIVIDED = 4, 4
+"""How often steps are divided: where the tip leaves the curve, then where they are not proved, into so many."""
+
+SLACK = 0.1
+"""How far below the clearances of its ends the bound of a step may be, as a share of them."""
+
+FINEST = 1e-5
+"""Length, in robot lengths, below which a proof gives up: a tenth of what solves keep off obstacles."""
+
+SECONDS = 5.0
+"""Time for the proof of a step: it ends by its fineness long before, so that the same motion is found at any time."""
+
+FORWARD = 0.5
+"""Largest angle, rad, between the axis of the base and the way into the curve."""
+
+
+def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
+    """Put a robot on a stage that pushes it forward along the axis of its base.
+
+    Drawn back as far as it goes, the arm stands straight behind the base of before, at its greatest length, and its tip
+    is there. So `robot.base` is where the tip enters, and how. The stage is a first segment that cannot bend.
+
+    Parameters
+    ----------
+    robot : Robot
+    travel : float
+        How far the stage goes, in the length unit.
+    name : str
+        What the segment of the stage is called.
+
+    Raises
+    ------
+    InputError
+        When the travel is not greater than 0, or a segment has this name.
+    """
+    reach = checks.number("travel", travel, above=0.0)
+    back = np.eye(4)
+    back[2, 3] = -sum(segment.length[1] for segment in robot.segments)
+    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=checks.text("name", name))
+    linear = robot.linear
+    if linear is not None:
+        wider = np.hstack([np.zeros((len(linear.matrix), 3)), linear.matrix])
+        linear = Actuators(wider, names=list(linear.names), limits=linear.limits)
+    named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
+    return robot.changed(segments=[stage, *named], base=robot.base @ back, actuators=linear)
+
+
+def follow_the_leader(
+    robot: Robot,
+    curve: Rows | Curve | Solution,
+    scene: SceneLike | None = None,
+    *,
+    tip_deviation: Number | None = None,
+    time: Number = TIME,
+) -> Motion:
+    """Lead a body along a curve: at every depth it lies on the part of the curve that its tip has passed.
+
+    The length of the chain is the depth, so the robot has to be able to change it: by an insertion stage (a first
+    segment that stretches and cannot bend, see `on_stage`), or by segments that stretch, which unroll. The base does
+    not move otherwise. At every knot the tip is on the curve, and shapes are fitted to it by least squares; every step
+    is proved. `motion.deviation(curve)` measures both. `motion.reversed()` leads out again.
+
+    Parameters
+    ----------
+    robot : Robot
+    curve : array_like (K, 3), Curve or Solution
+        Points from the base, or from where the tip enters, to where it goes: a cubic spline through them is followed,
+        with a straight line in front from the base where they begin elsewhere. Of a `Solution` the backbone is
+        followed, so that the motion ends in its shape; its `route` is an array of points.
+    scene : Scene or list of obstacles, optional
+    tip_deviation : float, optional
+        How far the tip may leave the curve between knots, in the length unit; by default 3e-6 of the robot's mean
+        length. The smaller, the more knots.
+    time : float
+        Budget of each knot in seconds; a knot is one solve, from the shape that was fitted.
+
+    Returns
+    -------
+    Motion
+        Its time is the length of the curve that the tip has passed, from the base. Its waypoints are the first knot and
+        the last. It ends before the first knot that is not solved, with the status of that one.
+
+    Raises
+    ------
+    InputError
+        When the robot cannot change its length, the curve does not lead away from the base, or is shorter or longer
+        than the robot can be.
+    """
+    begin = clock.perf_counter()
+    path = curve_from_base(robot, curve)
+    low, high = depths_of(robot)
+    if low == high:
+        raise InputError("robot", "no segment stretches", robot, "an insertion stage (see on_stage), or such segments")
+    slack = 1e-6 * robot.mean_length
+    if not low < path.length <= high + slack:
+        expected = f"more than {low:g} and at most {high:g} from the base, as long as the robot can be"
+        raise InputError("curve", "", path.length, expected)
+    allowed = TIP_DEVIATION * robot.mean_length
+    if tip_deviation is not None:
+        allowed = checks.number("tip_deviation", tip_deviation, above=0.0)
+    body = robot.changed(tool=None)  # the tip is led, not the tool
+    solver = Solver(body, scene, tolerance=Tolerance(EXACT * robot.mean_length), max_starts=1, routes=False, time=time)
+    leader = _Leader(robot, path, solver, min(path.length, high))
+    return leader.motion(allowed, begin)
+
+
+def curve_from_base(robot: Robot, curve: Rows | Curve | Solution) -> Curve:
+    """Return the curve from the base on, with a straight line to where it begins.
+
+    Raises
+    ------
+    InputError
+        When it leads elsewhere than the base does.
+    """
+    path = line_in_front(robot, _backbone(curve) if isinstance(curve, Solution) else curve)
+    axis, onward = robot.base[:3, 2], path.tangent(0.0)
+    if float(onward @ axis) < np.cos(FORWARD):
+        expected = f"a curve that begins along the axis of the base, {axis.round(3).tolist()} from its position"
+        raise InputError("curve", "leads elsewhere", onward.round(3).tolist(), expected)
+    return path
+
+
+def _backbone(solution: Solution) -> Floats:
+    """Points (k, 3) of a body, without those where a segment has no length."""
+    robot = solution.problem.robot
+    points = robot.backbone(solution.q)
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > 1e-9 * robot.mean_length
+    kept: Floats = points[np.append(True, apart)]
+    return kept
+
+
+class _Leader:
+    """Knots of one motion, while they are found."""
+
+    def __init__(self, robot: Robot, path: Curve, solver: Solver, end: float) -> None:
+        self.robot, self.path, self.solver = robot, path, solver
+        self.low = depths_of(robot)[0]
+        bending = [s.length[1] for s in robot.segments if s.max_bend > 0.0 and s.length[1] > 0.0]
+        count = np.clip(int(LAID * (end - self.low) / min(bending, default=end)), LEAST_LAID, MOST_LAID)
+        self.depths = np.linspace(self.low, end, int(count) + 1)
+        self.ended: Solution | None = None
+        self.answers: dict[tuple[float, float], Floats] = {}
+
+    def motion(self, allowed: float, begin: float) -> Motion:
+        """Find knots until the tip keeps to the curve and all steps are proved, or cannot be."""
+        from scipy.interpolate import CubicSpline  # noqa: PLC0415
+
+        self.shapes = CubicSpline(self.depths, lay(self.robot, self.path, self.depths))
+        self.depths, self.q, self.clear, first = self._solved(self.depths)
+        for _ in range(ROUNDS):
+            counts = np.ceil(np.sqrt(self._off() / allowed)).astype(np.intp)
+            if not self._divide(np.maximum(counts, 1)):
+                break
+        scene = self.solver.scene.snapshot()
+        prover = Prover(self.robot, scene, FINEST)
+        for _ in range(ROUNDS):
+            steps = self._proved(prover)
+            if not self._divide(np.where(steps.proved, 1, DIVIDED)):
+                break
+        else:
+            steps = self._proved(prover)
+        return self._put_together(scene, steps, first, clock.perf_counter() - begin)
+
+    def _solved(self, depths: Floats) -> tuple[Floats, Floats, Floats, Solutions]:
+        """Put the tip on the curve at these depths; those from the first on that cannot be are left out.
+
+        Returns depths (t,), configurations (t, n, 3), their clearances (t, 2) as `Prover` takes them, and all
+        solutions.
+        """
+        found = self.solver.solve_many(positions=self.path.at(depths), initial=self.shapes(depths), workers=1)
+        clear = np.stack([found.clearance, found.self_clearance], axis=1)
+        clear[np.isnan(clear)] = math.inf  # nothing to be clear of: all that are kept are solved
+        failed = np.flatnonzero(~found.solved)
+        kept = len(depths)
+        if len(failed):
+            kept = int(failed[0])
+            self.ended = found[kept]
+        return depths[:kept], found.q[:kept], clear[:kept], found
+
+    def _off(self) -> Floats:
+        """How far the tip is off the curve in the middle of every step (t - 1,)."""
+        between = 0.5 * (self.q[1:] + self.q[:-1])
+        return self.path.distance(self.robot.forward(between)[:, -1, :3, 3])
+
+    def _divide(self, counts: np.ndarray) -> bool:
+        """Divide every step into so many (t - 1,); returns False where there is nothing to divide."""
+        more = int(counts.sum()) - len(counts)
+        if more == 0 or len(self.depths) + more > MOST_KNOTS:
+            return False
+        shares = np.concatenate([i + np.arange(1, count) / count for i, count in enumerate(counts) if count > 1])
+        depths = np.interp(shares, np.arange(len(self.depths)), self.depths)
+        new, q, clear, _ = self._solved(depths)
+        end = self.depths[-1] if len(new) == len(depths) else depths[len(new)]
+        kept = self.depths <= end
+        order = np.argsort(np.concatenate([self.depths[kept], new]), kind="stable")
+        self.depths = np.concatenate([self.depths[kept], new])[order]
+        self.q = np.concatenate([self.q[kept], q])[order]
+        self.clear = np.concatenate([self.clear[kept], clear])[order]
+        return True
+
+    def _proved(self, prover: Prover) -> Steps:
+        """Prove all steps; what was found of one before is kept."""
+        ends = list(pairwise(self.depths.tolist()))
+        for i, step in enumerate(ends):
+            if step not in self.answers:
+                pair = slice(i, i + 2)
+                self.answers[step] = prover.prove(self.q[pair], SLACK, SECONDS, known=self.clear[pair])[0]
+        return Steps(np.array([self.answers[step] for step in ends]) if ends else unproved(0))
+
+    def _put_together(self, scene: Snapshot, steps: Steps, first: Solutions, seconds: float) -> Motion:
+        last = first[-1] if self.ended is None else self.ended
+        some = len(self.q) > 0
+        report = Report(
+            solutions=(first[0], last) if some else (last,),
+            waypoint_knots=(0, len(self.q) - 1 if self.ended is None else None) if some else (None,),
+            seconds=seconds,
+        )
+        return Motion.made(self.robot, scene, self.q, self.depths, steps, report)

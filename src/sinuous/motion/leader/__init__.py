@@ -1,1 +1,0 @@
-"""Follow the leader: the body moves along the curve that its tip has made."""

@@ -1,0 +1,146 @@
+"""Motions as tables: configurations at other times than the knots, and the files CSV, NPZ and ROS JSON."""
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks
+from sinuous.arguments import Whole
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.export.ros import Of, joint_map, joint_trajectory, write_json
+from sinuous.robot.robot import Robot
+from sinuous.solution.solution import Solution
+
+
+def interpolate(times: Floats, q: Floats, when: Floats) -> Floats:
+    """Return configurations (..., n, 3) at times (...) within those of the knots `q` (T, n, 3), linear between them."""
+    if len(q) == 1:
+        return np.broadcast_to(q[0], (*when.shape, *q.shape[1:])).copy()
+    i = np.clip(np.searchsorted(times, when, side="right") - 1, 0, len(q) - 2)
+    share = ((when - times[i]) / (times[i + 1] - times[i]))[..., None, None]
+    result: Floats = (1.0 - share) * q[i] + share * q[i + 1]
+    return result
+
+
+def sample_times(times: Floats, rate: float) -> Floats:
+    """Return times at a rate (1 / time), from the first knot on; the last one is the last knot."""
+    count = int(np.ceil((times[-1] - times[0]) * rate - 1e-9)) if len(times) else 0
+    return np.append(times[0] + np.arange(count) / rate, times[-1]) if len(times) else times
+
+
+def columns(robot: Robot) -> list[str]:
+    """Names of the numbers: `s1.bend_x`, `s1.bend_y`, `s1.length` of every segment, then the names of all actuators."""
+    of_segments = [f"{name}.{key}" for name in robot.segment_names for key in ("bend_x", "bend_y", "length")]
+    return [*of_segments, *(actuator.name for actuator in robot.actuators)]
+
+
+def write_csv(file: str | Path, solutions: Sequence[Solution]) -> None:
+    """Write solutions of one robot, at least one, as CSV: their number from 1 on, status, configuration, actuators.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    robot = solutions[0].problem.robot
+    numbers = _numbers(robot, np.stack([solution.q for solution in solutions]))
+    rows = ([i, str(each.status), *row] for i, (each, row) in enumerate(zip(solutions, numbers, strict=True), 1))
+    _write(file, ["solution", "status", *columns(robot)], rows)
+
+
+def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> None:
+    """Write configurations (T, n, 3) at times (T,) as CSV: time, configuration, actuators.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    rows = ([time, *row] for time, row in zip(times.tolist(), _numbers(robot, q), strict=True))
+    _write(file, ["time", *columns(robot)], rows)
+
+
+def _numbers(robot: Robot, q: Floats) -> list[list[float]]:
+    """Configurations and actuators (T, 3 n + m)."""
+    found: list[list[float]] = np.concatenate([q.reshape(len(q), -1), robot.to_actuators(q)], axis=-1).tolist()
+    return found
+
+
+def _write(file: str | Path, header: list[str], rows: Iterable[Sequence[object]]) -> None:
+    try:
+        with Path(file).open("w", encoding="utf-8", newline="") as out:
+            table = csv.writer(out, lineterminator="\n")
+            table.writerow(header)
+            table.writerows(rows)
+    except OSError as error:
+        raise _cannot_write(file, error) from None
+
+
+def write_ros(
+    file: str | Path, robot: Robot, times: Floats, q: Floats, velocities: Floats | None, of: Of, joints: Whole
+) -> None:
+    """Write configurations (T, n, 3), and their rates where they are known, as a ROS 2 `JointTrajectory` in JSON.
+
+    Parameters
+    ----------
+    of : str
+        `joints` or `actuators`: whose values are written.
+    joints : int
+        Joints that stand for the bend of a segment, see `Robot.to_urdf`.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be, or the file cannot be written.
+    """
+    names, matrix = joint_map(robot, of, joints)
+    given = [q] if velocities is None else [q, velocities]
+    write_json(file, joint_trajectory(names, times, *(each.reshape(len(times), -1) @ matrix.T for each in given)))
+
+
+def write_npz(file: str | Path, robot: Robot, times: Floats, q: Floats, proved: NDArray[np.bool_]) -> None:
+    """Write knots (T, n, 3) at times (T,), and which steps (T - 1,) are proved, as NPZ; see `Motion.to_npz`.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    values = {
+        "q": q,
+        "times": times,
+        "actuators": robot.to_actuators(q),
+        "actuator_names": np.array([actuator.name for actuator in robot.actuators], np.str_),
+        "proved": proved,
+    }
+    try:
+        with Path(file).open("wb") as out:
+            np.savez_compressed(out, allow_pickle=False, **values)
+    except OSError as error:
+        raise _cannot_write(file, error) from None
+
+
+def read_npz(file: str | Path, robot: Robot) -> tuple[Floats, Floats]:
+    """Read knots (T, n, 3) and times (T,) from an NPZ file; see `Motion.from_npz`."""
+    try:
+        with np.load(file, allow_pickle=False) as values:
+            q, times = (values[key] for key in ("q", "times"))
+    except OSError as error:
+        raise InputError(
+            "file", f"cannot be read: {error.strerror or error}", str(file), "a file of a motion"
+        ) from None
+    except (ValueError, KeyError, BadZipFile):
+        raise InputError("file", "holds no motion", str(file), "arrays q and times in NPZ") from None
+    try:
+        return checks.rows("q", q, len(robot), 3), times
+    except InputError as error:
+        raise error.in_file(file) from None
+
+
+def _cannot_write(file: str | Path, error: OSError) -> InputError:
+    return InputError("file", f"cannot be written: {error.strerror}", str(file), "a file that can be written")

@@ -1,0 +1,185 @@
+"""Time scalings of a path: the fastest way to pass it under rates and accelerations.
+
+A phase is a duration, the place s where it begins on its piece, the speed of s there, and its even acceleration. A path
+with corners is passed from rest to rest between them. A blended path is passed without stops, by reachability analysis
+(TOPP-RA, Pham & Pham 2018, as the package toppra has it): on a piece q'' by s is constant, so within an interval of
+even acceleration of s all accelerations are linear in s. Limits that hold at both its ends hold in between, and none is
+exceeded anywhere.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.motion.blending import BlendedPath
+from sinuous.robot.rates import Spread
+from sinuous.robot.robot import Robot
+
+FACETS = 16
+"""Sides of the polygon within the circle that limits the acceleration of a bend: 2 % less than the circle at worst."""
+
+STRAIGHT_GRID, CURVED_GRID = 16, 8
+"""Intervals on a straight and on a curved piece."""
+
+STEEP = 1e6
+"""Where nothing limits an acceleration, full speed is reached within one part in so many of a piece."""
+
+
+class Scaling(NamedTuple):
+    """Phases on a path: the number of the piece (M,), and durations, places, speeds and accelerations (M, 4)."""
+
+    piece: np.ndarray
+    phases: Floats
+
+
+def largest(robot: Robot, spread: Spread, slopes: Floats) -> Floats:
+    """Return the largest multiple of each slope (m, n, 3) that rates allow (m,); infinite where nothing limits it."""
+    sizes = np.concatenate(
+        [
+            np.hypot(slopes[..., 0], slopes[..., 1]) / spread.bend,
+            np.abs(slopes[..., 2]) / spread.length,
+            np.abs(robot.to_actuators(slopes)) / spread.actuator,
+        ],
+        axis=-1,
+    ).max(axis=-1)
+    most: Floats = np.divide(1.0, sizes, out=np.full(len(sizes), np.inf), where=sizes > 0.0)
+    return most
+
+
+def scale_with_stops(robot: Robot, path: BlendedPath, rates: Spread, accelerations: Spread | None) -> Scaling:
+    """Scale a path of straight pieces: from rest to rest on each, or at an even speed where nothing accelerates."""
+    slopes = path.pieces[:, 1]
+    speed, gain = largest(robot, rates, slopes), np.full(len(slopes), np.inf)
+    if accelerations is not None:
+        gain = largest(robot, accelerations, slopes)
+    refuse_unlimited(np.minimum(speed, gain))
+    piece, phases = [], []
+    for i, (length, fastest, most) in enumerate(zip(path.lengths, speed, gain, strict=True)):
+        own = _phases(float(length), float(fastest), float(most))
+        piece.extend([i] * len(own))
+        phases.extend(own)
+    return Scaling(np.array(piece, np.intp), np.array(phases))
+
+
+def _phases(length: float, fastest: float, most: float) -> list[tuple[float, float, float, float]]:
+    """Phases of one straight piece: speeding up, an even speed, and slowing down."""
+    if np.isinf(most):
+        return [(length / fastest, 0.0, fastest, 0.0)]
+    top = min(fastest, float(np.sqrt(length * most)))
+    ramp = 0.5 * top * top / most
+    up = (top / most, 0.0, 0.0, most)
+    down = (top / most, length - ramp, top, -most)
+    if 2.0 * ramp >= length * (1.0 - 1e-12):
+        return [up, down]
+    return [up, ((length - 2.0 * ramp) / top, ramp, top, 0.0), down]
+
+
+def refuse_unlimited(speeds: Floats) -> None:
+    """Refuse rates that let a piece pass in no time."""
+    if np.isinf(speeds).any():
+        number = int(np.argmax(np.isinf(speeds))) + 1
+        raise InputError("rates", f"nothing limits leg {number} of the way", None, "limits of all that moves")
+
+
+def scale_blended(robot: Robot, path: BlendedPath, rates: Spread, accelerations: Spread) -> Scaling:
+    """Scale a path so that it is passed as fast as can be; it begins, ends and goes through its stops at rest."""
+    grid = _Grid(path)
+    ends = np.stack([path.at(grid.piece, s, 1) for s in (grid.s, grid.s + grid.steps)])
+    speeds = largest(robot, rates, ends.reshape(-1, *ends.shape[2:])).reshape(2, -1)
+    fastest = speeds.min(axis=0)
+    gains = largest(robot, accelerations, ends[0])
+    refuse_unlimited(np.minimum(fastest, gains))
+    unit = float(np.median(np.where(np.isinf(fastest), np.sqrt(gains * path.lengths[grid.piece]), fastest)))
+    steep = STEEP * unit**2 / path.lengths[grid.piece]
+    curved = path.pieces[grid.piece, 2].any(axis=(1, 2))
+    own = np.where(curved, steep, np.minimum(gains, steep)) / unit**2
+    rows = _rows(robot, path, grid, accelerations, curved, unit)
+    limits = _Limits(grid, np.minimum(fastest / unit, STEEP), own, rows)
+    acceleration, speed = _solved(grid, limits)
+    duration = 2.0 * grid.steps / (unit * (speed[1:] + speed[:-1]))
+    phases = np.stack([duration, grid.s, unit * speed[:-1], unit**2 * acceleration], axis=1)
+    return Scaling(grid.piece, phases)
+
+
+class _Grid:
+    """Intervals (M,) on the pieces of a path: piece, s where they begin, their lengths; and where the robot stops."""
+
+    def __init__(self, path: BlendedPath) -> None:
+        curved = path.pieces[:, 2].any(axis=(1, 2))
+        counts = np.where(curved, CURVED_GRID, STRAIGHT_GRID)
+        self.piece = np.repeat(np.arange(len(counts)), counts)
+        number = np.arange(len(self.piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        self.steps = (path.lengths / counts)[self.piece]
+        self.s = number * self.steps
+        self.at_rest = np.zeros(len(self.piece) + 1, bool)
+        self.at_rest[np.append(np.cumsum(counts) - counts, len(self.piece))] = path.stops
+        self.points = np.concatenate([[0.0], np.cumsum(self.steps)])
+
+
+def _rows(robot: Robot, path: BlendedPath, grid: _Grid, spread: Spread, curved: np.ndarray, unit: float) -> Floats:
+    """Limits of acceleration (M, r, 2) at both ends of curved intervals: what multiplies u and x is at most 1.
+
+    u is the acceleration of s and x its speed squared, in units in which the median speed is 1.
+    """
+    turn = path.at(grid.piece, grid.s, 2)
+    begin, end = (path.at(grid.piece, s, 1) for s in (grid.s, grid.s + grid.steps))
+    later = end + 2.0 * grid.steps[:, None, None] * turn  # x at the end is x + 2 steps u
+    both = [np.stack([of_u, turn], axis=-1) for of_u in (begin, later)]
+    rows = np.concatenate([_facets(robot, spread, each) for each in both], axis=1) * unit**2
+    rows[~curved] = 0.0
+    return rows
+
+
+def _facets(robot: Robot, spread: Spread, columns: Floats) -> Floats:
+    """Rows (M, r, 2) of what multiplies u and x in `columns` (M, n, 3, 2), each over its limit."""
+    angles = 2.0 * np.pi * np.arange(FACETS) / FACETS
+    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1) / np.cos(np.pi / FACETS)
+    bends = np.einsum("fi,mkic->mkfc", normals, columns[:, :, :2]) / spread.bend[:, None, None]
+    lengths = columns[:, :, 2] / spread.length[:, None]
+    values = np.moveaxis(robot.to_actuators(np.moveaxis(columns, -1, 1)), 1, -1) / spread.actuator[:, None]
+    flat = bends.reshape(len(columns), -1, 2)
+    return np.concatenate([flat, lengths, -lengths, values, -values], axis=1)
+
+
+class _Limits:
+    """The constraints of toppra, as numbers on the grid."""
+
+    def __init__(self, grid: _Grid, fastest: Floats, gains: Floats, rows: Floats) -> None:
+        rows = rows[:, np.abs(rows).max(axis=(0, 2), initial=0.0) > 0.0]
+        last = np.zeros((1, *rows.shape[1:]))
+        self.rows = np.concatenate([rows, last])
+        slowest = np.minimum(np.append(fastest, np.inf), np.append(np.inf, fastest))
+        self.x = np.stack([np.zeros(len(slowest)), np.where(grid.at_rest, 0.0, slowest**2)], axis=1)
+        gains = np.append(gains, gains[-1])
+        self.u = np.stack([-gains, gains], axis=1)
+
+
+def _solved(grid: _Grid, limits: _Limits) -> tuple[Floats, Floats]:
+    """Accelerations (M,) and speeds (M + 1,) of s, by toppra."""
+    try:
+        from toppra import SimplePath  # noqa: PLC0415
+        from toppra.algorithm import TOPPRA  # noqa: PLC0415
+        from toppra.constraint import LinearConstraint  # noqa: PLC0415
+    except ImportError:
+        raise InputError("blend", "needs toppra", None, "it installed: pip install sinuous[timing]") from None
+
+    class Given(LinearConstraint):  # type: ignore[misc]
+        """Numbers that are there already."""
+
+        def compute_constraint_params(self, path: Any, gridpoints: Any) -> tuple[Any, ...]:
+            count = limits.rows.shape[1]
+            a, b = limits.rows[..., 0], limits.rows[..., 1]
+            if count == 0:
+                return None, None, None, None, None, limits.u, limits.x
+            return a, b, np.zeros_like(a), np.eye(count), np.ones(count), limits.u, limits.x
+
+    constraint = Given()
+    constraint.identical = True
+    line = SimplePath(np.array([0.0, grid.points[-1]]), np.array([0.0, 1.0]))
+    found = TOPPRA([constraint], line, gridpoints=grid.points, solver_wrapper="seidel")
+    acceleration, speed, _ = found.compute_parameterization(0.0, 0.0)
+    if speed is None or not np.isfinite(speed).all():
+        raise RuntimeError("toppra found no timing")
+    return np.asarray(acceleration, np.float64), np.asarray(speed, np.float64)

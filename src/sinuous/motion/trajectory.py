@@ -1,0 +1,160 @@
+"""A trajectory: the path of a motion, passed as fast as the robot may."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Number, Vector, Whole
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.export.ros import Of
+from sinuous.frozen import Frozen
+from sinuous.motion import tables
+from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at_corners
+from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
+from sinuous.reprs import call
+from sinuous.robot.rates import Rates
+from sinuous.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from sinuous.motion.motion import Motion
+
+
+class Trajectory(Frozen):
+    """A path through configuration space and a time scaling of it; `Motion.timed` makes one.
+
+    Between two `times` the speed along the path changes evenly.
+
+    Attributes
+    ----------
+    motion : Motion
+        Whose path it is.
+    times : ndarray (M + 1,)
+        Seconds from 0 on, increasing, read-only.
+    """
+
+    motion: "Motion"
+    times: Floats
+    _path: BlendedPath
+    _scaling: Scaling
+
+    def __init__(self, motion: "Motion", path: BlendedPath, scaling: Scaling) -> None:
+        times = np.concatenate([[0.0], np.cumsum(scaling.phases[:, 0])])
+        times.flags.writeable = False
+        self._set(motion=motion, times=times, _path=path, _scaling=scaling)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self.motion.robot
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first configuration to the last."""
+        return float(self.times[-1])
+
+    def at(self, t: Number | Vector) -> Floats:
+        """Configurations (..., n, 3) at times (...), in seconds.
+
+        Raises
+        ------
+        InputError
+            When a time is before 0 or after the end.
+        """
+        _, piece, s, _ = self._where(t)
+        return self._path.at(piece, s)
+
+    def velocity(self, t: Number | Vector) -> Floats:
+        """Rates (..., n, 3) of the configuration at times (...); where it jumps, that of what comes after."""
+        _, piece, s, speed = self._where(t)
+        rates: Floats = self._path.at(piece, s, 1) * speed[..., None, None]
+        return rates
+
+    def acceleration(self, t: Number | Vector) -> Floats:
+        """Derivatives (..., n, 3) of the rates at times (...); where they jump, those of what comes after."""
+        phase, piece, s, speed = self._where(t)
+        gained = self._scaling.phases[phase, 3][..., None, None]
+        slope, turn = self._path.at(piece, s, 1), self._path.at(piece, s, 2)
+        result: Floats = slope * gained + turn * (speed**2)[..., None, None]
+        return result
+
+    def resampled(self, rate: Number) -> "Motion":
+        """Return the motion through configurations at an even rate (Hz), the last included; all is proved anew."""
+        times = self._samples(rate)
+        return type(self.motion)(self.robot, self.at(times), self.motion.scene, times)
+
+    def to_csv(self, file: str | Path, rate: Number | None = None) -> None:
+        """Write times, configurations and values of all actuators as CSV; columns as of `Motion.to_csv`.
+
+        Parameters
+        ----------
+        file : path
+        rate : float, optional
+            Rows a second (Hz), the end included; by default a row for each of `times`.
+        """
+        times = self._samples(rate)
+        tables.write_motion(file, self.robot, times, self.at(times))
+
+    def to_ros(
+        self, file: str | Path, rate: Number | None = None, of: Of = "joints", joints_per_segment: Whole = 8
+    ) -> None:
+        """Write positions and velocities as JSON in the shape of a ROS 2 `trajectory_msgs/JointTrajectory`.
+
+        Parameters
+        ----------
+        file : path
+        rate : float, optional
+            Points a second (Hz); by default a point for each of `times`. Through these a cubic spline, which is what
+            controllers make of positions and velocities, is the trajectory itself on straight pieces.
+        of : str
+            `joints`: those that `Robot.to_urdf` writes, with as many `joints_per_segment`; or `actuators`.
+        joints_per_segment : int
+        """
+        times = self._samples(rate)
+        velocities = self.velocity(times)
+        velocities[-1] = 0.0
+        tables.write_ros(file, self.robot, times, self.at(times), velocities, of, joints_per_segment)
+
+    def __repr__(self) -> str:
+        return call("Trajectory", [f"{self.duration:.4g} s", f"{len(self.robot)} segments"])
+
+    def _samples(self, rate: Number | None) -> Floats:
+        return self.times if rate is None else tables.sample_times(self.times, checks.number("rate", rate, above=0.0))
+
+    def _where(self, t: Number | Vector) -> tuple[np.ndarray, np.ndarray, Floats, Floats]:
+        """Phases, pieces, places on them and speeds there, all (...)."""
+        when = checks.stack("t", t, ())
+        if ((when < 0.0) | (when > self.duration)).any():
+            wrong = float(when.flat[int(np.argmax((when < 0.0) | (when > self.duration)))])
+            raise InputError("t", "", wrong, f"times from 0 to {self.duration:g}")
+        phase = np.clip(np.searchsorted(self.times, when, side="right") - 1, 0, len(self._scaling.phases) - 1)
+        _, begin, speed, gain = np.moveaxis(self._scaling.phases[phase], -1, 0)
+        dt = when - self.times[phase]
+        s = begin + dt * (speed + 0.5 * dt * gain)
+        piece = self._scaling.piece[phase]
+        return phase, piece, np.clip(s, 0.0, self._path.lengths[piece]), speed + dt * gain
+
+
+def timed(motion: "Motion", rates: Rates, blend: Number = 0.0) -> Trajectory:
+    """Pass the path of a motion as fast as rates and accelerations allow; see `Motion.timed`."""
+    if not isinstance(rates, Rates):
+        raise InputError("rates", "", rates, "Rates")
+    if motion.scene.moves:
+        raise InputError("motion", "obstacles move", motion, "one among obstacles that stand still: it has other times")
+    limits, accelerations = rates.spread(motion.robot), None
+    if rates.acceleration is not None:
+        with checks.inside("acceleration"):
+            accelerations = rates.acceleration.spread(motion.robot)
+    most = checks.number("blend", blend, low=0.0)
+    if most > 0.0 and accelerations is None:
+        raise InputError("blend", "rates have no acceleration, and so no corner asks for one", most, "0")
+    legs = legs_of(motion.robot, motion.q, motion.steps)
+    if not len(legs.sizes):
+        raise InputError("motion", "stands still", motion, "a motion that moves")
+    if accelerations is not None and most > 0.0 and len(legs.sizes) > 1:
+        path = blend_corners(motion.robot, legs, most)
+        return Trajectory(motion, path, scale_blended(motion.robot, path, limits, accelerations))
+    path = stop_at_corners(legs)
+    return Trajectory(motion, path, scale_with_stops(motion.robot, path, limits, accelerations))

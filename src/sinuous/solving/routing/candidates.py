@@ -1,0 +1,322 @@
+"""The routes of one question, and what is made of each: chains that are laid along it, grown along it, or led through.
+
+What of this is tried, and in which order, is `solving.strategy`'s.
+"""
+
+from collections.abc import Collection, Iterator
+from functools import partial
+from itertools import compress
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.solving.polylines import lengths_along, respaced
+from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, grown, leg_queries, settled
+from sinuous.solving.routing.narrow.narrows import Narrows
+from sinuous.solving.routing.plans import CELLS, Plan
+from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.tubes import out_of, tube_around, within
+from sinuous.solving.routing.turned import Groups, turned, turned_back
+from sinuous.solving.starts import Batch, Question
+
+CUT = 0.9
+"""Distance from the obstacles, in radii of the body, below which a route over coarse cells may lead through a wall."""
+
+STOWED = 1.1
+"""Least length of a chain, in lengths of its route, from which on some of it has to be stowed beside the route."""
+
+NEAR = 2.5
+"""Distance from a route, in radii of the body, up to which it leads past an elbow."""
+
+ALIKE, COMPARED = 0.1, 60
+"""Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
+
+MISSES = 2
+"""Sides to which a route could not be made longer, after which no other side is tried."""
+
+EDGES, SIDE_TUBES = "edges", "side_tubes"
+"""Names of the attempts that find routes without cells: see `sinuous.solving.strategy`."""
+
+
+class Candidate(NamedTuple):
+    """A route, along which chains are made.
+
+    Attributes
+    ----------
+    route : ndarray (K, 3)
+    finest : bool
+        Whether it leads around edges, or over the finest cells: others may cut through walls.
+    exact : bool
+        Whether it comes from exact distances, not from samples.
+    rank : int
+        How many were known before it, and one.
+    weight : int
+        How many were known that are not coarser, and one.
+    """
+
+    route: Floats
+    finest: bool
+    exact: bool
+    rank: int
+    weight: int
+
+
+class Candidates:
+    """The routes of one question.
+
+    Parameters
+    ----------
+    searches : Searches
+    question : Question
+    query : ndarray (28,)
+        What routes have to keep.
+    between : Plan, optional
+        Search that comes, once, where the table of another one is too small.
+    without : collection of str
+        Attempts that are switched off.
+
+    Attributes
+    ----------
+    known : list of Candidate
+        In the order in which they were found.
+    enclosed : bool
+        Whether the base was found to lie in a tube that does not open.
+    """
+
+    def __init__(
+        self,
+        searches: Searches,
+        question: Question,
+        query: Floats,
+        between: Plan | None = None,
+        without: Collection[str] = (),
+    ) -> None:
+        self.searches, self.question, self.query = searches, question, query
+        self.known: list[Candidate] = []
+        self.enclosed = False
+        self._without, self._problem, self._left = without, question.problem, question.seconds_left
+        self._groups = searches.groups(question.problem)
+        looks = partial(searches.room, question.problem), partial(searches.beside, question.problem)
+        self._narrows = Narrows(self._groups, *looks, question.seconds_left)
+        self._legs: dict[int, Floats | None] = {}
+        self._found_legs: dict[bool, Floats | None] = {}
+        self._misses: dict[int, int] = {}
+        self._between = between
+        self._too_few: dict[float, int] = {}
+        self._told: dict[tuple[float, bool], int] = {}
+        self._tried: set[bytes] = set()
+
+    def in_tube(self) -> Iterator[Batch]:
+        """Yield chains along the tube that the base lies in, where there is one."""
+        if self._groups[0][1] > 0.0:
+            return  # limits of actuators join what is in the tube and what is not
+        tube = tube_around(self._groups[1], self.query, self._left())
+        self.enclosed = tube is not None and not tube.open
+        line = None if tube is None else within(tube, self.query)
+        if line is not None:
+            laid = self.searches.fit(self._problem, [line], self._left)
+            yield along(laid, (line,)[: len(laid)])
+        elif tube is not None and tube.open:
+            for chain, route in out_of(tube, self._groups, self._left):
+                yield along(chain[None], (route,))
+
+    def around_edges(self, query: Floats) -> Floats | None:
+        """Return a route (K, 3) around edges; `None` where none is found."""
+        off = EDGES in self._without or self._left() <= 0.0
+        return None if off else self.searches.by_edges(self._problem, query, self._left())
+
+    def through_side_tubes(self, query: Floats) -> Floats | None:
+        """Return a route (K, 3) through tubes that open beside edges; `None` where none is found.
+
+        Where the base lies in a closed tube, that one leads on.
+        """
+        off = SIDE_TUBES in self._without or self._left() <= 0.0 or self.enclosed
+        return None if off else self.searches.by_tubes(self._problem, query, self._left)
+
+    def over_cells(self, plan: Plan) -> Found:
+        """Search as a plan says, in the time that is left."""
+        return self.searches.find(self._problem, self.query, plan, max(0.0, self._left()))
+
+    def over_enough_cells(self, plan: Plan) -> tuple[Plan, Found]:
+        """Search as a plan says; where its table is too small for a first route, with others at once.
+
+        These are the plan between coarse and fine cells, once, and then the next larger tables. Returns the last plan,
+        and what it found, with the cells of all of them.
+        """
+        cells = 0
+        while True:
+            found = self.over_cells(plan)
+            cells += found.cells
+            if found.ended != FULL or found.routes:
+                return plan, found._replace(cells=cells)
+            self._too_few[plan.cell] = plan.cells
+            if any(self.clear(candidate) for candidate in self.known):
+                return plan, found._replace(cells=cells)
+            between, self._between = self._between, None
+            if between is not None and between.cell > plan.cell:
+                other = self.over_cells(between)
+                cells += other.cells
+                if other.routes:
+                    return between, other._replace(cells=cells)
+            larger = [size for size in CELLS[:-1] if size > plan.cells]
+            if not larger:
+                return plan, found._replace(cells=cells)
+            plan = plan._replace(cells=larger[0])
+
+    def pointless(self, plan: Plan) -> bool:
+        """Whether a search is known to be of no use: its table is too small, or it stands in for a route."""
+        return plan.cells <= self._too_few.get(plan.cell, 0) or (plan.between and len(self.known) > 0)
+
+    def over_cells_once(self, plan: Plan) -> tuple[Plan, Found]:
+        """Search as a plan says, see `over_enough_cells`; without the routes that the same cells gave before."""
+        self._between = None if plan.between else self._between
+        last, found = self.over_enough_cells(plan)
+        told = self._told.get((last.cell, last.exact), 0)
+        self._told[last.cell, last.exact] = max(told, len(found.routes))
+        return last, found._replace(routes=found.routes[told:])
+
+    def note(self, route: Floats, finest: bool, exact: bool = False) -> tuple[Candidate | None, bool]:
+        """Take a route as a candidate, unless one of its kind is known (`None`); say whether none is like it."""
+        near = ALIKE * self.query[QUERY_RADIUS]
+        points = respaced(route, COMPARED) if self.known else route
+        alike = [
+            other
+            for other in self.known
+            if other.exact >= exact and np.linalg.norm(respaced(other.route, COMPARED) - points, axis=1).max() < near
+        ]
+        if any(other.finest >= finest for other in alike):
+            return None, False
+        weight = 1 + sum(other.finest >= finest for other in self.known)
+        self.known.append(Candidate(route, finest, exact, 1 + len(self.known), weight))
+        return self.known[-1], not alike
+
+    def to_be_stowed(self, route: Floats) -> bool:
+        """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""
+        return bool(self.query[QUERY_SHORTEST] > STOWED * lengths_along(route)[-1])
+
+    def laid(self, routes: list[Floats]) -> Iterator[Batch]:
+        """Yield configurations along routes (K, 3)."""
+        fits = self.searches.fit(self._problem, routes, self._left)
+        new = np.array([self._is_new(q) for q in fits], bool)
+        yield along(fits[new], tuple(compress(routes, new)))
+
+    def lengthened(self, candidate: Candidate, side: float) -> Iterator[Batch]:
+        """Yield a configuration along a route that is as long as the robot, bent to a side (rad), if there is room."""
+        seconds, rank = self._left(), candidate.rank
+        if seconds <= 0.0 or self._misses.get(rank, 0) >= MISSES:
+            return
+        longer = self.searches.lengthen(self._problem, self.query, candidate.route, side, seconds)
+        if longer is None:
+            self._misses[rank] = self._misses.get(rank, 0) + 1
+            yield self._nothing()
+        else:
+            initial = self.searches.fit(self._problem, [longer], self._left)
+            yield along(initial, (longer,)[: len(initial)])
+
+    def grown(self, candidate: Candidate, beam: Beam) -> Iterator[Batch]:
+        """Yield chains that are grown along a route, from either end."""
+        legs = self._legs_of(candidate)
+        if legs is None:
+            return
+        yield self._nothing()
+        for chain in self._chains(self._groups, legs, beam):
+            yield along(chain[None], (candidate.route,))
+        other = turned(self._groups, candidate.route)
+        if other is None:
+            return
+        for chain in self._chains(other, legs[:, ::-1].copy(), beam):
+            yield along(turned_back(self._groups, other, chain)[None], (candidate.route,))
+
+    def through(self, candidate: Candidate, beam: Beam, place: int) -> Iterator[Batch]:
+        """Yield chains through the narrowest place of a route, of which each part is solved by itself."""
+        legs = self._legs_of(candidate)
+        if legs is None or not self.clear(candidate):
+            return
+        crossing = self._narrows.crossing(candidate.rank, legs)
+        if place >= len(crossing):
+            return
+        yield self._nothing()
+        for chain in crossing.chains(place, beam, self._left):
+            if self._is_new(chain):
+                yield along(chain[None], (candidate.route,))
+
+    def clear(self, candidate: Candidate) -> bool:
+        """Whether a route is known not to lead through walls."""
+        if candidate.finest:
+            return True
+        legs = self._legs_of(candidate)
+        return legs is not None and self._narrows.room(candidate.rank, legs) > CUT
+
+    def _nothing(self) -> Batch:
+        """A batch without any start."""
+        return along(np.empty((0, len(self._problem.robot), 3)), ())
+
+    def _chains(self, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:
+        """Yield chains (n, 3) that grown along legs (l, K, 3), as they are, then drawn to the targets; none twice."""
+        seconds = self._left()
+        if seconds <= 0.0 or not self._is_new(legs, groups[3], np.array(beam)):
+            return
+        chains = grown(groups, legs, beam, seconds)
+        new = [chain for chain in chains if self._is_new(chain)]
+        yield from new
+        yield from filter(self._is_new, settled(groups, new, self._left))
+
+    def _is_new(self, *what: Floats) -> bool:
+        """Say whether something, a chain (n, 3) or what chains are grown along, did not come before."""
+        key = b"".join(array.tobytes() for array in what)
+        new = key not in self._tried
+        self._tried.add(key)
+        return new
+
+    def _legs_of(self, candidate: Candidate) -> Floats | None:
+        """Return the legs (l, K, 3) of a route from target to target; `None` where there is no route to one of them."""
+        if candidate.rank not in self._legs:
+            self._legs[candidate.rank] = self._made_legs(candidate)
+        return self._legs[candidate.rank]
+
+    def _made_legs(self, candidate: Candidate) -> Floats | None:
+        legs = divided(self._groups, candidate.route, NEAR * self.query[QUERY_RADIUS])
+        if legs is not None:
+            return legs
+        if candidate.finest not in self._found_legs:
+            self._found_legs[candidate.finest] = self._search_legs(candidate.finest)
+        return self._found_legs[candidate.finest]
+
+    def _search_legs(self, finest: bool) -> Floats | None:
+        legs: list[Floats] = []
+        for query in leg_queries(self._groups):
+            ways = [query]
+            if legs:
+                ways.insert(0, query.copy())  # else the body may arrive there from elsewhere, and go on to elsewhere
+                gone_on(ways[0], legs[-1])
+            leg = self._leg(ways, finest)
+            if leg is None:
+                return None
+            legs.append(respaced(leg, LEG_POINTS))
+        return np.stack(legs)
+
+    def _leg(self, ways: list[Floats], finest: bool) -> Floats | None:
+        """Return the route (K, 3) of one leg, asked for in either way (28,); `None` where none is found.
+
+        Both are looked for around edges before any over cells, which take a hundred times as long.
+        """
+        for query in ways:
+            leg = self.around_edges(query)
+            leg = self.through_side_tubes(query) if leg is None else leg
+            if leg is not None:
+                return leg
+        for query in ways:
+            for plan in self.searches.leg_plans(finest):
+                found = self.searches.find(self._problem, query, plan, max(0.0, self._left()))
+                if found.routes:
+                    return found.routes[0]
+        return None
+
+
+def along(initial: Floats, routes: tuple[Floats, ...], cost: float = 0.0, closed: float | None = None) -> Batch:
+    """Configurations along routes, which are frozen."""
+    for route in routes:
+        route.setflags(write=False)
+    return Batch(SOURCES[ROUTE], initial, cost=cost, closed=closed, routes=routes)

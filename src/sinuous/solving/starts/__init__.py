@@ -1,1 +1,0 @@
-"""Where starts come from, and in what order."""

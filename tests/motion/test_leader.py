@@ -1,0 +1,161 @@
+"""Follow the leader: the tip is on the curve, the body behind it, and every step is proved; on an insertion stage."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.measures.following import body_places
+from sinuous.motion import leader
+from sinuous.solving.between.steps import Prover
+
+BEZIER = sn.Curve.bezier([(0, 0, 0), (0, 0, 1.6), (2, 0, 1.3)])
+STAGED = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), BEZIER.length)
+UNROLLING = sn.Robot.uniform(5, (10, 70), max_bend=2.4, radius=4)
+BALL = sn.Sphere((0, 40, 120), radius=25)
+ARM = sn.Robot.uniform(
+    2, (40, 60), radius=3, tendons=sn.Tendons(3, radius=2), base=sn.pose((1, 2, 3), direction=(0, 1, 1))
+)
+
+
+@pytest.fixture(scope="module")
+def entered() -> sn.Motion:
+    return sn.follow_the_leader(STAGED, BEZIER)
+
+
+def test_the_tip_is_on_the_curve_and_the_body_behind_it(entered: sn.Motion) -> None:
+    assert entered.solved
+    tips = STAGED.forward(entered.q)[:, -1, :3, 3]
+    longer = sn.Curve(BEZIER.points, start=STAGED.base[:3, 3])
+    assert longer.distance(tips).max() < 1e-8
+    np.testing.assert_allclose(tips, longer.at(entered.times), atol=1e-8)
+    found = entered.deviation(longer)
+    assert found.length == 3.0
+    assert found.shares["tip"] < 2e-5
+    assert found.shares["shape_mean"] < 0.005
+    assert found.shares["shape"] < 0.02
+
+
+def test_it_begins_drawn_back_and_ends_with_the_tip_at_the_end(entered: sn.Motion) -> None:
+    assert entered.times[0] == pytest.approx(3.0)
+    np.testing.assert_allclose(entered.q[0, :, 2], (0, 1, 1, 1), atol=1e-9)
+    np.testing.assert_allclose(STAGED.forward(entered.q[-1])[-1, :3, 3], (2, 0, 1.3), atol=1e-8)
+    assert np.abs(STAGED.violations(entered.q[-1])).size == 0
+
+
+def test_retracting_is_the_same_backwards(entered: sn.Motion) -> None:
+    back = entered.reversed()
+    assert back.q.tolist() == entered.q[::-1].tolist()
+    np.testing.assert_allclose(np.diff(back.times), np.diff(entered.times)[::-1])
+    assert (back.times[0], back.solved) == (entered.times[0], True)
+    assert (back.clearance, back.self_clearance) == (entered.clearance, entered.self_clearance)
+
+
+def test_a_smaller_deviation_of_the_tip_takes_more_knots(entered: sn.Motion) -> None:
+    finer = sn.follow_the_leader(STAGED, BEZIER.points, tip_deviation=1e-6)
+    assert len(finer.q) > 1.5 * len(entered.q)
+    assert finer.deviation(sn.Curve(BEZIER.points, start=STAGED.base[:3, 3])).tip < 2e-6
+
+
+def test_an_arm_that_stretches_unrolls_into_a_solved_shape() -> None:
+    solution = sn.solve(UNROLLING, sn.Target((60, 20, 200), direction=(0.7, 0, 0.7)), [BALL])
+    motion = sn.follow_the_leader(UNROLLING, solution, [BALL])
+    assert motion.solved
+    assert motion.clearance is not None
+    np.testing.assert_allclose(motion.q[0, :, 2], 10.0, atol=1e-6)
+    np.testing.assert_allclose(motion.q[-1], solution.q, atol=0.02)
+    places = body_places(UNROLLING, motion.at(np.linspace(motion.times[0], motion.times[-1], 300)))
+    assert np.linalg.norm(places - BALL.center, axis=-1).min() - 25 - 4 >= motion.clearance
+
+
+def test_it_ends_before_what_is_in_the_way() -> None:
+    ball = sn.Sphere((1.5, 0, 1.3), radius=0.2)
+    motion = sn.follow_the_leader(STAGED, BEZIER, [ball])
+    assert motion.status in ("target_blocked", "blocked")
+    assert len(motion.solutions) == 2
+    assert motion.waypoint_knots == (0, None)
+    assert motion.clearance is None or motion.clearance > 0.0
+    tip = STAGED.forward(motion.q[-1])[-1, :3, 3]
+    assert 0.25 <= np.linalg.norm(tip - (1.5, 0, 1.3)) < 0.5
+
+
+def test_beside_walls_the_knots_do_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two rows of balls touch the body; a proof is no longer or shorter for the time that it may take."""
+    along = np.linspace(0.4, BEZIER.length, 30)
+    balls = [sn.Sphere(np.add(BEZIER.at(s), [0.0, side * 0.36, 0.0]), radius=0.3) for s in along for side in (-1, 1)]
+    motions = []
+    for seconds in (leader.SECONDS, 100.0 * leader.SECONDS):
+        monkeypatch.setattr(leader, "SECONDS", seconds)
+        motions.append(sn.follow_the_leader(STAGED, BEZIER, balls, tip_deviation=1e-3))
+    assert np.array_equal(motions[0].q, motions[1].q)
+    assert motions[0].unproved_steps == motions[1].unproved_steps
+    assert motions[0].seconds < 60.0
+
+
+def test_no_step_is_proved_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    proved: list[bytes] = []
+    prove = Prover.prove
+
+    def count(self: Prover, knots: Any, *given: Any, **options: Any) -> Any:
+        proved.extend(knot.tobytes() for knot in knots[:-1])
+        return prove(self, knots, *given, **options)
+
+    monkeypatch.setattr(Prover, "prove", count)
+    motion = sn.follow_the_leader(STAGED, BEZIER, [sn.Sphere((1.2, 0.0, 0.0), 0.3)], tip_deviation=1e-3)
+    assert motion.solved
+    assert len(proved) == len(motion.q) - 1
+
+
+def test_the_tool_is_not_led() -> None:
+    robot = STAGED.changed(tool=sn.pose((0, 0.1, 0.2)))
+    motion = sn.follow_the_leader(robot, BEZIER, tip_deviation=1e-2)
+    longer = sn.Curve(BEZIER.points, start=STAGED.base[:3, 3])
+    assert motion.solved
+    assert longer.distance(robot.forward(motion.q)[:, -1, :3, 3]).max() < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("robot", "curve", "options", "message"),
+    [
+        (
+            sn.Robot.uniform(3, 1.0),
+            BEZIER,
+            {},
+            r"robot: expected an insertion stage \(see on_stage\), or such segments",
+        ),
+        (UNROLLING, BEZIER, {}, "curve: expected more than 50 and at most 350 from the base"),
+        (STAGED, [(1, 0, -3), (2, 0, -3)], {}, r"curve: expected a curve that begins along the axis of the base"),
+        (STAGED, [(0, 0, 0)], {}, "curve: expected at least two points"),
+        (STAGED, BEZIER, {"tip_deviation": 0.0}, "tip_deviation: expected a number greater than 0"),
+    ],
+)
+def test_what_cannot_be_followed_is_refused(robot: sn.Robot, curve: Any, options: Any, message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        sn.follow_the_leader(robot, curve, **options)
+
+
+def test_drawn_back_its_tip_is_at_the_base_of_before() -> None:
+    robot = sn.on_stage(ARM, 100)
+    tip = robot.forward([[0, 0, 0], [0, 0, 60], [0, 0, 60]])[-1]
+    np.testing.assert_allclose(tip, ARM.base, atol=1e-12)
+    pushed = robot.forward([[0, 0, 100], [0, 0, 60], [0, 0, 60]])[-1]
+    np.testing.assert_allclose(pushed[:3, 3], ARM.base[:3, 3] + 100 * ARM.base[:3, 2], atol=1e-12)
+    assert robot.segment_names == ("stage", "s1", "s2")
+    assert [actuator.name for actuator in robot.actuators] == [actuator.name for actuator in ARM.actuators]
+
+
+def test_actuators_of_the_arm_stay_what_they_are() -> None:
+    driven = sn.Robot.uniform(2, 50.0, actuators=sn.Actuators(np.eye(6)[[0, 4]], names=["a", "b"], limits=(-1, 1)))
+    robot = sn.on_stage(driven, 100)
+    q = np.array([[0.3, 0.2, 50], [0.1, -0.4, 50]])
+    np.testing.assert_allclose(robot.to_actuators([[0, 0, 20], *q]), driven.to_actuators(q))
+
+
+@pytest.mark.parametrize(
+    ("travel", "name", "message"),
+    [(0.0, "stage", "travel: expected a number greater than 0"), (1.0, "s1", "s1")],
+)
+def test_what_is_no_stage_is_refused(travel: float, name: str, message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        sn.on_stage(ARM, travel, name)

@@ -1,0 +1,54 @@
+"""Configurations and actuators as a table: all numbers, under their names."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.motion.tables import columns
+from tests.helpers import refused
+
+ROBOT = sn.Robot(
+    [
+        sn.Segment((0.0, 0.5), 0.0, name="stage"),
+        sn.Segment(1.0, 2.0, tendons=sn.Tendons(3, 0.1)),
+        sn.Segment((0.8, 1.2), 2.0, chambers=sn.Chambers(3, 0.1, names=["up", "left", "a, b"])),
+    ],
+    actuators=sn.Actuators([[0, 0, 1, 0, 0, 0, 0, 0, 0]], names=["feed"]),
+)
+PATH = [sn.Target((0.1 * i, 0.5, 1.8)) for i in range(3)]
+
+
+@pytest.fixture(scope="module")
+def track() -> sn.Motion:
+    return sn.track(ROBOT, [*PATH, sn.Target((0.0, 0.0, 9.0))])
+
+
+def test_it_holds_every_number_to_the_last_digit(track: sn.Motion, tmp_path: Path) -> None:
+    track.to_csv(tmp_path / "motors.csv")
+    with (tmp_path / "motors.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert list(rows[0]) == ["time", *columns(ROBOT)]
+    assert [row["time"] for row in rows] == ["0.0", "1.0", "2.0"]
+    for row, solution in zip(rows, track.solutions[:3], strict=True):
+        assert solution.actuators is not None
+        assert {name: float(row[name]) for name in solution.actuators} == pytest.approx(solution.actuators, abs=1e-15)
+        assert [float(row[name]) for name in columns(ROBOT)[:9]] == solution.q.ravel().tolist()
+
+
+def test_columns_are_called_after_segments_and_actuators() -> None:
+    assert columns(ROBOT)[:4] == ["stage.bend_x", "stage.bend_y", "stage.length", "s2.bend_x"]
+    assert columns(ROBOT)[9:] == ["s2.t1", "s2.t2", "s2.t3", "up", "left", "a, b", "feed"]
+    assert columns(sn.Robot.uniform(1, 1.0)) == ["s1.bend_x", "s1.bend_y", "s1.length"]
+
+
+def test_numpy_reads_it(track: sn.Motion, tmp_path: Path) -> None:
+    track.to_csv(tmp_path / "motors.csv")
+    table = np.genfromtxt(tmp_path / "motors.csv", delimiter=",", skip_header=1, usecols=range(1, 17))
+    np.testing.assert_allclose(table[:, 9:], ROBOT.to_actuators(track.q), atol=1e-15)
+
+
+def test_a_file_that_cannot_be_written_is_named(track: sn.Motion, tmp_path: Path) -> None:
+    refused("file", lambda: track.to_csv(tmp_path), "cannot be written")

@@ -1,0 +1,96 @@
+"""The routes of one question: which are alike, larger tables, and legs."""
+
+import numpy as np
+import pytest
+
+from sinuous import Robot, Scene, Sphere, Target, Tolerance
+from sinuous.checks import Floats
+from sinuous.kernels.tables import FOUND, FULL, QUERY_AXIS
+from sinuous.problem.problem import Problem
+from sinuous.solving.routing.candidates import ALIKE, Candidates
+from sinuous.solving.routing.plans import CELLS, Plan
+from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.starts import Question, Scattered
+from sinuous.solving.strategy import ATTEMPTS, Strategy
+
+ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
+SCENE = Scene([Sphere((0, 0, 2.2), 0.7), Sphere((0.9, 0.2, 3.1), 0.4)])
+TIP, ELBOW = Target((0, 0, 4.4)), Target((0.4, 0.0, 2.0), segment=2)
+
+
+def asked(robot: Robot = ROBOT, targets: tuple[Target, ...] = (TIP,)) -> tuple[Searches, Question, Candidates]:
+    searches = Searches(robot, SCENE, Tolerance().for_robot(robot))
+    question = Question(Problem(robot, list(targets), SCENE), np.empty((0, len(robot), 3)), lambda: 60.0)
+    query = searches.query(question.problem)
+    assert query is not None
+    return searches, question, Candidates(searches, question, query)
+
+
+def only_cells(searches: Searches, question: Question) -> None:
+    """Search over cells, and try nothing along what is found."""
+    list(Strategy(question, Scattered(3, 10), searches, set(ATTEMPTS) - {"cells"}).batches())
+
+
+def test_routes_that_are_alike_are_one_candidate() -> None:
+    _, _, candidates = asked()
+    line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 30)
+    near = line + np.array([0.9 * ALIKE * 0.1, 0.0, 0.0])
+    far = line + np.array([1.1 * ALIKE * 0.1, 0.0, 0.0])
+    for route, count in ((line, 1), (near, 1), (far, 2), (line[:, [1, 2, 0]], 3)):
+        candidates.note(route, True)
+        assert len(candidates.known) == count
+
+
+def test_a_table_that_is_too_small_is_made_larger_before_anything_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    searches, question, _ = asked()
+    plans: list[Plan] = []
+
+    def full(self: Searches, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+        plans.append(plan)
+        return Found([], FULL, 10)
+
+    monkeypatch.setattr(Searches, "find", full)
+    monkeypatch.setattr(Searches, "by_edges", lambda *_: None)
+    only_cells(searches, question)
+    assert [plan.cells for plan in plans[:2]] == list(CELLS[:-1])
+    assert len({plan.cell for plan in plans[:2]}) == 1
+
+
+def test_a_full_table_of_fine_cells_is_followed_by_cells_between(monkeypatch: pytest.MonkeyPatch) -> None:
+    searches, question, _ = asked(robot=Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.05))
+    plans: list[Plan] = []
+    through = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 40)
+
+    def found(self: Searches, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+        plans.append(plan)
+        return Found([through.copy()], FOUND, 10) if len(plans) == 1 else Found([], FULL, 10)
+
+    monkeypatch.setattr(Searches, "find", found)
+    monkeypatch.setattr(Searches, "by_edges", lambda *_: None)
+    only_cells(searches, question)
+    coarse, fine = searches.coarse.cell, searches.fine.cell
+    assert [plan.cell for plan in plans[:4]] == [coarse, fine, 2.0 * fine, fine]
+    assert [plan.cells for plan in plans[:4]] == [*3 * [CELLS[0]], CELLS[1]]
+
+
+def test_a_leg_is_looked_for_around_edges_in_any_direction_before_over_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked_for: list[tuple[str, bool]] = []
+    searches, _, candidates = asked(targets=(ELBOW, TIP))
+
+    def around(query: Floats) -> Floats | None:
+        first = not asked_for
+        asked_for.append(("edges", bool(query[QUERY_AXIS : QUERY_AXIS + 3].any())))
+        return np.linspace((0.0, 0.0, 0.0), (0.4, 0.0, 2.0), 20) if first else None
+
+    def found(problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
+        asked_for.append(("cells", bool(query[QUERY_AXIS : QUERY_AXIS + 3].any())))
+        return Found([], FULL, plan.cells)
+
+    monkeypatch.setattr(candidates, "around_edges", around)
+    monkeypatch.setattr(candidates, "through_side_tubes", lambda query: None)
+    monkeypatch.setattr(searches, "find", found)
+    assert candidates._search_legs(finest=True) is None
+    assert [kind for kind, _ in asked_for[:3]] == ["edges"] * 3
+    assert [axis for _, axis in asked_for[1:3]] == [True, False]
+    assert {kind for kind, _ in asked_for[3:]} == {"cells"}
+    assert [axis for _, axis in asked_for[3:]] == sorted((axis for _, axis in asked_for[3:]), reverse=True)

@@ -1,0 +1,114 @@
+"""What every public object shows of itself: one short line, without arrays."""
+
+import inspect
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import sinuous as sn
+from sinuous.reprs import LONGEST, text
+from sinuous.solution.binding.binding import Binding
+from sinuous.solution.reasons import Reason
+from sinuous.solution.remedies.remedy import Remedy
+from sinuous.solution.verification import Worst
+from tests.helpers import refused
+from tests.scene.shapes import cube
+
+LONG = "a name that goes on and on and on until nobody wants to read it any more"
+ROBOT = sn.Robot.uniform(40, (0.8, 1.2), tendons=sn.Tendons(3, 0.1), radius=0.05, base=sn.pose((1, 2, 3)), name=LONG)
+TARGET = sn.Target((1.0, 0.5, 30.0), direction=(0.1, 0.2, 1.0))
+SCENE = sn.Scene([sn.Sphere((0.0, 30.0, 0.0), 1.0, name=LONG)])
+SOLUTION = sn.solve(ROBOT, TARGET)
+PROBLEM = SOLUTION.problem
+WRONG = refused("radius", lambda: sn.Sphere((0, 0, 0), -1))
+
+
+def away(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.linalg.norm(points, axis=-1)) - 1.0
+
+
+OBJECTS: list[Any] = [
+    *ROBOT.actuators[:1],
+    *(ROBOT, ROBOT.segments[0], sn.Segment(1, chambers=sn.Chambers(4, 0.1, length=(0.5, 2.0)))),
+    sn.Chambers(angles=np.arange(9.0), radius=0.123456789, names=[f"{LONG} {i}" for i in range(9)]),
+    sn.Tendons(3, 0.1, displacement=(-0.1, 0.2)),
+    sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),
+    *(SCENE, SCENE.snapshot()),
+    *(sn.Sphere((1 / 3, 2 / 3, 1e-9), 1 / 7, inside=True, name=LONG), sn.HalfSpace((0, 0, 0), (1, 2, 3))),
+    sn.Box((1 / 3, 2 / 3, 1.0), (1 / 7, 1.0, 2.0), rotation=(1, 2, 3, 4), inside=True, name=LONG),
+    *(sn.Capsule((0, 0, 0), (1, 1, 1), 1 / 3), sn.Cylinder((0, 0, 0), (1 / 3, 1 / 3, 1), 1 / 3, name=LONG)),
+    *(sn.Mesh(*cube(), name=LONG), sn.PointCloud(np.eye(3), [1, 2, 3]), sn.PointCloud(np.ones((9, 3)), 0.1)),
+    sn.Moving(sn.Sphere((0, 0, 0), 1, name=LONG), np.arange(9.0), np.ones((9, 3))),
+    *(sn.Grid(np.zeros((5, 6, 7), bool), (0, 0, 0), 1), sn.Field(away, (-2, -2, -2), (2, 2, 2), 1.0)),
+    *(
+        TARGET,
+        sn.Target((1 / 3, 2 / 3, 1), rotation=(1, 2, 3, 4), segment=3),
+        sn.Tolerance(0.1),
+        sn.Preferences(1, 2, 3),
+    ),
+    *(PROBLEM, sn.Problem(ROBOT, [TARGET, TARGET], SCENE)),
+    sn.Job(ROBOT, path=[TARGET] * 3, file=LONG),
+    *(SOLUTION, sn.solve(ROBOT, sn.Target((0, 0, 1e3))), SOLUTION.explain(), SOLUTION.verify()),
+    sn.check(ROBOT, [SOLUTION.q, SOLUTION.q]),
+    *(MOTION := sn.Motion(ROBOT, [SOLUTION.q, SOLUTION.q * (0.5, 0.5, 1)], SCENE), MOTION.timed(sn.Rates(1.0, 1.0))),
+    *(sn.JointChain(ROBOT), sn.Rates(1.0, acceleration=sn.Rates(2.0))),
+    *(CURVE := sn.Curve(np.eye(3)), MOTION.deviation(CURVE), sn.Path([0, 1, 2], positions=np.eye(3))),
+    *(sn.Solver(ROBOT, SCENE), sn.Solver(ROBOT).solve_many([TARGET, sn.Target((0, 0, 1e3))]), sn.Status.SOLVED),
+    *(
+        sn.Planner(ROBOT, SCENE),
+        sn.Solver(ROBOT, SCENE).step(SOLUTION, (0, 0, 0), dt=0.01),
+        sn.Active("clearance", 3, LONG),
+    ),
+    *(
+        sn.Rates(1.0) * 0.1,
+        sn.Follow([TARGET]),
+        sn.Move(TARGET),
+        sn.assess(ROBOT, [TARGET]),
+        sn.solve_batch(ROBOT, np.eye(3)),
+    ),
+    *(sn.reach(ROBOT, spacing=24, directions=6), sn.Verdict.SOLVED, sn.UnfinishedError("no room")),
+    Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
+    Reason("route", 1 / 3, 2 / 3, LONG, True),
+    Remedy("start", None, SOLUTION.q.tolist()),
+    Worst("clearance", 3, LONG, 1 / 3),
+    *(sn.Newton(), sn.OptiPath.faithful(), sn.Dls(damping=0.2), sn.Fabrikc(), sn.Fabrikx(), sn.FabrikAvoid()),
+    *(sn.MonteCarlo(), sn.Slinki()),
+    *(WRONG, sn.NotSolvedError("stalled: no", SOLUTION), sn.SuspiciousInput("odd")),
+]
+
+
+@pytest.mark.parametrize("value", OBJECTS, ids=lambda value: str(type(value).__name__))
+def test_it_is_one_short_line(value: Any) -> None:
+    shown = repr(value)
+    assert "\n" not in shown
+    assert len(shown) <= LONGEST
+    assert "array" not in shown
+    assert "[[" not in shown
+    assert " object at " not in shown
+    assert shown.lstrip("<").startswith(type(value).__name__)
+
+
+def test_every_public_class_is_shown() -> None:
+    classes = {noun for name in sn.__all__ if inspect.isclass(noun := getattr(sn, name))}
+    assert classes <= {type(value) for value in OBJECTS}
+
+
+def test_what_is_short_is_shown_whole_and_can_be_typed() -> None:
+    assert repr(sn.Sphere((0, 80, -120), 25, name="ball")) == "Sphere(center=(0, 80, -120), radius=25, name='ball')"
+    turned = sn.Box((0, 0, 0), (1, 2, 3), rotation=(1, 0, 0, 1))
+    assert repr(turned) == "Box(center=(0, 0, 0), size=(1, 2, 3), rotation=(0.707107, 0, 0, 0.707107))"
+    assert eval(repr(turned), {"Box": sn.Box}).rotation == pytest.approx(turned.rotation, abs=1e-5)
+    assert repr(sn.Tolerance(0.1)) == "Tolerance(position=0.1)"
+    assert repr(sn.OptiPath(iterations=100)) == "OptiPath(iterations=100)"
+    assert repr(sn.Mesh(*cube(), name="crate")) == "Mesh(8 vertices, 12 triangles, solid, name='crate')"
+    assert repr(ROBOT.segments[0]) == "Segment(length=(0.8, 1.2), max_bend=3.14159, radius=0.05, 3 tendons)"
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_rotations_are_quaternions_that_turn_the_same(seed: int) -> None:
+    given = np.random.default_rng(seed).normal(size=4)
+    matrix = sn.pose(rotation=given)[:3, :3]
+    shown = eval(text(matrix))
+    np.testing.assert_allclose(sn.pose(rotation=shown)[:3, :3], matrix, atol=1e-5)

@@ -30,6 +30,7 @@ import numpy as np
 from sinuous.errors import InputError
 from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, SOURCES
 from sinuous.solving.routing.candidates import EDGES, SIDE_TUBES, Candidate, Candidates, along
+from sinuous.solving.routing.chains import FIRST_WIDTH, LAST_WIDTH
 from sinuous.solving.routing.elbows.threading import Elbows
 from sinuous.solving.routing.ends.ends import Ends
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME
@@ -44,7 +45,7 @@ ATTEMPTS = {
     SIDE_TUBES: "a route through tubes that open beside edges",
     "cells": "routes over the cells of a grid, coarse and then fine ones",
     "laid": "chains laid along routes",
-    "grown": "chains grown along routes, from either end",
+    "chains": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "gates": "chains through the narrowest place of a route, part by part",
     "lengthened": "routes that are too short for the robot, made longer",
     "ends": "chains of which either end is laid along the tube that it lies in",
@@ -102,8 +103,11 @@ ALTERNATIVES = 4
 BETWEEN = 3.0
 """Edge of the coarse cells, in edges of the fine ones, from which on cells of twice the finest come between them."""
 
-GROWN_PRICES = {ONE: 4, SOME: 5, FEW: 9, MANY: 100}
-"""By beam, the cost of growing chains along a route, from either end (pipes, ducts)."""
+CHAINS_COST = 1.0
+"""Cost of chains along a route, for each that beams keep of every number of segments."""
+
+CHAINS_SEVERAL = 16
+"""Width of beams where several solutions are wanted: chains along one route are much alike."""
 
 GATES_PRICES = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
 """By beam, the cost of chains through the gates at the first place of a passage, part after part (doors, cells)."""
@@ -117,7 +121,7 @@ GATES_BLIND = 3.0
 GATES_GLANCE_BLIND = 4
 """Price of the first glance at the gates of such a route."""
 
-GROWN_ROUTES = 2
+CHAINS_ROUTES = 2
 """Routes of one search along which chains are grown; chains are led through the gates of the first one alone."""
 
 LENGTHENED_PRICES = (15, 15, 25, 25, 50, 50, 50, 50)
@@ -372,8 +376,8 @@ class Strategy:
             candidate, unlike = self._candidates.note(route, finest, exact)
             if candidate is None:
                 continue
-            if unlike and place < GROWN_ROUTES:
-                self._add_grown(candidate)
+            if unlike and place < CHAINS_ROUTES:
+                self._add_chains(candidate)
                 if place == 0 and not self._question.several:
                     self._add_gates(candidate)
             sides = 0 if not finest else len(SIDES) if candidate.rank == 1 or not clear_before else 1
@@ -387,13 +391,17 @@ class Strategy:
     ) -> None:
         self.add(name, cost * times * candidate.weight, make, cost)
 
-    def _add_grown(self, candidate: Candidate) -> None:
+    def _add_chains(self, candidate: Candidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
-            self.add("grown", LAST, partial(self._candidates.grown, candidate, FEW), GROWN_PRICES[FEW])
+            make = partial(self._candidates.chains, candidate, CHAINS_SEVERAL)
+            self.add("chains", LAST, make, CHAINS_COST * CHAINS_SEVERAL)
             return
-        for beam, cost in GROWN_PRICES.items():
-            self._add_along("grown", candidate, cost, partial(self._candidates.grown, candidate, beam))
+        width = FIRST_WIDTH
+        while width <= LAST_WIDTH:
+            make = partial(self._candidates.chains, candidate, width)
+            self._add_along("chains", candidate, CHAINS_COST * width, make)
+            width *= 2
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""

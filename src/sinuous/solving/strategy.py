@@ -45,7 +45,7 @@ ATTEMPTS = {
     SIDE_TUBES: "a route through tubes that open beside edges",
     "cells": "routes over the cells of a grid, coarse and then fine ones",
     "laid": "chains laid along routes",
-    "chains": "chains grown along routes from both ends, and joined, by wider and wider beams",
+    "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "gates": "chains through the narrowest place of a route, part by part",
     "lengthened": "routes that are too short for the robot, made longer",
     "ends": "chains of which either end is laid along the tube that it lies in",
@@ -103,10 +103,10 @@ ALTERNATIVES = 4
 BETWEEN = 3.0
 """Edge of the coarse cells, in edges of the fine ones, from which on cells of twice the finest come between them."""
 
-CHAINS_COST = 1.0
+GROWN_COST = 1.0
 """Cost of chains along a route, for each that beams keep of every number of segments."""
 
-CHAINS_SEVERAL = 16
+GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
 
 GATES_PRICES = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
@@ -121,7 +121,7 @@ GATES_BLIND = 3.0
 GATES_GLANCE_BLIND = 4
 """Price of the first glance at the gates of such a route."""
 
-CHAINS_ROUTES = 2
+GROWN_ROUTES = 2
 """Routes of one search along which chains are grown; chains are led through the gates of the first one alone."""
 
 LENGTHENED_PRICES = (15, 15, 25, 25, 50, 50, 50, 50)
@@ -376,8 +376,8 @@ class Strategy:
             candidate, unlike = self._candidates.note(route, finest, exact)
             if candidate is None:
                 continue
-            if unlike and place < CHAINS_ROUTES:
-                self._add_chains(candidate)
+            if unlike and place < GROWN_ROUTES:
+                self._add_grown(candidate)
                 if place == 0 and not self._question.several:
                     self._add_gates(candidate)
             sides = 0 if not finest else len(SIDES) if candidate.rank == 1 or not clear_before else 1
@@ -391,16 +391,16 @@ class Strategy:
     ) -> None:
         self.add(name, cost * times * candidate.weight, make, cost)
 
-    def _add_chains(self, candidate: Candidate) -> None:
+    def _add_grown(self, candidate: Candidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
-            make = partial(self._candidates.chains, candidate, CHAINS_SEVERAL)
-            self.add("chains", LAST, make, CHAINS_COST * CHAINS_SEVERAL)
+            make = partial(self._candidates.grown, candidate, GROWN_SEVERAL)
+            self.add("grown", LAST, make, GROWN_COST * GROWN_SEVERAL)
             return
         width = FIRST_WIDTH
         while width <= LAST_WIDTH:
-            make = partial(self._candidates.chains, candidate, width)
-            self._add_along("chains", candidate, CHAINS_COST * width, make)
+            make = partial(self._candidates.grown, candidate, width)
+            self._add_along("grown", candidate, GROWN_COST * width, make)
             width *= 2
 
     def _add_gates(self, candidate: Candidate) -> None:

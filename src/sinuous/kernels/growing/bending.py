@@ -45,6 +45,9 @@ SHALLOW = 1e-3
 ENOUGH = 0.7
 """Share of the pressure that a step must take away: else it is the last one."""
 
+SHORTER = 0.3
+"""Share of a step that is tried next where it does not relieve an arc."""
+
 FINEST, REACH = 0.7, 3.0
 """Longest step along an arc near an obstacle, and how far a look from there reaches, in radii of the body."""
 
@@ -111,17 +114,19 @@ def _relieve(problem: Problem, new: New, q: Vec, s: float, among: Array, count: 
     """Bend an arc until its first part, a share `s`, is pressed as little as can be; its overlap and its pressure."""
     k = new[1]
     deepest, pressure, x, y = _press(problem, new, (s * q[0], s * q[1], s * q[2]), among, count)
+    share = 1.0
     for _ in range(ROUNDS):
         if not 0.0 < pressure < math.inf:
             break
         size = math.hypot(x, y) / s
-        step = min(1.0, MOST / size) / s if size > 0.0 else 0.0
+        step = share * min(1.0, MOST / size) / s if size > 0.0 else 0.0
         other = project_segment(problem.limits, k, q[0] + step * x, q[1] + step * y, q[2])
         part = s * other[0], s * other[1], s * other[2]
         deeper, left, dx, dy = _press(problem, new, part, among, count)
         if left >= pressure:
-            break
-        enough = left > ENOUGH * pressure
+            share *= SHORTER
+            continue
+        enough, share = left > ENOUGH * pressure, 1.0
         q, deepest, pressure, x, y = other, deeper, left, dx, dy
         if enough:
             break

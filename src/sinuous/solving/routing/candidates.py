@@ -215,7 +215,7 @@ class Candidates:
             initial = self.searches.fit(self._problem, [longer], self._left)
             yield along(initial, (longer,)[: len(initial)])
 
-    def chains(self, candidate: Candidate, width: int) -> Iterator[Batch]:
+    def grown(self, candidate: Candidate, width: int) -> Iterator[Batch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
         legs = self._legs_of(candidate)
         if legs is None or self._left() <= 0.0:

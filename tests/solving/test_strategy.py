@@ -17,7 +17,7 @@ from sinuous.kernels.tables import GIVEN, RANDOM, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solving import strategy as own
-from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import ATTEMPTS, Strategy, opening, opening_starts, plans_of, read_without
 from tests.solving.routing.questions import asked as asked_of
@@ -196,9 +196,9 @@ def test_names_are_read_in_any_order_and_once() -> None:
 
 
 def test_prices_grow_with_what_is_tried() -> None:
-    for prices in (own.GROWN_PRICES, own.GATES_PRICES, own.ENDS_PRICES, own.ELBOWS_PRICES):
-        assert list(prices.values()) == sorted(prices.values())
-        assert [beam.width for beam in prices] == sorted(beam.width for beam in prices)
+    prices = own.GATES_PRICES
+    assert list(prices.values()) == sorted(prices.values())
+    assert [beam.width for beam in prices] == sorted(beam.width for beam in prices)
     for family in ("pipe 1.3", "hall", "spheres 12"):
         prices_of = [price for price, _ in plans_of(asked_of(place(family, 0))[0])]
         assert prices_of == sorted(prices_of)
@@ -206,7 +206,7 @@ def test_prices_grow_with_what_is_tried() -> None:
 
 def test_chains_are_grown_with_more_effort_later_and_nothing_is_tried_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     attempts = made(searching(), monkeypatch)
-    assert {"laid", "grown", "cells", "lengthened", "gates"} <= {attempt.name for attempt in attempts}
+    assert {"laid", "grown", "cells", "gates"} <= {attempt.name for attempt in attempts}
     prices = [attempt.price for attempt in attempts]
     assert all(
         before <= after or attempts[i + 1].number > attempts[i].number
@@ -242,19 +242,3 @@ def test_over_cells_the_first_search_waits_where_a_route_around_edges_is_known(m
     names = [attempt.name for attempt in attempts]
     second = [i for i, name in enumerate(names) if name == "cells"][1]
     assert {"laid", "grown", "gates"} <= set(names[:second])
-
-
-def test_a_thinner_body_waits_for_a_route(monkeypatch: pytest.MonkeyPatch) -> None:
-    for family, price in (("pipe 1.3", own.THINNER_PRICES[0.7]), ("spheres 12", None)):
-        at = place(family, 0)
-        searches, asked = asked_of(at)
-        if price is None:
-            monkeypatch.setattr(Searches, "find", lambda *_: Found([], 0, 1))
-            monkeypatch.setattr(Searches, "by_edges", lambda *_: None)
-            monkeypatch.setattr(Searches, "by_tubes", lambda *_: None)
-        prices: list[float] = []
-        strategy = Strategy(asked, Scattered(3, 10), searches, ("ends", "elbows"), lambda *_: chains(1))
-        attempts = made(strategy, monkeypatch)
-        prices = [attempt.price for attempt in attempts if attempt.name == "thinner"]
-        assert prices[0] == own.THINNER_PRICES[0.7]
-        assert prices[-1] == (own.THINNER_PRICES[0.5] if price is not None else own.LAST)

@@ -35,7 +35,6 @@ from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import Passages, Strategy, opening_starts
-from sinuous.solving.thinner import Thinner
 from sinuous.solving.velocity.stepping import Stepping
 
 Initial = Solution | Rows
@@ -96,7 +95,6 @@ class Solver(Stepping):
         self._searches = Searches(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
         if self._searches is not None and self._ahead:
             self._searches.load()
-        self._thinner = Thinner(robot, chosen, OneSolve.prepared)
         self._again = Again(OneSolve.prepared, chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
@@ -343,7 +341,7 @@ class Solver(Stepping):
         """What is tried for a question after the first call."""
         given = len(question.initial)
         scattered = Scattered(self._opening(given), self.options.max_starts - given)
-        return Strategy(question, scattered, self._searches, self.options.without, self._thinner.begun, passages)
+        return Strategy(question, scattered, self._searches, self.options.without, passages)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""

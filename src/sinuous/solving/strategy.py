@@ -31,11 +31,9 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, SOURCES
 from sinuous.solving.routing.candidates import EDGES, SIDE_TUBES, Candidate, Candidates, along
 from sinuous.solving.routing.chains import FIRST_WIDTH, LAST_WIDTH
-from sinuous.solving.routing.elbows.threading import Elbows
-from sinuous.solving.routing.ends.ends import Ends
 from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME
 from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import SIDES, Searches
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 
 ATTEMPTS = {
@@ -47,10 +45,6 @@ ATTEMPTS = {
     "laid": "chains laid along routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "gates": "chains through the narrowest place of a route, part by part",
-    "lengthened": "routes that are too short for the robot, made longer",
-    "ends": "chains of which either end is laid along the tube that it lies in",
-    "elbows": "chains through the tube that an elbow lies in",
-    "thinner": "thinner bodies, which are solved and then grow",
     "passages": "for `solve_all`: routes through passages that no solution leads through yet",
 }
 """All attempts, by the names with which they are switched off, and what each makes."""
@@ -124,33 +118,6 @@ GATES_GLANCE_BLIND = 4
 GROWN_ROUTES = 2
 """Routes of one search along which chains are grown; chains are led through the gates of the first one alone."""
 
-LENGTHENED_PRICES = (15, 15, 25, 25, 50, 50, 50, 50)
-"""By side, the cost of making a route longer (drum, shelf)."""
-
-ENDS_PRICES = {GLANCE: 5, ONE: 6, SOME: 12, FEW: 20, MANY: 110}
-"""By beam, the price of chains whose ends lie in tubes (two tubes, funnel): mostly what leads along routes, or out of
-the tube of the base, suffices."""
-
-ENDS_LOOK = 1
-"""Price of a glance at the tubes of both ends, where walls are near the target: what leads out of the tube of the base,
-or around edges, seldom gets into another tube."""
-
-ELBOWS_PRICES = {GLANCE: 0, ONE: 3, SOME: 6, FEW: 20, MANY: 110}
-"""By beam, the price of chains through the tube of an elbow (pipe between, cells pipe)."""
-
-ELBOWS_FROM_INSIDE = 1
-"""Price of the first of them where the base stands among walls: the first chain along a route out of there often leads
-through the tube of the elbow, too (box duct)."""
-
-ENDS_COST = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
-"""By beam, the cost of chains whose ends lie in tubes, and of those through the tube of an elbow."""
-
-THINNER_PRICES = {0.7: 9, 0.5: 20}
-"""By share of the radii with which a body begins, the price of growing it from there (cells, box duct)."""
-
-THINNER_COST = 20
-"""Cost of growing a thinner body."""
-
 AT_ONCE = 0
 """Price of what comes first."""
 
@@ -159,9 +126,6 @@ PASSAGES = -1
 
 Passages = Callable[[Question], Iterator[Batch]]
 """From a question to starts along routes through other passages."""
-
-Grow = Callable[[Question, float], Iterator[Batch]]
-"""From a question and a share of the radii to a configuration of a body that has grown from there."""
 
 
 def opening_starts(most: int, given: int, routes: bool) -> int:
@@ -228,8 +192,6 @@ class Strategy:
         What finds routes, where they are searched for.
     without : collection of str
         Attempts that are switched off.
-    grow : callable, optional
-        Grows thinner bodies.
     passages : callable, optional
         From the question to starts along routes through other passages.
 
@@ -245,7 +207,6 @@ class Strategy:
         scattered: Scattered,
         searches: Searches | None = None,
         without: Collection[str] = (),
-        grow: Grow | None = None,
         passages: Passages | None = None,
     ) -> None:
         self._question, self._scattered, self._without = question, scattered, frozenset(without)
@@ -257,7 +218,7 @@ class Strategy:
         if searches is not None and query is not None:
             if searches.only_balls(question.problem):
                 self._share = SHARE_AMONG_BALLS
-            self._searches, self._grow = searches, grow
+            self._searches = searches
             if passages is not None:
                 self._add_next(passages(question))
             between = next((plan for _, plan in plans_of(searches) if plan.between), None)
@@ -295,9 +256,7 @@ class Strategy:
 
     def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""
-        one = not self._question.several
-        if one:
-            self._add_tubes_of_ends()
+        if not self._question.several:
             self.add("base_tube", AT_ONCE, self._candidates.in_tube)
         self.add("scattered", AT_ONCE, self._scattered_first, cost=0)
         for name, find in (
@@ -306,9 +265,6 @@ class Strategy:
         ):
             self.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
         self.add("cells", AT_ONCE, partial(self._search, plans_of(self._searches), True), cost=0)
-        if one and self._grow is not None:
-            for share, price in THINNER_PRICES.items():
-                self.add("thinner", price, partial(self._thinner, share, price), THINNER_COST)
 
     def _add_next(self, passages: Iterator[Batch]) -> None:
         """Add the next of the routes through other passages, if there is one."""
@@ -320,20 +276,6 @@ class Strategy:
                 yield batch
 
         self.add("passages", PASSAGES, following, cost=0)
-
-    def _add_tubes_of_ends(self) -> None:
-        """Add chains through tubes that an end, or an elbow, lies in."""
-        elbows = Elbows(self._searches, self._question)
-        if elbows.possible:
-            prices = {**ELBOWS_PRICES, GLANCE: ELBOWS_FROM_INSIDE} if elbows.from_inside else ELBOWS_PRICES
-            for beam, price in prices.items():
-                self.add("elbows", price, partial(elbows.chains, beam), ENDS_COST[beam])
-        ends = Ends(self._searches, self._question, self._candidates.query)
-        if ends.possible:
-            if ends.near_walls:
-                self.add("ends", ENDS_LOOK, partial(ends.made, None), ENDS_COST[GLANCE])
-            for beam, price in ENDS_PRICES.items():
-                self.add("ends", price, partial(ends.made, beam), ENDS_COST[beam])
 
     def _scattered_first(self) -> Iterator[Batch]:
         """Scattered starts, where looking for a route takes longer."""
@@ -372,7 +314,6 @@ class Strategy:
             return
         stowed = self._candidates.to_be_stowed(routes[0])
         for place, route in enumerate(routes):
-            clear_before = any(other.finest for other in self._candidates.known)
             candidate, unlike = self._candidates.note(route, finest, exact)
             if candidate is None:
                 continue
@@ -380,9 +321,6 @@ class Strategy:
                 self._add_grown(candidate)
                 if place == 0 and not self._question.several:
                     self._add_gates(candidate)
-            sides = 0 if not finest else len(SIDES) if candidate.rank == 1 or not clear_before else 1
-            for side, cost in zip(SIDES[:sides], LENGTHENED_PRICES, strict=False):
-                self._add_along("lengthened", candidate, cost, partial(self._candidates.lengthened, candidate, side))
         price = GATES_PRICES[GLANCE] if stowed else AT_ONCE
         self.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
@@ -412,14 +350,6 @@ class Strategy:
                     times = GATES_GLANCE_BLIND / cost
                 make = partial(self._candidates.through, candidate, beam, place)
                 self._add_along("gates", candidate, cost, make, times)
-
-    def _thinner(self, share: float, price: float) -> Iterator[Batch]:
-        """Grow a body from a share of its radii, once a route is known."""
-        assert self._grow is not None
-        if not self._candidates.known and price < LAST:
-            self.add("thinner", LAST, partial(self._thinner, share, LAST), THINNER_COST)
-            return
-        yield from self._grow(self._question, share)
 
 
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:

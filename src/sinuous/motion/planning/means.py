@@ -14,11 +14,11 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.planning.question import Question
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import OneSolve, Solver
-from sinuous.solving.thinner import with_radii
 
 ROOMS = (0.2, 0.05)
 """By how much thicker robots are thicker, in radii of each segment."""
@@ -105,3 +105,8 @@ class Means:
             SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
         )
         return OneSolve.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
+
+
+def with_radii(robot: Robot, share: float) -> Robot:
+    """Return a robot whose segments have a share of their radii, less or more than all of it."""
+    return robot.changed(segments=[segment.changed(radius=share * segment.radius) for segment in robot.segments])

@@ -19,8 +19,9 @@ from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, 
 from sinuous.solving.classes.tasks import Task, Tasks
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.candidates import Candidates
+from sinuous.solving.routing.chains import FIRST_WIDTH
 from sinuous.solving.routing.plans import Plan
-from sinuous.solving.routing.searches import SIDES, Searches
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts import Batch, Question
 
 SEARCHES = 96
@@ -118,13 +119,12 @@ class Explorer:
         return failed
 
     def _along(self, question: Question, query: Floats, route: Floats) -> Iterator[Batch]:
-        """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to most sides."""
+        """Yield configurations along one route (K, 3): laid, and grown."""
         candidates = Candidates(self._searches, question, query)
         candidate, _ = candidates.note(route, finest=True)
         yield from candidates.laid([route])
         assert candidate is not None  # the first one
-        for side in SIDES:
-            yield from candidates.lengthened(candidate, side)
+        yield from candidates.grown(candidate, FIRST_WIDTH)
 
     def _find(self, question: Question, query: Floats, task: Task, plans: tuple[Plan, ...]) -> tuple[list[Floats], int]:
         """Return routes (k, 3) that lead through no closed passage and are wide enough, and how many cells they cost.

@@ -33,9 +33,6 @@ NEAR = 2.5
 ALIKE, COMPARED = 0.1, 60
 """Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
 
-MISSES = 2
-"""Sides to which a route could not be made longer, after which no other side is tried."""
-
 EDGES, SIDE_TUBES = "edges", "side_tubes"
 """Names of the attempts that find routes without cells: see `sinuous.solving.strategy`."""
 
@@ -102,7 +99,6 @@ class Candidates:
         self._narrows = Narrows(self._groups, *looks, question.seconds_left)
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
-        self._misses: dict[int, int] = {}
         self._between = between
         self._too_few: dict[float, int] = {}
         self._told: dict[tuple[float, bool], int] = {}
@@ -201,19 +197,6 @@ class Candidates:
         fits = self.searches.fit(self._problem, routes, self._left)
         new = np.array([self._is_new(q) for q in fits], bool)
         yield along(fits[new], tuple(compress(routes, new)))
-
-    def lengthened(self, candidate: Candidate, side: float) -> Iterator[Batch]:
-        """Yield a configuration along a route that is as long as the robot, bent to a side (rad), if there is room."""
-        seconds, rank = self._left(), candidate.rank
-        if seconds <= 0.0 or self._misses.get(rank, 0) >= MISSES:
-            return
-        longer = self.searches.lengthen(self._problem, self.query, candidate.route, side, seconds)
-        if longer is None:
-            self._misses[rank] = self._misses.get(rank, 0) + 1
-            yield self._nothing()
-        else:
-            initial = self.searches.fit(self._problem, [longer], self._left)
-            yield along(initial, (longer,)[: len(initial)])
 
     def grown(self, candidate: Candidate, width: int) -> Iterator[Batch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sinuous.kernels.growing.bending import AHEAD, CLEARANCE, KEPT, come_out
+from sinuous.kernels.growing.bending import CLEARANCE, KEPT, come_out
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
@@ -83,8 +83,8 @@ def test_an_arc_in_a_tube_follows_it_beyond_its_end(bend: float) -> None:
     arc, overlap = out(tube, (bend, 0.3, 1.0), segment)
     assert overlap <= KEPT
     assert gap(tube, segment, arc) >= -KEPT - 0.1
-    beyond = Robot([Segment(1.0 + AHEAD * RADIUS, 6.0)]).backbone((1.0 + AHEAD * RADIUS) * arc[None], 100)
-    assert tube.distance(beyond).min() > 0.0  # as if it went on, it is still in the tube
+    beyond = Robot([Segment(1.0 + RADIUS, 6.0)]).backbone((1.0 + RADIUS) * arc[None], 100)
+    assert tube.distance(beyond).min() > 0.0  # as if it went on for one more radius
 
 
 def test_before_a_wall_an_arc_is_as_long_as_fits_or_none() -> None:

@@ -107,7 +107,7 @@ def test_what_is_not_turned_is_left() -> None:
 @pytest.mark.parametrize("asked", [{"direction": (0.0, 0.6, 0.8)}, {"rotation": (0.3, 0.5, -0.4, 0.7)}])
 def test_an_elbow_is_passed_along_the_same_tangent_the_other_way(asked: dict[str, tuple[float, ...]]) -> None:
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
-    elbow = Target((0.0, 0.1, 1.0), segment=1, **asked)  # type: ignore[arg-type]
+    elbow = Target((0.0, 0.1, 1.0), segment=1, **asked)
     here = groups(Robot([Segment(1.0, 2.0)] * 3), [elbow, Target((0.5, 0.0, 2.5))])
     there = turned(here, line)
     assert there is not None

@@ -24,7 +24,7 @@ New = tuple[Start, int, float]
 STAGES = 3
 """Parts in which an arc comes out that does not fit as it is."""
 
-ROUNDS = 4
+ROUNDS = 6
 """Most Gauss-Newton steps of each part."""
 
 CLEARANCE = 0.25

@@ -18,7 +18,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 
 ROOMS = (0.2, 0.05)
 """By how much thicker robots are thicker, in radii of each segment."""
@@ -104,7 +104,7 @@ class Means:
         options = replace(
             SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
         )
-        return OneSolve.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
+        return Solver.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
 
 
 def with_radii(robot: Robot, share: float) -> Robot:

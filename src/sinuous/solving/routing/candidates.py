@@ -12,12 +12,12 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.chains import Chains
 from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, leg_queries
 from sinuous.solving.routing.narrow.narrows import Narrows
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.starts import Batch, Question
 
@@ -32,9 +32,6 @@ NEAR = 2.5
 
 ALIKE, COMPARED = 0.1, 60
 """Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
-
-EDGES, SIDE_TUBES = "edges", "side_tubes"
-"""Names of the attempts that find routes without cells: see `sinuous.solving.strategy`."""
 
 
 class Candidate(NamedTuple):

@@ -15,13 +15,10 @@ from sinuous.motion.following.entries import Entry
 from sinuous.motion.following.knots import Knot
 from sinuous.motion.following.shortest import Means, metric_of, shorten
 from sinuous.motion.following.straight import Straight
-from sinuous.motion.in_time.find import find_in_time
-from sinuous.motion.in_time.question import TimedQuestion
 from sinuous.motion.motion import Motion
-from sinuous.motion.planning.goals import Goals
-from sinuous.motion.planning.question import Question
-from sinuous.motion.planning.watch import Watch
-from sinuous.motion.planning.ways import find_way
+from sinuous.motion.planning.find import find_path, find_timed_path
+from sinuous.motion.planning.query import Deadline, Goals, ProvedPath, Query, TimedQuery
+from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.motion.report import Report
 from sinuous.motion.times import Timetable, spread_times, with_start
 from sinuous.problem.target import Target, Targets
@@ -30,7 +27,6 @@ from sinuous.solution.status import Status
 from sinuous.solution.verification import Worst
 from sinuous.solving.between.steps import Prover, Steps, load_motions
 from sinuous.solving.between.tip import Tip
-from sinuous.solving.planning.trees import Way, load_trees
 from sinuous.solving.solver import Initial, Solver
 
 SLACK = 0.5
@@ -152,7 +148,7 @@ class Tracker:
 
     def _move_to(self, solution: Solution) -> Solution:
         """Move to a waypoint; return its solution, which another may replace that is nearer."""
-        when = 0.0 if self._timetable is None else self._timetable.of(len(self._tried))
+        when = self._when()
         self._look_at(solution)
         if not self._knots:
             self._knots.append(Knot(solution.q, None, solution.problem.targets, solution, time=when))
@@ -234,54 +230,55 @@ class Tracker:
         return came if came[0, VERDICT] == CLEAR else None
 
     def _go_around(self, solution: Solution) -> Solution:
-        """Change the configuration to one of a waypoint on any way; the step is not proved where none is found."""
-        self._reconfigured.append(len(self._tried) + 1)
-        if self._timetable is not None:
-            return self._go_around_in_time(solution, self._timetable)
-        way, goals = self._find_way(solution)
-        if way is not None:
-            steps = np.split(way.answers, len(way.answers))
-            self._knots += [Knot(q, came) for q, came in zip(way.q[1:-1], steps[:-1], strict=True)]
-            reached = next(each for each in goals.solutions if np.array_equal(each.q, way.q[-1]))
-            self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached))
-            return reached
-        ends = self._two(self._knots[-1].q, solution.q)
-        came = self._prover.prove(ends, SLACK)
-        self._knots.append(Knot(solution.q, came, solution.problem.targets, solution))
-        return solution
+        """Change the configuration to one of a waypoint on any path; the step is not proved where none is found.
 
-    def _go_around_in_time(self, solution: Solution, timetable: Timetable) -> Solution:
-        """The same where obstacles move: the robot is at the waypoint when the waypoint is."""
-        robot, options, last = self._solver.robot, self._solver.options, self._knots[-1]
-        when = timetable.of(len(self._tried))
-        timetable.look_at(when)
-        end, goals = clock.perf_counter() + options.time, Goals(self._solver, solution)
-        way = find_in_time(
-            TimedQuestion(
-                *(robot, self._prover, last.q, last.time, when, False, goals, None, options.seed),
-                lambda: end - clock.perf_counter(),
-            )
-        )
-        if way is None:
-            came = self._prover.prove(self._two(last.q, solution.q), SLACK, times=np.array([last.time, when]))
+        Where obstacles move, the robot is at the waypoint when the waypoint is.
+        """
+        self._reconfigured.append(len(self._tried) + 1)
+        last, when, times = self._knots[-1], self._when(), None
+        if self._timetable is not None:
+            self._timetable.look_at(when)
+            times = np.array([last.time, when])
+        goals = Goals(self._solver, solution)
+        path = self._find_path(last, when, goals)
+        if path is None:
+            came = self._prover.prove(self._two(last.q, solution.q), SLACK, times=times)
             self._knots.append(Knot(solution.q, came, solution.problem.targets, solution, time=when))
             return solution
-        steps = np.split(way.answers, len(way.answers))
-        inner = zip(way.q[1:-1], steps[:-1], way.times[1:-1].tolist(), strict=True)
-        self._knots += [Knot(q, came, time=t) for q, came, t in inner]
-        reached = next(each for each in goals.solutions if np.array_equal(each.q, way.q[-1]))
+        steps = np.split(path.answers, len(path.answers))
+        at = np.zeros(len(path.q)) if path.times is None else path.times
+        between = zip(path.q[1:-1], steps[:-1], at[1:-1].tolist(), strict=True)
+        self._knots += [Knot(q, came, time=t) for q, came, t in between]
+        reached = goals.solution_at(path.q[-1])
         self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached, time=when))
         return reached
 
-    def _find_way(self, solution: Solution) -> tuple[Way | None, Goals]:
-        """Plan a way from where the robot is to a waypoint, in the time that a solve may take."""
+    def _find_path(self, last: Knot, when: float, goals: Goals) -> ProvedPath | None:
+        """Plan a path from where the robot is to a waypoint, in the time that a solve may take."""
         robot, options, scene = self._solver.robot, self._solver.options, self._prover.scene
-        began = clock.perf_counter()
-        load_trees(robot, scene)
-        self._began += clock.perf_counter() - began  # compiling is no planning
-        goals = Goals(self._solver, solution)
-        asked = Question(*(robot, scene, self._knots[-1].q, goals, options.seed, SHORTCUTS), Watch(options.time))
-        return find_way(asked), goals
+        if self._timetable is None:
+            began = clock.perf_counter()
+            load_trees(robot, scene)
+            self._began += clock.perf_counter() - began  # compiling is no planning
+            return find_path(Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time)))
+        return find_timed_path(
+            TimedQuery(
+                robot=robot,
+                prover=self._prover,
+                start=last.q,
+                begin=last.time,
+                end=when,
+                early=False,
+                goals=goals,
+                rates=None,
+                seed=options.seed,
+                deadline=Deadline(options.time),
+            )
+        )
+
+    def _when(self) -> float:
+        """When the robot is at the next waypoint, where obstacles move; otherwise 0."""
+        return 0.0 if self._timetable is None else self._timetable.of(len(self._tried))
 
     def _two(self, q0: Floats, q1: Floats) -> Floats:
         """Put two configurations into one array (2, n, 3), always the same."""

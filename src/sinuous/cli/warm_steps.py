@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.methods.registry import METHODS, name_of
+from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
@@ -19,7 +20,6 @@ from sinuous.solving.between.steps import load_motions
 from sinuous.solving.between.tip import Tip
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.planning.trees import load_trees
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.solver import OneSolve, Solver
 

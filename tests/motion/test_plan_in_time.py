@@ -6,7 +6,7 @@ import pytest
 import sinuous as sn
 from sinuous.motion.plan import PlanArguments
 from tests.helpers import refused
-from tests.motion.in_time.judge import fastest, hardest, least_clearance
+from tests.motion.timed_judge import fastest, hardest, least_clearance
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, max_bend=2.5)
 LEFT, RIGHT = (np.tile([bend, 0.0, 1.0], (3, 1)) for bend in (0.6, -0.6))

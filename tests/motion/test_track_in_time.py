@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from tests.motion.in_time.judge import least_clearance
+from tests.motion.timed_judge import least_clearance
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, max_bend=2.5)
 START = np.tile([0.6, 0.0, 1.0], (3, 1))

@@ -6,9 +6,9 @@ import sys
 from pathlib import Path
 
 import sinuous
+from sinuous.cli.warm_steps import steps
 from sinuous.kernels.compiling.pieces import FREE, PIECES
 from sinuous.methods.registry import METHODS
-from sinuous.solving.warm import steps
 from tests.kernels.test_compile import decorated
 
 PACKAGE = Path(sinuous.__file__).parent
@@ -23,7 +23,7 @@ from sinuous.kernels.compiling.pieces import name_of
 
 made, plain = [], compiling.entry
 compiling.entry = lambda function: made.append(plain(function)) or made[-1]
-from sinuous.solving.warm import steps
+from sinuous.cli.warm_steps import steps
 for step in steps():
     step.use()
 warm = [name_of(one, form) for one in made for form in one.signatures]

@@ -6,24 +6,15 @@ import pytest
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
 from benchmarks.motion.judged import collides
-from sinuous.motion.planning.ends import Ends
-from sinuous.motion.planning.goals import FixedGoal
-from sinuous.motion.planning.grown import grown
-from sinuous.motion.planning.means import ENOUGH, LOOSE
-from sinuous.motion.planning.question import Question
-from sinuous.motion.planning.watch import Watch
+from sinuous.motion.planning.local_planner import ENOUGH, LOOSE, Ends
+from sinuous.motion.planning.rrt_connect import RRTConnect, _joined, rrt_connect
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solving.planning.trees import Trees
 from tests.helpers import Floats
-from tests.motion.planning.places import HALF, INSIDE, OUTSIDE, ROBOT, bore
+from tests.motion.planning.places import HALF, INSIDE, OUTSIDE, ROBOT, bore, query
 
 RADIUS = 0.1
 TOUCHING = 1e-5
-
-
-def question(scene: Scene, start: Floats, goal: Floats) -> Question:
-    return Question(ROBOT, scene.snapshot(), start, FixedGoal(goal), 0, 0, Watch(60.0))
 
 
 def ball(q: Floats, gap: float) -> Sphere:
@@ -35,7 +26,7 @@ def ball(q: Floats, gap: float) -> Sphere:
 @pytest.mark.parametrize("gap", [TOUCHING, 1e-3])
 def test_what_is_near_to_contact_gets_room_by_a_clear_motion(gap: float) -> None:
     scene = Scene([ball(INSIDE, gap)])
-    chain = Ends(question(scene, OUTSIDE, INSIDE)).eased(INSIDE)
+    chain = Ends(query(scene, OUTSIDE, INSIDE)).with_room(INSIDE)
     assert len(chain) == 2
     np.testing.assert_array_equal(chain[0], INSIDE)
     assert collides(ROBOT, scene, np.stack(chain)) == ""
@@ -48,8 +39,8 @@ def test_what_is_near_to_contact_gets_room_by_a_clear_motion(gap: float) -> None
 
 def test_what_has_room_is_left_alone() -> None:
     scene = Scene([ball(INSIDE, 0.5 * RADIUS)])
-    ends = Ends(question(scene, OUTSIDE, INSIDE))
-    assert [len(chain) for chain in (ends.eased(INSIDE), ends.start, *ends.goals(OUTSIDE[None]))] == [1, 1, 1]
+    ends = Ends(query(scene, OUTSIDE, INSIDE))
+    assert [len(chain) for chain in (ends.with_room(INSIDE), ends.start, *ends.goals(OUTSIDE[None]))] == [1, 1, 1]
 
 
 def test_what_cannot_have_room_is_left_alone() -> None:
@@ -64,26 +55,25 @@ def test_what_cannot_have_room_is_left_alone() -> None:
         around.append(Sphere(place[:3, 3] + (0.3 + RADIUS + 1e-4) * turned[:3, 0], 0.3))
     fixed = sn.Robot([segment.changed(max_bend=1.0) for segment in ROBOT.segments], base=ROBOT.base)
     scene = Scene(around)
-    asked = Question(fixed, scene.snapshot(), OUTSIDE, FixedGoal(INSIDE), 0, 0, Watch(60.0))
-    for q in Ends(asked).eased(INSIDE)[1:]:
+    for q in Ends(query(scene, robot=fixed)).with_room(INSIDE)[1:]:
         assert least_clearance(fixed, scene, q[None])[0] > 1e-4
 
 
-def test_ways_lead_on_from_eased_ends_into_the_ends_themselves() -> None:
+def test_paths_lead_on_from_ends_with_room_into_the_ends_themselves() -> None:
     scene = Scene([ball(INSIDE, TOUCHING), ball(OUTSIDE, TOUCHING), *bore()])
-    asked = question(scene, OUTSIDE, INSIDE)
-    ends = Ends(asked)
-    way = ends.joined(Trees(ROBOT, scene.snapshot()), [ends.start], 0, 0, (0, 64))
-    assert way is not None
-    np.testing.assert_array_equal(way.q[[0, -1]], [OUTSIDE, OUTSIDE])
-    assert collides(ROBOT, scene, way.q) == ""
+    asked = query(scene, OUTSIDE, INSIDE)
+    ends, trees = Ends(asked), RRTConnect(ROBOT, scene.snapshot())
+    path = _joined(asked, ends, trees, [ends.start], 0, (0, 0, 64))
+    assert path is not None
+    np.testing.assert_array_equal(path.q[[0, -1]], [OUTSIDE, OUTSIDE])
+    assert collides(ROBOT, scene, path.q) == ""
 
 
 def test_trees_leave_contact_in_the_second_round() -> None:
     start = INSIDE * [-1.0, -1.0, 1.0]
     scene = Scene([ball(INSIDE, TOUCHING), ball(start, TOUCHING)])
-    asked = question(scene, start, INSIDE)
-    ways = grown(asked, Ends(asked))
-    way = next(way for way in (next(ways) for _ in range(4)) if way is not None)
-    np.testing.assert_array_equal(way.q[[0, -1]], [start, INSIDE])
-    assert collides(ROBOT, scene, way.q) == ""
+    asked = query(scene, start, INSIDE)
+    paths = rrt_connect(asked, Ends(asked), RRTConnect(ROBOT, scene.snapshot()))
+    path = next(path for path in (next(paths) for _ in range(4)) if path is not None)
+    np.testing.assert_array_equal(path.q[[0, -1]], [start, INSIDE])
+    assert collides(ROBOT, scene, path.q) == ""

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 import sinuous as sn
 from sinuous.reprs import LONGEST, text
-from sinuous.solution.binding.binding import Binding
+from sinuous.solution.binding import Binding
 from sinuous.solution.reasons import Reason
-from sinuous.solution.remedies.remedy import Remedy
-from sinuous.solution.verification import Worst
+from sinuous.solution.remedies import Remedy
+from sinuous.solution.worst import Worst
 from tests.helpers import refused
 from tests.scene.shapes import cube
 

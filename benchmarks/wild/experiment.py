@@ -9,7 +9,7 @@ from benchmarks.harness import reference
 from benchmarks.harness.experiment import Findings, InTurn, Piece, chosen
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.wild import audit, branches, curled, doors, worlds
+from benchmarks.wild import audit, branches, curled, doors, motions, worlds
 from benchmarks.wild.tally import Tally
 from benchmarks.wild.trials import examine
 from benchmarks.wild.worlds import World
@@ -26,6 +26,9 @@ BLOCK, BLOCKS, AUDITED = 130, 100, 10
 """Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems; pieces of one audited kind."""
 
 WALLS = "walls with doors"
+
+MOTIONS = 500
+"""Motions of one kind."""
 
 ARMS, CURLED_WORLDS = (3, 5, 8), 200
 """Segments of the thick arms; how many times 50 problems each is given."""
@@ -73,6 +76,8 @@ class Wild(InTurn):
             for block in range(count(AUDITED, 1) * self.plan.rounds):
                 numbers = range(block * size, (block + 1) * size)
                 yield f"{kind} {block}", partial(_tallied, partial(make, seed), numbers)
+        for kind, judge in motions.KINDS.items():
+            yield kind, partial(_moved, partial(judge, seed), range(count(MOTIONS, 2)))
         yield WALLS, partial(_through_doors, seed, count(doors.WALLS, 3))
         for block in range(count(BLOCKS, 1) * self.plan.rounds):
             numbers = range(block * size, (block + 1) * size)
@@ -106,6 +111,8 @@ class Wild(InTurn):
             if own.seconds:
                 tallies[kind] = own
                 lines += [*own.speed(AUDIT, f"{kind}, {MISSED}", math.inf), own.claim(AUDIT, f"{kind}, false claims")]
+        for kind in (kind for kind in motions.KINDS if kind in pieces):
+            lines += motions.lines_of(kind, [motions.Judged(*each) for each in pieces[kind]["judged"]])
         for name in (name for name, *_ in _poses(0, 0) if name in pieces):
             lines += branches.lines_of(name, [branches.Compared(*each) for each in pieces[name]["compared"]])
         if WALLS in pieces:
@@ -133,6 +140,13 @@ def _tallied(make: Callable[[int], World], numbers: range) -> dict[str, Any]:
     for number in numbers:
         tally.add(number, examine(make(number)))
     return {"busy": max(before.busy, reference.look().busy), **tally.plain()}
+
+
+def _moved(judge: Callable[[int], motions.Judged], numbers: range) -> dict[str, Any]:
+    """Make and judge motions."""
+    before = reference.look()
+    judged = [list(judge(number)) for number in numbers]
+    return {"busy": max(before.busy, reference.look().busy), "judged": judged}
 
 
 def _compared(poses: list[Target], max_bend: float) -> dict[str, Any]:

@@ -74,7 +74,6 @@ if TYPE_CHECKING:
     from sinuous.scene.obstacles import HalfSpace as HalfSpace
     from sinuous.scene.obstacles import Sphere as Sphere
     from sinuous.scene.scene import Scene as Scene
-    from sinuous.solution.checking import check as check
     from sinuous.solution.explanation import Explanation as Explanation
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.solutions import Solutions as Solutions
@@ -83,6 +82,7 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
+    from sinuous.solution.verification import check as check
     from sinuous.solving.solve import solve as solve
     from sinuous.solving.solve import solve_all as solve_all
     from sinuous.solving.solver import Solver as Solver
@@ -140,13 +140,12 @@ _HOMES = {
     "scene.meshes.mesh": ("Mesh",),
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
     "scene.scene": ("Scene",),
-    "solution.checking": ("check",),
     "solution.explanation": ("Explanation",),
     "solution.solution": ("Solution",),
     "solution.solutions": ("Solutions",),
     "solution.status": ("Status",),
     "solution.step": ("Active", "Step"),
-    "solution.verification": ("Verification", "Verifications"),
+    "solution.verification": ("Verification", "Verifications", "check"),
     "solving.solve": ("solve", "solve_all"),
     "solving.solver": ("Solver",),
     "viewer.show": ("show",),

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from sinuous.reprs import ShortRepr
+from sinuous.reprs import ShortRepr, is_nothing, parameters
 
 
 class Frozen(ShortRepr):
@@ -36,6 +36,12 @@ class Frozen(ShortRepr):
     def equals(self, other: object) -> bool:
         """Whether `other` is of the same type and says the same, to the last digit. `==` asks for the same object."""
         return type(self) is type(other) and same(self._content(), other._content())
+
+    def _changed(self, values: Mapping[str, Any]) -> Self:
+        """Return the same with other values of some parameters: what every `changed` does."""
+        attributes = {name: getattr(self, self._arguments.get(name, name), None) for name, _ in parameters(type(self))}
+        own = {name: value for name, value in attributes.items() if not is_nothing(value)}
+        return type(self)(**{**own, **values})
 
     def _content(self) -> Mapping[str, Any]:
         """What is compared: by default all attributes that users see, but what was computed of the others and kept."""

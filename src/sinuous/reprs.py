@@ -34,9 +34,15 @@ class ShortRepr:
                 yield f"{name}={text(value)}"
 
 
+_KNOWN: dict[Any, tuple[tuple[str, Any], ...]] = {}
+"""Parameters of constructors that were asked for: to look at a signature takes some ten microseconds."""
+
+
 def parameters(noun: Callable[..., Any]) -> tuple[tuple[str, Any], ...]:
     """Names and defaults of all parameters of a constructor."""
-    return tuple((each.name, each.default) for each in inspect.signature(noun).parameters.values())
+    if noun not in _KNOWN:
+        _KNOWN[noun] = tuple((each.name, each.default) for each in inspect.signature(noun).parameters.values())
+    return _KNOWN[noun]
 
 
 def call(name: str, parts: Iterable[str]) -> str:
@@ -53,9 +59,14 @@ def says_nothing(value: Any, default: Any) -> bool:
     """Whether a value is what an argument is by default: nothing, no limit, no turn."""
     if isinstance(value, np.ndarray):
         return default is None and value.ndim == 2 and np.array_equal(value, np.eye(*value.shape))
-    if isinstance(value, float | tuple) and default is None:
+    return is_nothing(value) if default is None else value is None or bool(value == default)
+
+
+def is_nothing(value: Any) -> bool:
+    """Whether a value stands for nothing that was given: none, or no limit."""
+    if isinstance(value, float | tuple):
         return bool(np.size(value)) and all(isinstance(end, float) and math.isinf(end) for end in np.atleast_1d(value))
-    return value is None or bool(value == default)
+    return value is None
 
 
 def text(value: Any) -> str:

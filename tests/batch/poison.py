@@ -5,7 +5,7 @@ import signal
 from pathlib import Path
 
 import sinuous as sn
-from sinuous.batch.tables.blocks import Block
+from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task, Work
 from tests.batch.questions import BALL, OPTIONS, ROBOT
 

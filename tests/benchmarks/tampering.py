@@ -10,4 +10,4 @@ def moved(solution: Solution, where: tuple[Any, int], by: float) -> Solution:
     q = solution.q.copy()
     q[where] += by
     claimed = solution._outcome._replace(q=q)
-    return Solution(solution.problem, claimed, solution.seconds, solution._again, solution._given)
+    return Solution(solution.problem, claimed, solution.seconds, solution._resolver, solution._given)

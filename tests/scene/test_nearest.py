@@ -10,7 +10,7 @@ from sinuous.robot.segment import Segment
 from sinuous.scene.nearest import least_gap, room_at
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
-from sinuous.solution.verification import _least_clearance
+from sinuous.solution.worst import compiled_clearance
 from tests.helpers import Floats
 from tests.solving.test_live import MADE
 
@@ -39,7 +39,7 @@ def test_the_body_is_as_near_as_other_code_says(name: str) -> None:
         q = bent(rng)
         ends = segment_ends(ROBOT, q)
         expected = body.least_clearance(ROBOT, scene, q, ends)
-        distance, segment, obstacle = _least_clearance(ROBOT, scene, q)
+        distance, segment, obstacle = compiled_clearance(ROBOT, scene, q)
         assert distance == pytest.approx(expected.distance, abs=1e-9)
         assert obstacle == expected.obstacle
         if segment != expected.segment:  # where two meet, either may be named

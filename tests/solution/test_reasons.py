@@ -115,7 +115,9 @@ def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
     assert solution.reason.obstacle is not None
     assert solution.reason.obstacle.startswith("box[")
     assert solution.to_dict()["reason"]["bound"] == "route"
-    assert str(solution.reason).startswith("between base and target no way is wide enough for a body of radius 0.1 ")
+    assert str(solution.reason).startswith(
+        "between base and target no way that is no longer than the robot (3.6) is wide enough for a body of radius 0.1 "
+    )
 
 
 def test_what_is_solved_has_no_reason() -> None:

@@ -64,8 +64,8 @@ def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:
     """Those of any solver, also when they were sent to another process."""
     solution = Solver(ROBOT, SCENE).solve(NEAR)
     for own in (solution, pickle.loads(pickle.dumps(solution))):
-        assert own._again == solution._again
-        assert (own._again.solve(own.problem).q == solution.q).all()
+        assert own._resolver == solution._resolver
+        assert (own._resolver.solve(own.problem).q == solution.q).all()
     assert len(loads) == 1
     assert type(pickle.loads(pickle.dumps(OneSolve(ROBOT, SCENE)))) is OneSolve
 

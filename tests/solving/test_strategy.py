@@ -172,7 +172,7 @@ def test_what_is_switched_off_is_not_made(name: str, monkeypatch: pytest.MonkeyP
 def test_a_solve_takes_what_is_switched_off(name: str) -> None:
     solution = sn.solve(ROBOT, TARGET, SCENE, without=name, time=20.0)
     assert solution.solved
-    assert solution._again.solve(solution.problem).solved
+    assert solution._resolver.solve(solution.problem).solved
 
 
 def test_without_any_route_only_scattered_starts_are_left() -> None:

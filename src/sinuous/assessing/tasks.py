@@ -14,7 +14,7 @@ from sinuous.motion.track import track
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
-from sinuous.solution.binding.binding import Binding, nearest_limits
+from sinuous.solution.binding import Binding, nearest_limits
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
 

@@ -1,42 +1,59 @@
-"""What a batch found: how many ended how, which rows were no targets, and where the results are."""
+"""The summary of a batch: how many rows ended how, which were no targets, which were skipped, where the results are."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from sinuous.batch.conduct import Failed
-from sinuous.batch.tables.blocks import INVALID, STATUSES, Block
+from sinuous.batch.tables.layout import INVALID, STATUSES, Block
 from sinuous.reprs import ShortRepr
 
 SHOWN = 10
-"""Numbers of rows that are told."""
+"""Rows without a target whose numbers are printed."""
+
+
+class Failed(NamedTuple):
+    """A chunk that was given up.
+
+    Attributes
+    ----------
+    number, first, last : int
+        Its number, and its rows, 1 = first of all.
+    why : str
+        What its last try ended with.
+    """
+
+    number: int
+    first: int
+    last: int
+    why: str
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Batch(ShortRepr):
-    """The answers to any number of targets.
+    """The summary of a batch.
 
     Attributes
     ----------
     file : Path or None
         The table of results.
     rows : int
-        How many are done.
+        How many rows are done.
     counts : dict
-        How many ended how: statuses of `Solution`, `invalid` (no target), `skipped` (their chunk failed three times).
+        How many rows ended how: statuses of `Solution`, `invalid` (no target), `skipped` (their chunk failed three
+        times).
     invalid : tuple of int
-        Rows that are no targets, 1 = first; the first thousand of them.
+        Numbers of the rows that are no targets, 1 = first; at most the first thousand.
     failed : tuple of Failed
         Chunks that were given up.
     seconds : float
-        Of this call.
+        Duration of this call.
     before : int
         Rows that an earlier call had done.
     total : int
-        Rows of all; more than `rows` after a shard.
+        Number of all rows; greater than `rows` after a shard.
     results : dict or None
-        Without a file: arrays over all rows, by name: `q` (m, n, 3), `status` (m,), see `words`, and the others.
+        Without a file: arrays over all rows by name: `q` (m, n, 3), `status` (m,), see `words`, and the others.
     """
 
     file: Path | None
@@ -50,7 +67,7 @@ class Batch(ShortRepr):
     results: Block | None = field(default=None)
 
     words = STATUSES
-    """What the numbers of `status` stand for."""
+    """The status that each number in `status` stands for."""
 
     @property
     def solved(self) -> bool:
@@ -84,9 +101,9 @@ class Batch(ShortRepr):
         done = f"{self.rows:,} rows" if self.rows == self.total else f"{self.rows:,} of {self.total:,} rows"
         parts = [f"Batch: {done}{': ' if ended else ''}{ended}"]
         if self.counts.get(INVALID):
-            told = ", ".join(map(str, self.invalid[:SHOWN]))
+            numbers = ", ".join(map(str, self.invalid[:SHOWN]))
             more = ", ..." if self.counts[INVALID] > SHOWN else ""
-            parts.append(f"  no targets rows {told}{more}")
+            parts.append(f"  no targets rows {numbers}{more}")
         parts += [f"  skipped    rows {each.first} to {each.last}: {each.why}" for each in self.failed]
         if self.rows > self.before:
             parts.append(f"  effort     {self.seconds:.3g} s, {self.rate:,.0f} rows a second")

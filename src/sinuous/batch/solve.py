@@ -1,30 +1,95 @@
-"""`solve_batch`: any number of targets, through files or in memory, and on after whatever ended it."""
+"""`solve_batch`: any number of targets, through files or in memory; the same call goes on after any interruption."""
 
 import time as clock
 from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, TypedDict, Unpack
 
 from sinuous import checks
-from sinuous.arguments import Rows
-from sinuous.batch.batch import Batch
-from sinuous.batch.conduct import Conductor, Failed
-from sinuous.batch.engines.choose import begin
-from sinuous.batch.engines.engine import LostError
-from sinuous.batch.options import BatchArguments, RunArguments, RunOptions
-from sinuous.batch.place import Files, Memory
-from sinuous.batch.progress import Progress
-from sinuous.batch.record import asked, record_of
-from sinuous.batch.tables.blocks import Block
+from sinuous.arguments import Rows, Truth, Whole
+from sinuous.batch.batch import Batch, Failed
+from sinuous.batch.checkpoint import hash_of, problem_record
+from sinuous.batch.dispatch import Dispatcher, begin
+from sinuous.batch.engines import LostError
+from sinuous.batch.results import Results
 from sinuous.batch.tables.kinds import check_results, open_source
+from sinuous.batch.tables.layout import Block
 from sinuous.batch.tables.source import Source
 from sinuous.batch.work import Task, Work
 from sinuous.errors import InputError, UnfinishedError
 from sinuous.problem.target import GoalArrays
+from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
+from sinuous.solving.many import read_workers
+from sinuous.solving.options import SolveArguments
 from sinuous.solving.solver import Solver
+
+CHUNK = 10_000
+"""Rows of a chunk by default."""
+
+MOST_CHUNK = 10_000_000
+"""Most rows of a chunk."""
+
+MOST_SHARDS = 1_000_000
+"""Most shards of a batch."""
+
+Shard = tuple[int, int]
+
+
+class RunArguments(TypedDict, total=False):
+    """How a batch is run, as keyword arguments; see `RunOptions`."""
+
+    initial: Rows | None
+    warm: Truth
+    chunk: Whole
+    engine: "str | Executor | Any"
+    workers: Whole | None
+    shard: Shard | None
+    progress: Truth
+
+
+class BatchArguments(SolveArguments, RunArguments, total=False):
+    """Options of `solve_batch` as keyword arguments."""
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """How a batch is run; see `solve_batch`. All options are checked when it is made."""
+
+    initial: Any = None
+    warm: bool = False
+    chunk: int = CHUNK
+    engine: Any = "threads"
+    workers: int | None = None
+    shard: Shard | None = None
+    progress: bool = False
+
+    def __post_init__(self) -> None:
+        values = {
+            "warm": checks.truth("warm", self.warm),
+            "chunk": checks.integer("chunk", self.chunk, 1, MOST_CHUNK),
+            "workers": read_workers(self.workers),
+            "shard": None if self.shard is None else _shard(self.shard),
+            "progress": checks.truth("progress", self.progress),
+        }
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    def owns(self, number: int) -> bool:
+        """Whether a chunk belongs to this shard."""
+        return self.shard is None or number % self.shard[1] == self.shard[0] - 1
+
+
+def _shard(value: Any) -> Shard:
+    wanted = "two whole numbers (I, N), I from 1 to N"
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise InputError("shard", "", value, wanted)
+    count = checks.integer("shard", value[1], 1, MOST_SHARDS)
+    return checks.integer("shard", value[0], 1, count), count
 
 
 def solve_batch(
@@ -37,8 +102,8 @@ def solve_batch(
     """Solve independent targets of the tip in chunks, whatever their number.
 
     Each answer is that of `Solver.solve`, to the last bit, whatever the engine, the number of workers and what
-    interrupted it, unless its time runs out. Chunks that are done are kept in a folder beside `out` until all are: the
-    same call goes on where an earlier one ended, and does nothing twice.
+    interrupted the call, unless the time of the solve runs out. Chunks that are done are kept in a folder beside `out`
+    until all are: the same call goes on where an earlier one ended, and solves nothing twice.
 
     Parameters
     ----------
@@ -81,78 +146,76 @@ def solve_batch(
     """
     given: dict[str, Any] = dict(options)
     run = RunOptions(**{key: given.pop(key) for key in RunArguments.__annotations__ if key in given})
-    if out is not None:
-        check_results("out", Path(out))
+    file = None if out is None else Path(out)
+    if file is not None:
+        check_results("out", file)
     elif run.shard is not None:
         raise InputError("shard", "needs a file of results", run.shard, "out= beside it")
     solver = Solver(robot, scene, **given)
     initial = None if run.initial is None else checks.array("initial", run.initial, (len(robot), 3))
     work = Work(solver, initial, run.warm)
     with closing(open_source(targets)) as source:
-        if out is None:
-            return _run(Memory(work.layout, source.rows, run.chunk), source, work, run)
-        question = asked(solver.robot, solver.scene.snapshot(), solver.options)
-        record = record_of(question, source, run.chunk, initial, run.warm)
-        return _into(Files(work.layout, source.rows, Path(out), record), source, work, run)
+        record = {} if file is None else _record(solver, source, run, initial)
+        results = Results(work.layout, source.rows, run.chunk, file, record)
+        return results.finished() or _run(results, source, work, run)
 
 
-def _into(files: Files, source: Source, work: Work, run: RunOptions) -> Batch:
-    """Solve what is missing in files, unless nothing is."""
-    before = files.finished()
-    if before is not None:
-        return before
-    files.open()
-    with _explained(files):
-        return _run(files, source, work, run)
+def _record(solver: Solver, source: Source, run: RunOptions, initial: Any) -> dict[str, Any]:
+    """Return all that results depend on."""
+    begun = "none" if initial is None else hash_of(initial.tobytes())
+    return {
+        **problem_record(solver.robot, solver.scene.snapshot(), solver.options),
+        "initial": f"{begun}{', then near targets' if run.warm else ''}",
+        "targets": f"{source.rows} rows, {source.fingerprint()}",
+        "chunk": run.chunk,
+    }
 
 
-def _run(place: Memory | Files, source: Source, work: Work, run: RunOptions) -> Batch:
-    """Solve what is missing, and put it together."""
-    began = clock.perf_counter()
-    todo = [number for number in place.missing() if run.own(number)]
-    failed: list[Failed] = []
-    if todo:
-        rows = sum(last - first for first, last in map(place.span, todo))
-        with Progress(rows, run.progress) as progress:
-
-            def keep(task: Task, block: Block) -> None:
-                place.write(task.number, block)
-                progress.advance(len(block["row"]))
-
-            failed = _solve(_tasks(todo, place, source), work, run, keep)
-    return place.end(failed, clock.perf_counter() - began, whole=run.shard is None)
+def _run(results: Results, source: Source, work: Work, run: RunOptions) -> Batch:
+    """Solve the chunks that are missing, and put all together."""
+    missing = results.open()
+    with _explained(results):
+        began = clock.perf_counter()
+        todo = [number for number in missing if run.owns(number)]
+        failed = _solve(results, todo, source, work, run) if todo else []
+        return results.end(failed, clock.perf_counter() - began, whole=run.shard is None)
 
 
-def _solve(tasks: Iterator[Task], work: Work, run: RunOptions, keep: Any) -> list[Failed]:
-    """Give chunks to an engine, which ends in any case."""
-    engine = begin(run.engine, work, run.workers or 1)
-    conductor = Conductor(engine, tasks, keep)
-    whole = False
-    try:
-        conductor.run()
-        whole = True
-    finally:
-        engine.close(now=not whole)
-    return conductor.failed
+def _solve(results: Results, todo: list[int], source: Source, work: Work, run: RunOptions) -> list[Failed]:
+    """Solve chunks by an engine, which ends in any case."""
 
+    def keep(task: Task, block: Block) -> None:
+        results.write(task.number, block)
+        bar.advance(len(block["row"]))
 
-def _tasks(todo: list[int], place: Memory | Files, source: Source) -> Iterator[Task]:
-    """Read chunks when they are asked for."""
-    for number in todo:
-        first, last = place.span(number)
-        yield Task(number, first, source.read(first, last))
+    def tasks() -> Iterator[Task]:
+        for number in todo:
+            first, last = results.span(number)
+            yield Task(number, first, source.read(first, last))
+
+    rows = sum(last - first for first, last in map(results.span, todo))
+    with ProgressBar(rows if run.progress else 0, logged=run.progress) as bar:
+        engine = begin(run.engine, work, run.workers or 1)
+        dispatcher = Dispatcher(engine, tasks(), keep)
+        done = False
+        try:
+            dispatcher.run()
+            done = True
+        finally:
+            engine.close(now=not done)
+    return dispatcher.failed
 
 
 @contextmanager
-def _explained(files: Files) -> Iterator[None]:
+def _explained(results: Results) -> Iterator[None]:
     """Say in one line what happened, and what is kept."""
     try:
         yield
     except InputError:
-        files.forget()
+        results.discard()
         raise
     except LostError as error:
-        raise UnfinishedError(f"{error}; {files.kept}; the same command goes on from there") from None
+        raise UnfinishedError(f"{error}; {results.kept}") from None
     except OSError as error:
-        told = error.strerror or str(error)
-        raise UnfinishedError(f"{told}; {files.kept}; the same command goes on from there") from error
+        why = error.strerror or str(error)
+        raise UnfinishedError(f"{why}; {results.kept}") from error

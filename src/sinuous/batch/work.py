@@ -1,25 +1,34 @@
-"""What a worker does with a chunk: the rows that are targets are solved, the others are said to be none."""
+"""What a worker does with a chunk: it solves the rows that are targets, and says of the others that they are none."""
 
 import re
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sinuous.batch.neighbours import halves
-from sinuous.batch.tables.blocks import INVALID, Block, Layout
+from sinuous.batch.tables.layout import INVALID, Block, Layout
 from sinuous.batch.tables.source import Raw
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.target import GoalArrays, Goals
 from sinuous.solving.solver import Solver
 
+Whole = NDArray[np.int64]
+
+BITS = 6
+"""Bits of each coordinate along the Z-order curve: up to nine coordinates fit into one whole number."""
+
+RUN = 8
+"""Neighbours along the curve of which the first is solved by itself, and the others from its solution."""
+
 
 class Task(NamedTuple):
-    """A chunk.
+    """A chunk of targets.
 
     Attributes
     ----------
     number : int
+        Number of the chunk.
     first : int
         Its first row, 0 = first of all.
     raw : dict
@@ -68,7 +77,7 @@ class Work:
         return block
 
 
-def valid(raw: Raw) -> tuple[np.ndarray, Goals]:
+def valid(raw: Raw) -> tuple[NDArray[np.int64], Goals]:
     """Find the rows (k,) that are targets, and check them."""
     good = np.logical_and.reduce([np.isfinite(part).reshape(len(part), -1).all(axis=1) for part in raw.values()])
     while True:
@@ -82,6 +91,42 @@ def valid(raw: Raw) -> tuple[np.ndarray, Goals]:
             good[rows[int(bad[1])]] = False
 
 
-def _arrays(goals: Goals, some: np.ndarray) -> GoalArrays:
+def _arrays(goals: Goals, some: Whole) -> GoalArrays:
     chosen = goals[some]
     return {"positions": chosen.positions, "directions": chosen.directions, "rotations": chosen.rotations}
+
+
+def halves(goals: Goals) -> tuple[Whole, Whole, Whole]:
+    """Divide targets into those that are solved first and those that begin from one of these.
+
+    Neighbours are found along a Z-order curve (Morton 1966) over positions and columns of rotations.
+
+    Returns
+    -------
+    early, late : ndarray of int
+        Numbers of targets; together all of them.
+    near : ndarray of int
+        For each of `late`, the place in `early` of the one that it begins from.
+    """
+    order = np.argsort(_codes(_features(goals)), kind="stable")
+    places = np.arange(len(order))
+    first = places % RUN == 0
+    return order[first], order[~first], places[~first] // RUN
+
+
+def _features(goals: Goals) -> Floats:
+    """Numbers (m, k) that are close to each other where targets are: positions, and columns of the rotation."""
+    turns = None if goals.rotations is None else goals.rotations[:, :, ::2].reshape(len(goals), -1)
+    return np.concatenate([part for part in (goals.positions, goals.directions, turns) if part is not None], axis=1)
+
+
+def _codes(features: Floats) -> NDArray[np.uint64]:
+    """Places (m,) along the curve: the bits of all coordinates in turn."""
+    low, extent = features.min(axis=0), np.ptp(features, axis=0)
+    cells = ((features - low) / np.where(extent > 0.0, extent, 1.0) * (2**BITS - 1)).astype(np.uint64)
+    count = cells.shape[1]
+    codes = np.zeros(len(cells), np.uint64)
+    for bit in range(BITS):
+        for k in range(count):
+            codes |= ((cells[:, k] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(bit * count + k)
+    return codes

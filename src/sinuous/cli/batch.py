@@ -8,8 +8,7 @@ from typing import Any
 import typer
 
 from sinuous.batch.batch import Batch
-from sinuous.batch.options import CHUNK
-from sinuous.batch.solve import solve_batch
+from sinuous.batch.solve import CHUNK, solve_batch
 from sinuous.cli.options import Options
 from sinuous.errors import InputError, UnfinishedError
 from sinuous.files.results import json_line

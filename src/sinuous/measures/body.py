@@ -141,6 +141,11 @@ def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
     return least
 
 
+def nearest_meeting(robot: Robot, q: Floats, ends: Floats) -> Meeting:
+    """Where the body is nearest to itself, where that matters: see `Robot.avoids_itself`, `least_self_clearance`."""
+    return least_self_clearance(robot, q, ends) if robot.avoids_itself else Meeting(math.inf, None)
+
+
 def _places(q: Floats, ends: Floats) -> tuple[Floats, Floats, Indices]:
     """Sampled places (m, 3) of the backbone, how far along it they are (m,), and the segments (m,), 0 = first."""
     count = min(SAMPLES, max(FEWEST, MOST_PLACES // len(q)))

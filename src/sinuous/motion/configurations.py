@@ -11,7 +11,7 @@ from sinuous.kernels.body.proof import CLEAR
 from sinuous.robot.limits import unit_of
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.solution.verification import Worst, find_overlap
+from sinuous.solution.worst import Worst, find_overlap
 from sinuous.solving.between.steps import Prover
 
 KEPT = 64

@@ -25,7 +25,7 @@ from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solution.verification import Worst
+from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps, prove_steps
 from sinuous.words import duration
 

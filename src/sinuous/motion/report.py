@@ -10,7 +10,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solution.verification import Worst
+from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ MOST = 400
 
 def counts_iterations(solution: Solution) -> bool:
     """Whether its method can be stopped after any number of iterations, and it is known with which options it ran."""
-    return isinstance(solution._again, Again) and hasattr(_options(solution._again), "iterations")
+    return isinstance(solution._resolver, Again) and hasattr(_options(solution._resolver), "iterations")
 
 
 def errors(solution: Solution) -> tuple[Floats, Floats]:
@@ -24,7 +24,7 @@ def errors(solution: Solution) -> tuple[Floats, Floats]:
 
     The problem is solved again and again, each time with one iteration more; NaN where no target asks for it.
     """
-    again = solution._again
+    again = solution._resolver
     assert isinstance(again, Again)
     options, given = _options(again), solution._given.reshape(-1, *solution.q.shape)
     found: list[tuple[float, float]] = []

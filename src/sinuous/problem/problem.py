@@ -96,8 +96,7 @@ class Problem(Frozen, _Open):
 
     def changed(self, **values: Unpack[ProblemArguments]) -> "Problem":
         """Return the same problem with other values of some parameters."""
-        own: dict[str, Any] = {key: getattr(self, key) for key in ("robot", "targets", "scene", "tolerance")}
-        return Problem(**{**own, **values})
+        return self._changed(values)
 
     def _content(self) -> dict[str, Any]:
         return {name: getattr(self, name) for name in ("robot", "targets", "scene", "tolerance")}

@@ -214,8 +214,7 @@ class Target(Frozen):
 
     def changed(self, **values: Unpack[TargetArguments]) -> "Target":
         """Return the same target with other values of some parameters."""
-        own: dict[str, Any] = {key: getattr(self, key) for key in ("position", "direction", "rotation", "segment")}
-        return Target(**{**own, **values})
+        return self._changed(values)
 
     @property
     def table(self) -> Floats:

@@ -9,7 +9,7 @@ each of them does to it.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -73,6 +73,10 @@ class Lines(Frozen):
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
         result: Floats = self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
         return result
+
+    def changed(self, **values: Any) -> Self:
+        """Return the same lines with other values of some parameters."""
+        return self._changed(values)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

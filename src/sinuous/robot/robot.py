@@ -190,9 +190,7 @@ class Robot(Shown, Frozen):
 
     def changed(self, **values: Unpack[RobotArguments]) -> "Robot":
         """Return the same robot with other values of some parameters."""
-        names = ("segments", "mount", "base", "tool", "self_collision", "name")
-        own: dict[str, Any] = {key: getattr(self, key) for key in names} | {"actuators": self.linear}
-        return Robot(**{**own, **values})
+        return self._changed(values)
 
     def __len__(self) -> int:
         return len(self.segments)

@@ -100,10 +100,7 @@ class Segment(Frozen):
 
     def changed(self, **values: Unpack[SegmentArguments]) -> "Segment":
         """Return the same segment with other values of some parameters."""
-        own: dict[str, Any] = {
-            key: value for key, value in vars(self).items() if key != "max_curvature" or math.isfinite(value)
-        }
-        return Segment(**{**own, **values})
+        return self._changed(values)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the segment as a problem file says it."""

@@ -1,22 +1,18 @@
 """Why a solve ended as it did, and what would help."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sinuous.reprs import call
-from sinuous.solution.binding.binding import Binding, nearest_limits
-from sinuous.solution.binding.wording import in_words
+from sinuous.solution.binding import Binding, in_words, nearest_limits
 from sinuous.solution.reasons import Reason
-from sinuous.solution.remedies.remedy import Remedy
-from sinuous.solution.remedies.search import find_remedies
-from sinuous.solution.remedies.trials import Case
+from sinuous.solution.remedies import Remedy, find_remedies
+from sinuous.solution.residual import residual_of
 from sinuous.solution.status import Status
+from sinuous.solution.trials import Case
 from sinuous.words import number
 
-if TYPE_CHECKING:
-    from sinuous.solution.solution import Solution
-
-MOST = 6
+MOST_LINES = 6
 """Most lines about what holds a configuration back."""
 
 
@@ -76,7 +72,7 @@ class Explanation:
         lines += _labelled("least left", in_words(self.nearest, self.segments, values=True))
         lines += _labelled("would help", [str(each) for each in self.remedies])
         if self.status is not Status.SOLVED and not self.remedies:
-            lines.append("  would help nothing that was tried")
+            lines.append("  nothing that was tried would help")
         if not self.complete:
             lines.append("  the time was too short to try everything")
         return "\n".join(lines)
@@ -88,22 +84,23 @@ class Explanation:
 
 def _labelled(label: str, texts: list[str]) -> list[str]:
     """Lines with a label before the first; a long list is cut."""
-    shown = texts if len(texts) <= MOST + 1 else [*texts[:MOST], f"and {len(texts) - MOST} more"]
+    shown = texts if len(texts) <= MOST_LINES + 1 else [*texts[:MOST_LINES], f"and {len(texts) - MOST_LINES} more"]
     return [f"  {label if i == 0 else '':<10} {text}" for i, text in enumerate(shown)]
 
 
-def explain(solution: "Solution", case: Case, end: float) -> Explanation:
-    """Explain a solution, until the time is `end` (by `time.perf_counter`)."""
-    own = solution.status, solution.sentence, solution.reason, _misses(solution), solution.binding
-    count = len(solution.problem.robot)
-    if solution.solved:
-        return Explanation(*own, nearest_limits(solution.problem, solution.q), (), True, count)
-    return Explanation(*own, (), *find_remedies(case, end), count)
+def explain(case: Case, sentence: str, end: float) -> Explanation:
+    """Explain a solve, until the time is `end` (by `time.perf_counter`); `sentence` is what its status means here."""
+    solved = case.status is Status.SOLVED
+    nearest = nearest_limits(case.problem, case.q) if solved else ()
+    remedies, complete = ((), True) if solved else find_remedies(case, end)
+    own = case.status, sentence, case.reason, _misses(case), case.binding
+    return Explanation(*own, nearest, remedies, complete, len(case.problem.robot))
 
 
-def _misses(solution: "Solution") -> str:
-    """By how much a configuration misses its targets."""
-    tolerance, off, turn = solution.problem.tolerance, solution.position_error, solution.angle_error
-    parts = [f"{number(off)} from the position"] if off is not None and off > (tolerance.position or 0.0) else []
-    parts += [f"{number(turn)} rad from the direction"] if turn is not None and turn > tolerance.angle else []
+def _misses(case: Case) -> str:
+    """By how much the best configuration misses its targets."""
+    residual, tolerance = residual_of(case.problem, case.q), case.problem.tolerance
+    off, turn = residual.position_error, residual.angle_error
+    parts = [f"{number(off)} from the position"] if off > (tolerance.position or 0.0) else []
+    parts += [f"{number(turn)} rad from the direction"] if turn > tolerance.angle else []
     return " and ".join(parts)

@@ -1,28 +1,14 @@
 """From a result as plain values back to what a search found."""
 
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.kernels import tables as t
+from sinuous.problem.problem import Problem
 from sinuous.solution.route_class import RouteClass
-from sinuous.solution.status import Status
-
-if TYPE_CHECKING:
-    from sinuous.problem.problem import Problem
-
-_CODES = {
-    Status.SOLVED: t.SOLVED,
-    Status.UNPROVED: t.UNPROVED,
-    Status.TIME_LIMIT: t.LATE,
-    Status.OUT_OF_REACH: t.OUT_OF_REACH,
-    Status.TARGET_BLOCKED: t.TARGET_BLOCKED,
-    Status.BASE_BLOCKED: t.BASE_BLOCKED,
-    Status.NO_ROUTE: t.NO_ROUTE,
-    Status.RATE_BOUND: t.RATE_BOUND,
-}
-"""Codes of statuses; all others are FAILED, for different reasons."""
+from sinuous.solution.status import CODES, Status
 
 _STATUSES = tuple(status for status in Status if status is not Status.START_BLOCKED)
 """What a solve may end with; motions alone can be blocked at their start."""
@@ -38,7 +24,7 @@ class Read(NamedTuple):
     route_class: RouteClass | None
 
 
-def read_result(values: Any, problem: "Problem") -> Read:
+def read_result(values: Any, problem: Problem) -> Read:
     """Read the result of a problem, as `Solution.to_dict` writes it; keys that are not needed are not looked at.
 
     Raises
@@ -52,7 +38,7 @@ def read_result(values: Any, problem: "Problem") -> Read:
     q = checks.array("q", result.value("q"), (len(problem.robot), 3)).copy()
     outcome = t.Outcome(
         q,
-        _CODES.get(Status(status), t.FAILED),
+        CODES.get(Status(status), t.FAILED),
         checks.integer("iterations", result.value("iterations"), 0, 2**62),
         checks.integer("starts", result.value("starts"), 0, 2**62),
         t.SOURCES.index(start),

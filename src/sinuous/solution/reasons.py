@@ -5,16 +5,13 @@ Bounds on lengths and bends come from `sinuous.measures`, without kernels; dista
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from sinuous.arguments import BoundName
 from sinuous.measures.reach import backbone_end, bounds
+from sinuous.problem.problem import Problem
 from sinuous.reprs import ShortRepr
 from sinuous.scene.nearest import room_at
 from sinuous.words import number
-
-if TYPE_CHECKING:
-    from sinuous.problem.problem import Problem
 
 
 @dataclass(frozen=True, repr=False)
@@ -36,6 +33,10 @@ class Reason(ShortRepr):
         The nearest one, by name, where obstacles are the reason.
     pointing : bool
         Whether the direction that is asked for is part of the reason.
+    longest : float or None
+        For `route`: the greatest length of the robot; longer routes were not looked at.
+    inside : bool
+        Whether the body has to stay inside the obstacle.
     """
 
     bound: BoundName
@@ -43,11 +44,14 @@ class Reason(ShortRepr):
     available: float
     obstacle: str | None = None
     pointing: bool = False
+    longest: float | None = None
+    inside: bool = False
 
     def __str__(self) -> str:
         missing = number(self.needed - self.available)
         needed, available, obstacle = number(self.needed), number(self.available), self.obstacle
         this_way = " pointing this way" if self.pointing else ""
+        overlap = f"{missing} outside {obstacle}" if self.inside else f"{missing} deep in {obstacle}"
         return {
             "length": f"the target is {missing} farther from the base than the robot is long "
             f"({needed} away, the robot at most {available} long)",
@@ -57,15 +61,16 @@ class Reason(ShortRepr):
             "behind": f"the target lies {missing} behind everything that the tip can reach{this_way}",
             "turning": f"the direction asks for a turn of {needed} rad, and all bends together make {available} at "
             f"most: {missing} rad too little",
-            "target": f"at the target the body, of radius {needed}, would be {missing} deep in {obstacle}",
-            "base": f"where the body, of radius {needed}, leaves its mount it is {missing} deep in {obstacle}; "
+            "target": f"at the target the body, of radius {needed}, would be {overlap}",
+            "base": f"where the body, of radius {needed}, leaves its mount it is {overlap}; "
             "the usual remedy is a longer mount",
-            "route": f"between base and target no way is wide enough for a body of radius {needed} (shown with cells "
-            f"of edge {available}); the obstacle nearest to the target is {obstacle}",
+            "route": f"between base and target no way that is no longer than the robot ({number(self.longest)}) is "
+            f"wide enough for a body of radius {needed} (shown with cells of edge {available}); the obstacle nearest "
+            f"to the target is {obstacle}",
         }[self.bound]
 
 
-def unreachable(problem: "Problem") -> Reason | None:
+def unreachable(problem: Problem) -> Reason | None:
     """The first bound on lengths and bends that a target breaks; `None` when all keep them."""
     for target in problem.targets:
         for bound in bounds(problem.robot, target, problem.tolerance):
@@ -74,7 +79,7 @@ def unreachable(problem: "Problem") -> Reason | None:
     return None
 
 
-def target_in(problem: "Problem") -> Reason | None:
+def target_in(problem: Problem) -> Reason | None:
     """The target whose body would overlap an obstacle the most."""
     robot, tolerance = problem.robot, problem.tolerance
     found: list[Reason] = []
@@ -84,18 +89,27 @@ def target_in(problem: "Problem") -> Reason | None:
             place, loose = backbone_end(robot, target, last, tolerance.angle)
             room = room_at(place, problem.scene)
             available = room.distance + loose + (tolerance.position or 0.0)
-            found.append(Reason("target", robot.radii[last - 1], available, room.obstacle))
+            inside = _is_inside(problem, room.obstacle)
+            found.append(Reason("target", robot.radii[last - 1], available, room.obstacle, inside=inside))
     return max(found, key=lambda reason: reason.needed - reason.available, default=None)
 
 
-def base_in(problem: "Problem") -> Reason:
+def base_in(problem: Problem) -> Reason:
     """The obstacle that the body overlaps where it leaves its mount."""
     robot = problem.robot
     room = room_at(robot.base[:3, 3] + robot.mount * robot.base[:3, 2], problem.scene)
-    return Reason("base", min(robot.radii), room.distance, room.obstacle)
+    inside = _is_inside(problem, room.obstacle)
+    return Reason("base", min(robot.radii), room.distance, room.obstacle, inside=inside)
 
 
-def closed_in(problem: "Problem", cell: float) -> Reason:
+def closed_in(problem: Problem, cell: float) -> Reason:
     """The obstacle nearest to a target that no route leads to; `cell` is the edge of the cells that proved it."""
     place = next(target.position for target in reversed(problem.targets) if target.position is not None)
-    return Reason("route", min(problem.robot.radii), cell, room_at(place, problem.scene).obstacle)
+    longest = sum(segment.length[1] for segment in problem.robot.segments)
+    return Reason("route", min(problem.robot.radii), cell, room_at(place, problem.scene).obstacle, longest=longest)
+
+
+def _is_inside(problem: Problem, name: str | None) -> bool:
+    """Whether the obstacle of this name is one that the body has to stay inside."""
+    named = {problem.scene.name(i): each for i, each in enumerate(problem.scene.obstacles)}
+    return bool(getattr(named.get(name or ""), "inside", False))

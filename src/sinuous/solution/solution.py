@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Mapping
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -13,24 +13,20 @@ from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
 from sinuous.notebook import Shown
+from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
-from sinuous.solution.again import Elsewhere
-from sinuous.solution.binding.binding import Binding, find_binding, rate_binding
-from sinuous.solution.binding.wording import in_words
+from sinuous.solution.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
-from sinuous.solution.remedies.trials import Case
+from sinuous.solution.resolver import LoadedResult, ReSolver
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.status import Status, status_of
-from sinuous.solution.verification import Verification, Worst, find_worst, verify
+from sinuous.solution.trials import Case
+from sinuous.solution.verification import Verification, verify
+from sinuous.solution.worst import Worst, find_worst
 from sinuous.words import duration, listed
-
-if TYPE_CHECKING:
-    from sinuous.problem.problem import Problem
-    from sinuous.solution.again import Again
-
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
@@ -74,12 +70,12 @@ class Solution(Shown):
 
     # Properties over private slots: setting attributes as `sinuous.frozen.Frozen` does would cost a solve 0.3 us.
     __slots__ = (
-        "_again",
         "_binding",
         "_given",
         "_outcome",
         "_problem",
         "_reason",
+        "_resolver",
         "_route_class",
         "_seconds",
         "_status",
@@ -93,10 +89,10 @@ class Solution(Shown):
 
     def __init__(
         self,
-        problem: "Problem",
+        problem: Problem,
         outcome: Outcome,
         seconds: float,
-        again: "Again",
+        resolver: ReSolver,
         given: Floats,
         route_class: RouteClass | None = None,
         within: Changes | None = None,
@@ -105,7 +101,7 @@ class Solution(Shown):
         self._status = status_of(outcome)
         self._outcome = outcome
         self._seconds = seconds
-        self._again = again
+        self._resolver = resolver
         self._given = given
         self._route_class = route_class
         self._within = within
@@ -119,11 +115,11 @@ class Solution(Shown):
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        own = self.problem, self._outcome, self.seconds, self._again, self._given, self._route_class, self._within
+        own = self.problem, self._outcome, self.seconds, self._resolver, self._given, self._route_class, self._within
         return Solution, own
 
     @property
-    def problem(self) -> "Problem":
+    def problem(self) -> Problem:
         """What was asked, with the obstacles as they were then."""
         return self._problem
 
@@ -145,12 +141,12 @@ class Solution(Shown):
     @property
     def method(self) -> str:
         """Name of the method."""
-        return self._again.method
+        return self._resolver.method
 
     @property
     def seed(self) -> int:
         """Of the scattered starts."""
-        return self._again.seed
+        return self._resolver.seed
 
     @property
     def iterations(self) -> int:
@@ -271,7 +267,8 @@ class Solution(Shown):
         end = perf_counter() + checks.number("time", time, low=0.0)
         given = self._given.reshape(-1, *self.q.shape)
         own = self.problem, self.status, self.q, given[0] if len(given) else None
-        return explain(self, Case(*own, self.binding, self.reason, self._again, self.starts, self._within), end)
+        case = Case(*own, self.binding, self.reason, self._resolver, self.starts, self._within)
+        return explain(case, self.sentence, end)
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
@@ -312,7 +309,7 @@ class Solution(Shown):
         return self
 
     @classmethod
-    def from_dict(cls, values: Mapping[str, Any], problem: "Problem") -> "Solution":
+    def from_dict(cls, values: Mapping[str, Any], problem: Problem) -> "Solution":
         """Make a solution of its result as plain values, and of the problem that it answers.
 
         It says what the result says; `verify` recomputes that.
@@ -324,7 +321,7 @@ class Solution(Shown):
         """
         read = read_result(values, problem)
         nothing: Floats = np.empty((0, len(problem.robot), 3))
-        return cls(problem, read.outcome, read.seconds, Elsewhere(read.method, read.seed), nothing, read.route_class)
+        return cls(problem, read.outcome, read.seconds, LoadedResult(read.method, read.seed), nothing, read.route_class)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""

@@ -28,6 +28,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.problem.asked import Asked
 from sinuous.problem.problem import Problem
+from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of
 
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from sinuous.problem.target import Tolerance
     from sinuous.robot.robot import Robot
     from sinuous.scene.snapshot import Snapshot
-    from sinuous.solution.again import Again
 
 Whole = NDArray[np.int64]
 Objects = NDArray[np.object_]
@@ -105,21 +105,21 @@ class Solutions(Frozen, Sequence[Solution]):
     seed : int
     """
 
-    __slots__ = ("_again", "_answers", "_beyond", "_questions")
+    __slots__ = ("_answers", "_beyond", "_questions", "_resolver")
 
-    _again: "Again"
+    _resolver: ReSolver
     _answers: Floats
     _beyond: Mapping[int, Beyond]
     _questions: Questions
 
     def __init__(
-        self, questions: Questions, answers: Floats, again: "Again", beyond: Mapping[int, Beyond] | None = None
+        self, questions: Questions, answers: Floats, resolver: ReSolver, beyond: Mapping[int, Beyond] | None = None
     ) -> None:
         answers.flags.writeable = False
-        self._set(_questions=questions, _answers=answers, _again=again, _beyond=dict(beyond or {}))
+        self._set(_questions=questions, _answers=answers, _resolver=resolver, _beyond=dict(beyond or {}))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Solutions, (self._questions, self._answers, self._again, self._beyond)
+        return Solutions, (self._questions, self._answers, self._resolver, self._beyond)
 
     def equals(self, other: object) -> bool:
         """Whether `other` holds the same answers, to the last digit, whatever time they took."""
@@ -157,7 +157,7 @@ class Solutions(Frozen, Sequence[Solution]):
             for place, number in (enumerate(numbers.tolist()) if self._beyond else ())
             if number in self._beyond
         }
-        return Solutions(self._questions.some(index), self._answers[index], self._again, beyond)
+        return Solutions(self._questions.some(index), self._answers[index], self._resolver, beyond)
 
     def _one(self, i: int) -> Solution:
         answer = self._answers[i]
@@ -165,7 +165,7 @@ class Solutions(Frozen, Sequence[Solution]):
         if i in self._beyond:
             outcome = outcome._replace(**self._beyond[i]._asdict())
         given = self._questions.initial[i]
-        return Solution(self._questions.problem(i), outcome, outcome.seconds, self._again, given)
+        return Solution(self._questions.problem(i), outcome, outcome.seconds, self._resolver, given)
 
     @property
     def q(self) -> Floats:
@@ -235,12 +235,12 @@ class Solutions(Frozen, Sequence[Solution]):
     @property
     def method(self) -> str:
         """Name of the method."""
-        return self._again.method
+        return self._resolver.method
 
     @property
     def seed(self) -> int:
         """Of the scattered starts."""
-        return self._again.seed
+        return self._resolver.seed
 
     def raise_for_status(self) -> "Solutions":
         """Return these solutions when all are solved.

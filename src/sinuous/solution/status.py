@@ -52,7 +52,8 @@ _SENTENCES = {
     Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
     Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
     Status.START_BLOCKED: "the start overlaps an obstacle or itself, or violates a limit",
-    Status.NO_ROUTE: "proved at the stated resolution: no route through free space is wide enough for the body",
+    Status.NO_ROUTE: "proved at the stated resolution: no route through free space that is no longer than the robot "
+    "is wide enough for its body",
     Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
     Status.BLOCKED: "not solved: the best found overlaps an obstacle or itself",
     Status.LIMIT_BOUND: "not solved: limits stop the best found",
@@ -61,16 +62,19 @@ _SENTENCES = {
     Status.TIME_LIMIT: "not solved within the time budget",
 }
 
-_OF_CODES = {
-    SOLVED: Status.SOLVED,
-    UNPROVED: Status.UNPROVED,
-    LATE: Status.TIME_LIMIT,
-    OUT_OF_REACH: Status.OUT_OF_REACH,
-    TARGET_BLOCKED: Status.TARGET_BLOCKED,
-    BASE_BLOCKED: Status.BASE_BLOCKED,
-    NO_ROUTE: Status.NO_ROUTE,
-    RATE_BOUND: Status.RATE_BOUND,
+CODES = {
+    Status.SOLVED: SOLVED,
+    Status.UNPROVED: UNPROVED,
+    Status.TIME_LIMIT: LATE,
+    Status.OUT_OF_REACH: OUT_OF_REACH,
+    Status.TARGET_BLOCKED: TARGET_BLOCKED,
+    Status.BASE_BLOCKED: BASE_BLOCKED,
+    Status.NO_ROUTE: NO_ROUTE,
+    Status.RATE_BOUND: RATE_BOUND,
 }
+"""Codes by which kernels say how a search ended; all other statuses are FAILED, for different reasons."""
+
+_OF_CODES = {code: status for status, code in CODES.items()}
 
 
 def status_of(outcome: Outcome) -> Status:

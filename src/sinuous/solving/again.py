@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Again:
-    """See `sinuous.solution.again.Again`.
+    """See `sinuous.solution.resolver.ReSolver`.
 
     Attributes
     ----------

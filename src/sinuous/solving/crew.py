@@ -26,6 +26,12 @@ class DismissedError(BaseException):
     """Raised in a helper that need not go on."""
 
 
+def dismiss(threads: Iterable[int]) -> None:
+    """Raise `DismissedError` in threads of these numbers, wherever they are, also in compiled code."""
+    for thread in threads:
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(DismissedError))
+
+
 class Crew(Generic[Job]):
     """The caller's thread and helpers, who take one job after the other until none is left.
 
@@ -96,6 +102,5 @@ class Crew(Generic[Job]):
         """Leave no job, and stop the helpers at what they are doing."""
         self._jobs.clear()
         with self._lock:
-            for thread in self._busy:
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(DismissedError))
+            dismiss(self._busy)
             self._busy.clear()

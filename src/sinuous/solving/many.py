@@ -19,7 +19,7 @@ from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
 
 if TYPE_CHECKING:
-    from sinuous.solution.again import Again
+    from sinuous.solution.resolver import ReSolver
 
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
@@ -93,7 +93,7 @@ class Many:
 
         Crew(one, self._workers).share(_undecided(self._answers), alone=0.0)
 
-    def solutions(self, again: "Again") -> Solutions:
+    def solutions(self, again: "ReSolver") -> Solutions:
         """Return what was found."""
         return Solutions(self._questions, self._answers, again, self._beyond)
 

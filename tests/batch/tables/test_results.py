@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from pyarrow import parquet
 
-from sinuous.batch.tables.blocks import CODES, STATUSES, Layout
 from sinuous.batch.tables.kinds import write_results
+from sinuous.batch.tables.layout import CODES, STATUSES, Layout
 from tests.batch.questions import ROBOT
 
 LAYOUT = Layout.of(ROBOT)
@@ -20,7 +20,7 @@ def test_all_kinds_say_the_same(tmp_path: Path) -> None:
     blocks[0]["status"][:2] = CODES["solved"]
     blocks[0]["self_clearance"][0] = np.inf
     for ending in ("csv", "npz", "parquet"):
-        write_results(tmp_path / f"out.{ending}", lambda name: blocks, LAYOUT, 5)
+        write_results(tmp_path / f"out.{ending}", lambda *names: blocks, LAYOUT, 5)
     with (tmp_path / "out.csv").open(encoding="utf-8") as text:
         header, *rows = csv.reader(text)
     table = parquet.read_table(tmp_path / "out.parquet")

@@ -100,7 +100,7 @@ def test_an_answer_that_is_right_but_not_claimed_does_not_count() -> None:
     problems = paper_pose("B", 1)
     solution = Solver(problems.robot, tolerance=problems.tolerance).solve(problems.targets[0])
     claimed = solution._outcome._replace(code=FAILED, clearance=1.0, bound=False)
-    solution = Solution(solution.problem, claimed, solution.seconds, solution._again, solution._given)
+    solution = Solution(solution.problem, claimed, solution.seconds, solution._resolver, solution._given)
     assert solution.status is Status.STALLED
     record = Judge(problems).record(0, solution, 1e-5, keep=False)
     assert not record["right"]

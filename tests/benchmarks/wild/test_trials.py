@@ -46,7 +46,7 @@ def solution() -> Solution:
 
 def changed(solution: Solution, **record: Any) -> Solution:
     outcome = solution._outcome._replace(**record)
-    return Solution(solution.problem, outcome, solution.seconds, solution._again, solution._given)
+    return Solution(solution.problem, outcome, solution.seconds, solution._resolver, solution._given)
 
 
 def kinds(asked: World, said: Solution) -> set[str]:

@@ -13,7 +13,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems import random_configurations
-from benchmarks.wild import audit, branches, curled, doors, experiment, replay, scan, worlds
+from benchmarks.wild import audit, branches, curled, doors, experiment, motions, replay, scan, worlds
 from benchmarks.wild.audit import KINDS
 from benchmarks.wild.experiment import Wild
 from benchmarks.wild.tally import MANY, Tally
@@ -30,6 +30,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(curled, "TOGETHER", 3)
     monkeypatch.setattr(doors, "BUDGET", 0.1)
     monkeypatch.setattr(audit, "KINDS", {"units": audit.units})
+    monkeypatch.setattr(motions, "KINDS", {"timed": motions.timed})
     monkeypatch.setattr(experiment, "_poses", lambda seed, count: iter(()))
     monkeypatch.setattr(Plan, "count", lambda self, full, quick: min(quick, 3))
 
@@ -74,7 +75,7 @@ def test_a_false_claim_is_wrong_and_named(
 
 def test_more_rounds_are_fresh_problems() -> None:
     names = [name for name, _ in Wild(Plan(rounds=2)).pieces()]
-    assert len(names) == len(set(names)) == 3 + 3 + 1 + 2 * (experiment.BLOCKS + len(KINDS) * experiment.AUDITED)
+    assert len(names) == len(set(names)) == 3 + 3 + 1 + 2 + 2 * (experiment.BLOCKS + len(KINDS) * experiment.AUDITED)
 
 
 def tally(*parts: Iterable[Trial]) -> Tally:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sinuous.batch.tables.blocks import Block, Layout
+from sinuous.batch.tables.layout import Block, Layout
 from sinuous.batch.tables.source import Raw, fingerprint_of, groups_of
 from sinuous.checks import Floats
 from sinuous.errors import InputError

@@ -1,4 +1,4 @@
-"""Which kind of table a file is: its ending says so."""
+"""Kinds of tables of targets and results: the ending of the name of a file says which one it is."""
 
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.batch.tables.arrays import ArraySource
-from sinuous.batch.tables.blocks import Block, Layout
 from sinuous.batch.tables.csv_files import CsvSource, write_csv
+from sinuous.batch.tables.layout import Block, Layout
 from sinuous.batch.tables.npz_files import NpzSource, write_npz
 from sinuous.batch.tables.parquet_files import ParquetSource, parquet, write_parquet
-from sinuous.batch.tables.source import Source
+from sinuous.batch.tables.source import ArraySource, Source
 from sinuous.errors import InputError
 
 SOURCES: dict[str, Callable[[Path], Source]] = {".csv": CsvSource, ".npz": NpzSource, ".parquet": ParquetSource}
@@ -55,16 +54,16 @@ def check_results(key: str, file: Path) -> None:
         parquet(file)
 
 
-def write_results(file: Path, blocks: Callable[[str | None], Iterable[Block]], layout: Layout, rows: int) -> None:
+def write_results(file: Path, blocks: Callable[..., Iterable[Block]], layout: Layout, rows: int) -> None:
     """Write results of the kind that the ending says.
 
-    `blocks` gives all blocks anew at each call; with a name, of each the array of this name alone.
+    `blocks` gives all blocks anew at each call; given the name of an array, that array of each alone.
     """
     match file.suffix.lower():
         case ".csv":
-            write_csv(file, blocks(None), layout)
+            write_csv(file, blocks(), layout)
         case ".parquet":
-            write_parquet(file, blocks(None), layout)
+            write_parquet(file, blocks(), layout)
         case _:
             write_npz(file, blocks, layout, rows)
 

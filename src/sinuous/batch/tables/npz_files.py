@@ -10,9 +10,8 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from sinuous.batch.tables.arrays import checked_shape
-from sinuous.batch.tables.blocks import STATUSES, Block, Layout
-from sinuous.batch.tables.source import Raw, fingerprint_of
+from sinuous.batch.tables.layout import STATUSES, Block, Layout
+from sinuous.batch.tables.source import Raw, checked_shape, fingerprint_of
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.target import KEYS
@@ -90,10 +89,10 @@ class NpzSource:
         self._archive.close()
 
 
-def write_npz(file: Path, blocks: Callable[[str | None], Iterable[Block]], layout: Layout, rows: int) -> None:
+def write_npz(file: Path, blocks: Callable[..., Iterable[Block]], layout: Layout, rows: int) -> None:
     """Write results: an array for each name of `Layout.shapes`, and the words that its numbers stand for.
 
-    `blocks` gives all blocks anew at each call, of which one array is read: each is written whole before the next.
+    `blocks` is called with the name of each array and yields that array of all blocks: one is written after the other.
     """
     texts = {"statuses": STATUSES, "segment_names": layout.segments, "actuator_names": layout.actuators}
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sinuous.batch.tables.blocks import STATUSES, Block, Layout
+from sinuous.batch.tables.layout import STATUSES, Block, Layout
 from sinuous.batch.tables.source import Raw, fingerprint_of, groups_of
 from sinuous.errors import InputError
 

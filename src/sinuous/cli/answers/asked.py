@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 
-from sinuous.batch.record import asked, hash_of
+from sinuous.batch.checkpoint import hash_of, problem_record
 from sinuous.checks import Floats
 from sinuous.cli.options import Options
 from sinuous.files.problem_file import ProblemFile
@@ -19,7 +19,7 @@ def asked_of(problems: list[ProblemFile], options: Options, typed: Mapping[str, 
         own = SolveOptions(**options.solve_options(problem.tolerance, problem.prefer))
         scene = problem.scene.snapshot()
         parts = {
-            **asked(problem.robot, scene.at(0.0), own),
+            **problem_record(problem.robot, scene.at(0.0), own),
             "moving": hash_of(
                 *(part.tobytes() for one in scene.courses.values() for part in (one.times, *one.poses(one.times)))
             ),

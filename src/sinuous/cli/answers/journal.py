@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from sinuous.batch.record import check_same
+from sinuous.batch.checkpoint import check_same
 from sinuous.errors import InputError
 
 EVERY = 1.0

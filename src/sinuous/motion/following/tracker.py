@@ -24,7 +24,7 @@ from sinuous.motion.times import Timetable, spread_times, with_start
 from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solution.verification import Worst
+from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Prover, Steps, load_motions
 from sinuous.solving.between.tip import Tip
 from sinuous.solving.solver import Initial, Solver

@@ -3,7 +3,7 @@
 import html as markup
 from collections.abc import Sequence
 
-from sinuous.solution.binding.wording import in_words
+from sinuous.solution.binding import in_words
 from sinuous.solution.solution import Solution
 from sinuous.viewer.model.judging import Judgement, Near
 from sinuous.viewer.model.model import Model

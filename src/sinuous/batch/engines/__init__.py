@@ -1,1 +1,0 @@
-"""What solves chunks: threads, processes, any executor, Dask. One protocol for all."""

@@ -1,0 +1,114 @@
+"""The best configuration within the limits near one where a search gave up: the residual of the targets is least there.
+
+A search gives up a start that gains little, and so short of the place where limits balance the targets. A few damped
+Gauss-Newton steps go on from there. Each is the solution of a small problem with all limits as linear inequalities:
+least-distance programming (Lawson & Hanson 1974, chapter 23), by nonnegative least squares.
+"""
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.problem.problem import Problem
+from sinuous.robot.robot import Robot
+from sinuous.solution.constraints import Limit, limits_of, normal
+from sinuous.solution.residual import residual_of
+
+MOST_STEPS = 30
+"""Most Gauss-Newton steps, accepted or refused."""
+
+GAIN = 1e-8
+"""Share of the squared residual by which a step has to lower it, or the search ends."""
+
+FIRST_DAMPING = 1e-3
+"""Damping of the first step, relative to the squared residual; ten times as much after a step that was refused."""
+
+LEAST_MERIT = 1e-9
+"""Squared residual below which the damping shrinks no more."""
+
+ROUNDING = 1e-13
+"""Damping, relative to the square of the derivatives, below which rounding could make their factors imaginary."""
+
+MOST_COORDINATES = 600
+"""Coordinates (3 n) of the largest robot for which this is done: the cost grows with their cube."""
+
+
+def at_rest(problem: Problem, q: Floats) -> Floats:
+    """Return a configuration (n, 3) within the limits, near `q`, where the targets are missed by as little as possible.
+
+    Obstacles are not looked at.
+    """
+    robot, count = problem.robot, len(problem.robot)
+    if q.size > MOST_COORDINATES:
+        return q
+    unit = robot.mean_length / count
+    scale = np.array([1.0, 1.0, unit])
+    residual, limits, damping = residual_of(problem, q), list(limits_of(robot, q)), FIRST_DAMPING
+    for _ in range(MOST_STEPS):
+        merit = float(residual.value @ residual.value)
+        normals = np.array([normal(limit, unit) for limit in limits])
+        slacks = np.maximum(0.0, [limit.slack for limit in limits])
+        step = _bounded_step(
+            residual.jacobian * np.tile(scale, count),
+            residual.value,
+            damping * max(merit, LEAST_MERIT),
+            normals,
+            slacks,
+        )
+        tried = _within(robot, q, limits, q + step.reshape(-1, 3) * scale)
+        found = residual_of(problem, tried)
+        gained = merit - float(found.value @ found.value)
+        if gained > 0.0:
+            q, residual, limits, damping = tried, found, list(limits_of(robot, tried)), 0.1 * damping
+            if gained < GAIN * merit:
+                break
+        else:
+            damping *= 10.0
+    return q
+
+
+def _bounded_step(rows: Floats, residual: Floats, damping: float, normals: Floats, slacks: Floats) -> Floats:
+    """The step x (3 n,) with least `|rows x - residual|^2 + damping |x|^2` of those with `normals x <= slacks`."""
+    square = rows.T @ rows
+    root = np.linalg.cholesky(square + (damping + ROUNDING * np.trace(square)) * np.eye(len(square)))
+    free = np.linalg.solve(root, rows.T @ residual)
+    across = np.linalg.solve(root, normals.T).T
+    system = np.vstack([-across.T, across @ free - slacks])
+    wanted = np.zeros(len(system))
+    wanted[-1] = 1.0
+    left = system @ nonnegative_least_squares(system, wanted) - wanted
+    shift = -left[:-1] / left[-1] if left[-1] != 0.0 else np.zeros_like(free)
+    step: Floats = np.linalg.solve(root.T, free + shift)
+    return step
+
+
+def _within(robot: Robot, before: Floats, limits: list[Limit], after: Floats) -> Floats:
+    """Bring the end of a step within the limits: lengths and bends one by one, the rest by shortening the step."""
+    q = after.copy()
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    q[:, 2] = np.clip(q[:, 2], low, high)
+    bends = np.array([s.max_bend if s.length[1] > 0.0 else 0.0 for s in robot.segments])
+    curvatures = np.array(robot.curvatures)
+    curved = np.isfinite(curvatures)
+    most = np.where(curved, np.minimum(bends, np.where(curved, curvatures, 0.0) * q[:, 2]), bends)
+    size = np.hypot(q[:, 0], q[:, 1])
+    q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
+    share = 1.0
+    lines = [limit for limit in limits if limit.constraint == "actuator"]
+    now = limits_of(robot, q) if lines else ()
+    for limit, was in zip((each for each in now if each.constraint == "actuator"), lines, strict=True):
+        if limit.slack < 0.0 < was.slack - limit.slack:
+            share = min(share, max(0.0, was.slack) / (was.slack - limit.slack))
+    result: Floats = before + share * (q - before)
+    return result
+
+
+def nonnegative_least_squares(system: Floats, wanted: Floats) -> Floats:
+    """Return x (k,) >= 0 with the least `|system x - wanted|`, for `system` (m, k) and `wanted` (m,)."""
+    from scipy.optimize import lsq_linear, nnls  # noqa: PLC0415
+
+    try:
+        result: Floats = nnls(system, wanted)[0]
+    except RuntimeError:
+        # Columns that are equal but for rounding can let the active set go round in circles; this one cannot.
+        result = lsq_linear(system, wanted, bounds=(0.0, np.inf)).x
+    return result

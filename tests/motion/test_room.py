@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.motion.following.room import HALF, Room
+from sinuous.motion.track import HALF, Room
 from sinuous.problem.preferences import Preferences
 
 ROBOT = sn.Robot.uniform(5, (0.9, 1.1), 2.0, radius=0.02)

@@ -11,15 +11,13 @@ from sinuous.checks import Floats
 from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import blocked_by
-from sinuous.motion.following.entries import Entry
-from sinuous.motion.following.knots import Knot
-from sinuous.motion.following.shortest import Means, metric_of, shorten
-from sinuous.motion.following.straight import Straight
+from sinuous.motion.knots import Entry, Knot, Line
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.find import find_path, find_timed_path
 from sinuous.motion.planning.query import Deadline, Goals, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.motion.report import Report
+from sinuous.motion.shortest import metric_of, shorten
 from sinuous.motion.times import Timetable, spread_times, with_start
 from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
@@ -170,8 +168,8 @@ class Tracker:
         count, self._outdated = self._outdated, 0
         if count > 1:
             answers = self._prover.prove(np.array([knot.q for knot in self._knots[:count]]), SLACK)
-            for i, came in enumerate(np.split(answers, count - 1), start=1):
-                self._knots[i] = self._knots[i]._replace(came=came)
+            for i, proof in enumerate(np.split(answers, count - 1), start=1):
+                self._knots[i] = self._knots[i]._replace(proof=proof)
 
     def _clear(self, knot: Knot) -> tuple[float, float]:
         """Proved clearance and self-clearance of a knot in the scene of now; 0 where they are not known."""
@@ -192,25 +190,25 @@ class Tracker:
         goal, begin, end = solution.problem.targets, self._knots[-1].time, self._knots[-1].time
         if self._timetable is not None:
             end = self._timetable.of(len(self._tried))
-        way = Straight.between(self._at, goal)
+        line = Line.between(self._at, goal)
         done, step = 0.0, 1.0
         while done < 1.0:
             share = min(1.0, done + step)
             before, when = self._knots[-1], (1.0 - share) * begin + share * end
             found: Solution | None = solution
-            if way is not None and (share < 1.0 or done > 0.0):
+            if line is not None and (share < 1.0 or done > 0.0):
                 if self._timetable is not None:
                     self._timetable.look_at(when)
-                found = self._follower().solve(way.at(share) if share < 1.0 else goal, before.begin)
+                found = self._follower().solve(line.at(share) if share < 1.0 else goal, before.begin)
             knot = None
             if found is not None and found.solved:
                 self._look_at(found)
-                knot = Knot(found.q, None, found.problem.targets, found, way, (done, share), time=when)
-            came = None if knot is None else self._prove(before, knot)
-            if found is not None and knot is not None and came is not None:
-                self._knots.append(knot._replace(came=came))
+                knot = Knot(found.q, None, found.problem.targets, found, line, (done, share), time=when)
+            proof = None if knot is None else self._prove(before, knot)
+            if found is not None and knot is not None and proof is not None:
+                self._knots.append(knot._replace(proof=proof))
                 done, step, solution = share, min(2.0 * step, 1.0), found
-            elif way is None or step <= SHORTEST:
+            elif line is None or step <= SHORTEST:
                 return None
             else:
                 step *= 0.5
@@ -219,15 +217,15 @@ class Tracker:
     def _prove(self, before: Knot, knot: Knot) -> Floats | None:
         """Return what is proved of a step that stays near enough to the line and is clear; `None` of any other."""
         ends, times = self._two(before.q, knot.q), None
-        if knot.way is not None:
-            knot.way.draw(knot.shares, self._tip.line)
+        if knot.line is not None:
+            knot.line.draw(knot.shares, self._tip.line)
             if self._tip.deviation(ends, self._deviation) > self._deviation:
                 return None
         self._known[0], self._known[1] = self._clear(before), self._clear(knot)
         if self._timetable is not None:
             times = np.array([before.time, knot.time])
-        came = self._prover.prove(ends, SLACK, times=times, known=self._known)
-        return came if came[0, VERDICT] == CLEAR else None
+        proof = self._prover.prove(ends, SLACK, times=times, known=self._known)
+        return proof if proof[0, VERDICT] == CLEAR else None
 
     def _go_around(self, solution: Solution) -> Solution:
         """Change the configuration to one of a waypoint on any path; the step is not proved where none is found.
@@ -242,13 +240,13 @@ class Tracker:
         goals = Goals(self._solver, solution)
         path = self._find_path(last, when, goals)
         if path is None:
-            came = self._prover.prove(self._two(last.q, solution.q), SLACK, times=times)
-            self._knots.append(Knot(solution.q, came, solution.problem.targets, solution, time=when))
+            proof = self._prover.prove(self._two(last.q, solution.q), SLACK, times=times)
+            self._knots.append(Knot(solution.q, proof, solution.problem.targets, solution, time=when))
             return solution
         steps = np.split(path.answers, len(path.answers))
         at = np.zeros(len(path.q)) if path.times is None else path.times
         between = zip(path.q[1:-1], steps[:-1], at[1:-1].tolist(), strict=True)
-        self._knots += [Knot(q, came, time=t) for q, came, t in between]
+        self._knots += [Knot(q, proof, time=t) for q, proof, t in between]
         reached = goals.solution_at(path.q[-1])
         self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached, time=when))
         return reached
@@ -297,9 +295,9 @@ class Tracker:
         if len(self._knots) < 3 or self.blocked is not None:
             return
         self._prove_anew()
-        robot, means = self._solver.robot, Means(self._meet, self._prove)
+        robot = self._solver.robot
         durations = np.diff(self.motion().times)
-        self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, means)
+        self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, self._meet, self._prove)
         self._tried = [
             (solution if at is None else self._knots[at].solution or solution, at) for solution, at in self._tried
         ]
@@ -309,14 +307,14 @@ class Tracker:
         if self._timetable is not None:
             self._timetable.look_at(knot.time)
         found = self._follower().solve(knot.targets, q)
-        return knot._replace(q=found.q, came=None, solution=found) if found.solved else None
+        return knot._replace(q=found.q, proof=None, solution=found) if found.solved else None
 
     def motion(self, remaining: int = 0, times: Floats | None = None) -> Motion:
         """Return the motion so far; `remaining` waypoints were not tried, `times` (m,) are those of all waypoints."""
         self._prove_anew()
         robot = self._solver.robot
         q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
-        answers = [knot.came for knot in self._knots if knot.came is not None]
+        answers = [knot.proof for knot in self._knots if knot.proof is not None]
         steps = Steps(np.concatenate(answers) if answers else np.zeros((0, ANSWER_WIDTH)))
         found = Report(
             solutions=tuple(solution for solution, _ in self._tried),

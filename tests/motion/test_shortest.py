@@ -6,8 +6,8 @@ import pytest
 import sinuous as sn
 from sinuous.arguments import Shortest
 from sinuous.checks import Floats
-from sinuous.motion.following.knots import Knot
-from sinuous.motion.following.shortest import Means, _solved, metric_of, shorten
+from sinuous.motion.knots import Knot
+from sinuous.motion.shortest import _solved, metric_of, shorten
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05, tendons=sn.Tendons(3, 0.04))
@@ -63,9 +63,9 @@ def test_the_length_unit_does_not_matter(scale: float) -> None:
 
 def test_a_path_whose_knots_cannot_be_moved_stays() -> None:
     knots = [Knot(q, None, (target,)) for q, target in zip(sn.track(ROBOT, PATH).q, PATH, strict=False)]
-    nothing = Means(solve=lambda _knot, _q: None, prove=lambda _before, _after: None)
     durations = np.ones(len(knots) - 1)
-    short = shorten(ROBOT, knots, metric_of(ROBOT, "configuration"), durations, nothing)
+    metric = metric_of(ROBOT, "configuration")
+    short = shorten(ROBOT, knots, metric, durations, solve=lambda _knot, _q: None, prove=lambda _before, _after: None)
     assert all(kept is before for kept, before in zip(short, knots, strict=True))
 
 

@@ -7,14 +7,13 @@ targets again, and every step is proved again. Knots beside a step that is not a
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.arguments import Shortest
 from sinuous.checks import Floats
 from sinuous.motion.configurations import lever_metric
-from sinuous.motion.following.knots import Knot
+from sinuous.motion.knots import Knot
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 
@@ -31,22 +30,16 @@ SINGULAR = 1e-6
 """Singular values of a knot's targets below this, relative to the largest, count as 0."""
 
 
-class Means(NamedTuple):
-    """What a path is made shorter with.
+Solve = Callable[[Knot, Floats], Knot | None]
+"""Takes a knot and a configuration; returns the knot near there that meets the same targets, or `None`."""
 
-    Attributes
-    ----------
-    solve : callable
-        Takes a knot and a configuration; returns the knot near there that meets the same targets, or `None`.
-    prove : callable
-        Takes two knots; returns what is proved of the step from one to the other (1, 14), or `None`.
-    """
-
-    solve: Callable[[Knot, Floats], Knot | None]
-    prove: Callable[[Knot, Knot], Floats | None]
+Prove = Callable[[Knot, Knot], Floats | None]
+"""Takes two knots; returns what is proved of the step from one to the other (1, 14), or `None`."""
 
 
-def shorten(robot: Robot, knots: Sequence[Knot], metric: Floats, durations: Floats, means: Means) -> list[Knot]:
+def shorten(
+    robot: Robot, knots: Sequence[Knot], metric: Floats, durations: Floats, solve: Solve, prove: Prove
+) -> list[Knot]:
     """Return the same path, shorter where that is possible.
 
     Parameters
@@ -58,7 +51,10 @@ def shorten(robot: Robot, knots: Sequence[Knot], metric: Floats, durations: Floa
         What the square of a step's length is.
     durations : ndarray (T - 1,)
         Of the steps.
-    means : Means
+    solve : callable
+        See `Solve`.
+    prove : callable
+        See `Prove`.
     """
     path, size = list(knots), 1.0
     held = {i for i, knot in enumerate(path) if knot.fixed or not knot.targets}
@@ -66,7 +62,7 @@ def shorten(robot: Robot, knots: Sequence[Knot], metric: Floats, durations: Floa
         if len(held) == len(path):
             break
         change = size * _limited(robot, _direction(robot, path, held, metric, durations))
-        tried, wrong = _tried(path, change, means)
+        tried, wrong = _tried(path, change, solve, prove)
         before, after = (_effort(each, metric, durations) for each in (path, tried))
         if not wrong and after < before:
             path, size = tried, min(1.0, 2.0 * size)
@@ -179,22 +175,22 @@ def _limited(robot: Robot, change: Floats) -> Floats:
     return change * min(1.0, FARTHEST / max(float(np.abs(change / units).max(initial=0.0)), 1e-300))
 
 
-def _tried(path: list[Knot], change: Floats, means: Means) -> tuple[list[Knot], set[int]]:
+def _tried(path: list[Knot], change: Floats, solve: Solve, prove: Prove) -> tuple[list[Knot], set[int]]:
     """Change all knots and meet their targets again; return also those that steps that are not proved lie between."""
-    tried = [_moved(knot, move, means) for knot, move in zip(path, change, strict=True)]
+    tried = [_moved(knot, move, solve) for knot, move in zip(path, change, strict=True)]
     wrong = {i for i, knot in enumerate(tried) if knot is None}
     knots = [knot or before for knot, before in zip(tried, path, strict=True)]
     for i in range(1, len(knots)):
-        came = means.prove(knots[i - 1], knots[i])
-        if came is None:
+        proof = prove(knots[i - 1], knots[i])
+        if proof is None:
             wrong |= {i - 1, i}
         else:
-            knots[i] = knots[i]._replace(came=came)
+            knots[i] = knots[i]._replace(proof=proof)
     return knots, wrong
 
 
-def _moved(knot: Knot, move: Floats, means: Means) -> Knot | None:
+def _moved(knot: Knot, move: Floats, solve: Solve) -> Knot | None:
     """Change a knot and meet its targets again; `None` where that fails."""
     if not move.any():
         return knot
-    return means.solve(knot, knot.q + move)
+    return solve(knot, knot.q + move)

@@ -33,7 +33,7 @@ from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.between.steps import Prover, Steps, load_motions
 from sinuous.solving.options import SolveArguments, SolveOptions
-from sinuous.solving.solver import Initial, OneSolve, Solver
+from sinuous.solving.solver import Initial, Solver
 
 TIME = 5.0
 """Default budget of a plan, in seconds."""
@@ -224,7 +224,7 @@ class Planner:
         there = standing(scene) if duration is None else scene.at(self._timing.begin + duration)
         solver = None
         if not isinstance(end, np.ndarray):  # loaded now, because compiling is no planning
-            solver = OneSolve.prepared(self._robot, Scene.of(there), self._options)
+            solver = Solver.prepared(self._robot, Scene.of(there), self._options)
         deadline, prover = Deadline(self._options.time), Prover(self._robot, scene)
         made = partial(self._made, scene, deadline, begin)
         report = self._blocked(begin, end, prover, Prover(self._robot, there))
@@ -269,7 +269,7 @@ class Planner:
 
     def _again(self, solution: Solution, scene: Snapshot) -> Solution:
         """Return the same solution, solved again among all that is there when the motion ends."""
-        solver = OneSolve.prepared(self._robot, Scene.of(scene), self._options)
+        solver = Solver.prepared(self._robot, Scene.of(scene), self._options)
         again = solver.solve(list(solution.problem.targets), solution.q)
         return again if np.array_equal(again.q, solution.q) else solution
 
@@ -287,7 +287,7 @@ class Planner:
     @cached_property
     def _solver(self) -> Solver:
         """Solves targets; without any, nothing is compiled for it."""
-        return OneSolve.prepared(self._robot, self._scene, self._options)
+        return Solver.prepared(self._robot, self._scene, self._options)
 
     def _configuration(self, key: str, given: Initial) -> Floats:
         return checks.array(key, given.q if isinstance(given, Solution) else given, (len(self._robot), 3))

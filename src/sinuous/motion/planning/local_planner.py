@@ -19,7 +19,7 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 from sinuous.solving.thinner import with_radii
 
 ROOMS = (0.2, 0.05)
@@ -108,7 +108,7 @@ class LocalPlanner:
         options = replace(
             SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
         )
-        return OneSolve.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
+        return Solver.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
 
 
 class Ends:

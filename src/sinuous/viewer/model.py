@@ -279,6 +279,10 @@ class Model:
         solution = self.ghosts[checks.integer("solution", index, 0, len(self.ghosts) - 1)]
         self.answer, self.q, self.by_hand = solution, solution.q, False
 
+    def forget_ghosts(self) -> None:
+        """Take the distinct solutions from the page."""
+        self.ghosts = []
+
     def begin_here(self) -> None:
         """Let motions begin in the shape on the page; where obstacles move, at the time on the page."""
         self.begin = self.time if self.scene.moves else 0.0

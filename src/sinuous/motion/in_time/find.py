@@ -14,7 +14,7 @@ from sinuous.motion.in_time.tree import Tree
 from sinuous.motion.planning.question import Question
 from sinuous.motion.planning.watch import Watch
 from sinuous.motion.planning.ways import find_way
-from sinuous.scene.courses.moving import Moving
+from sinuous.scene.moving import Moving
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.planning.trees import load_trees

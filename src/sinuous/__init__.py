@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from sinuous.errors import UnfinishedError as UnfinishedError
     from sinuous.export.chain import JointChain as JointChain
     from sinuous.measures.following import Deviation as Deviation
-    from sinuous.methods.dls.options import Dls as Dls
-    from sinuous.methods.fabrik.fabrikc import Fabrikc as Fabrikc
-    from sinuous.methods.fabrik.fabrikx import Fabrikx as Fabrikx
-    from sinuous.methods.fabrik_avoid.options import FabrikAvoid as FabrikAvoid
-    from sinuous.methods.monte_carlo.options import MonteCarlo as MonteCarlo
+    from sinuous.methods.dls import Dls as Dls
+    from sinuous.methods.fabrik.avoiding import FabrikAvoid as FabrikAvoid
+    from sinuous.methods.fabrik.reaching import Fabrikc as Fabrikc
+    from sinuous.methods.fabrik.reaching import Fabrikx as Fabrikx
+    from sinuous.methods.monte_carlo import MonteCarlo as MonteCarlo
     from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath
-    from sinuous.methods.slinki.options import Slinki as Slinki
+    from sinuous.methods.slinki.search import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
     from sinuous.motion.leader import follow_the_leader as follow_the_leader
@@ -83,9 +83,9 @@ if TYPE_CHECKING:
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
     from sinuous.solution.verification import check as check
-    from sinuous.solving.solve import solve as solve
-    from sinuous.solving.solve import solve_all as solve_all
     from sinuous.solving.solver import Solver as Solver
+    from sinuous.solving.solver import solve as solve
+    from sinuous.solving.solver import solve_all as solve_all
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
@@ -102,14 +102,13 @@ _HOMES = {
     "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
     "export.chain": ("JointChain",),
     "measures.following": ("Deviation",),
-    "methods.dls.options": ("Dls",),
-    "methods.fabrik.fabrikc": ("Fabrikc",),
-    "methods.fabrik.fabrikx": ("Fabrikx",),
-    "methods.fabrik_avoid.options": ("FabrikAvoid",),
-    "methods.monte_carlo.options": ("MonteCarlo",),
+    "methods.dls": ("Dls",),
+    "methods.fabrik.avoiding": ("FabrikAvoid",),
+    "methods.fabrik.reaching": ("Fabrikc", "Fabrikx"),
+    "methods.monte_carlo": ("MonteCarlo",),
     "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
-    "methods.slinki.options": ("Slinki",),
+    "methods.slinki.search": ("Slinki",),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),
@@ -146,8 +145,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Active", "Step"),
     "solution.verification": ("Verification", "Verifications", "check"),
-    "solving.solve": ("solve", "solve_all"),
-    "solving.solver": ("Solver",),
+    "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),
     "workspace.reach": ("Reach",),

@@ -12,7 +12,7 @@ import pytest
 import sinuous as sn
 from sinuous.cli.answers import journal
 from sinuous.cli.app import main
-from sinuous.motion.following.tracker import Tracker
+from sinuous.motion.tracker import Tracker
 from sinuous.solution.solution import Solution
 from tests.cli.going_on import answers, ended_at, lines, whole
 
@@ -22,7 +22,7 @@ BALL = sn.Sphere((40, 0, 180), radius=15, name="ball")
 
 SLOWLY = (
     "import sys, time; from sinuous.cli.answers import journal; from sinuous.cli.app import main;"
-    "from sinuous.motion.following.tracker import Tracker; journal.EVERY = 0.05; go_to = Tracker.go_to;"
+    "from sinuous.motion.tracker import Tracker; journal.EVERY = 0.05; go_to = Tracker.go_to;"
     "Tracker.go_to = lambda self, targets: (time.sleep(0.005), go_to(self, targets))[1];"
     "sys.exit(main(sys.argv[1:]))"
 )

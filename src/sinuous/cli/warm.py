@@ -12,10 +12,10 @@ from typing import Any
 
 import typer
 
+from sinuous.cli.warm_steps import Step, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.methods.registry import METHODS
-from sinuous.solving.warm import Step, steps
 
 DONE, INTERRUPTED = 0, 130
 

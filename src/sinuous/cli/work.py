@@ -19,12 +19,12 @@ from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.methods.registry import Choice
 from sinuous.motion.configurations import check_limits
-from sinuous.motion.following.entries import read_entry, write_entry
-from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.job import motion_of, rates_in_time
+from sinuous.motion.knots import read_entry, write_entry
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import read_deviation, timetable_of, wish
+from sinuous.motion.tracker import Tracker
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution

@@ -12,8 +12,8 @@ from scipy.interpolate import CubicSpline
 
 import sinuous as sn
 from sinuous.frozen import Frozen
-from sinuous.scene.placement import Placement
 from sinuous.scene.prepared.parts import Part
+from sinuous.scene.reading import Placement
 from tests.scene.shapes import cube
 
 ROBOT = sn.Robot(

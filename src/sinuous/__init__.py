@@ -63,16 +63,16 @@ if TYPE_CHECKING:
     from sinuous.robot.segment import Segment as Segment
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
-    from sinuous.scene.clouds.point_cloud import PointCloud as PointCloud
-    from sinuous.scene.courses.moving import Moving as Moving
-    from sinuous.scene.grids.field import Field as Field
-    from sinuous.scene.grids.grid import Grid as Grid
+    from sinuous.scene.grids import Field as Field
+    from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
+    from sinuous.scene.moving import Moving as Moving
     from sinuous.scene.obstacles import Box as Box
     from sinuous.scene.obstacles import Capsule as Capsule
     from sinuous.scene.obstacles import Cylinder as Cylinder
     from sinuous.scene.obstacles import HalfSpace as HalfSpace
     from sinuous.scene.obstacles import Sphere as Sphere
+    from sinuous.scene.point_cloud import PointCloud as PointCloud
     from sinuous.scene.scene import Scene as Scene
     from sinuous.solution.explanation import Explanation as Explanation
     from sinuous.solution.solution import Solution as Solution
@@ -132,12 +132,11 @@ _HOMES = {
     "robot.rates": ("Changes", "Rates"),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
-    "scene.clouds.point_cloud": ("PointCloud",),
-    "scene.courses.moving": ("Moving",),
-    "scene.grids.field": ("Field",),
-    "scene.grids.grid": ("Grid",),
+    "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
+    "scene.moving": ("Moving",),
     "scene.obstacles": ("Box", "Capsule", "Cylinder", "HalfSpace", "Sphere"),
+    "scene.point_cloud": ("PointCloud",),
     "scene.scene": ("Scene",),
     "solution.explanation": ("Explanation",),
     "solution.solution": ("Solution",),

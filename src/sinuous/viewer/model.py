@@ -17,10 +17,9 @@ from sinuous.poses import least_rotation
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.scene.mover import Mover
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
-from sinuous.scene.snapshot import Snapshot
+from sinuous.scene.snapshot import Mover, Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.viewer import edits
 from sinuous.viewer.solvers import Question, Settings

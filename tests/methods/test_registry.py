@@ -92,7 +92,7 @@ def test_what_is_no_method_is_refused() -> None:
 def test_a_violated_limit_is_the_worst() -> None:
     """An answer that is out of its limits is never solved, and says which."""
     robot = sn.Robot.uniform(5, (45, 70), 0.26)
-    solution = sn.solve(robot, sn.Target((150, -90, 220)), method=sn.OptiPath(restarts=False, bend_weight=0.0))
+    solution = sn.solve(robot, sn.Target((150, -90, 220)), method=sn.methods.OptiPath(restarts=False, bend_weight=0.0))
     assert solution.status is sn.Status.LIMIT_BOUND
     assert not solution.verify().ok
     assert solution.worst is not None

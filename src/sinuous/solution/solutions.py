@@ -26,8 +26,8 @@ from sinuous.kernels.tables import (
     STARTS,
     Outcome,
 )
-from sinuous.problem.asked import Asked
 from sinuous.problem.problem import Problem
+from sinuous.problem.target_sets import TargetSets
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of
@@ -47,7 +47,7 @@ class Questions(NamedTuple):
     Attributes
     ----------
     robot : Robot
-    asked : Asked
+    target_sets : TargetSets
         The targets of each.
     scene : Snapshot
     tolerance : Tolerance
@@ -57,18 +57,18 @@ class Questions(NamedTuple):
     """
 
     robot: "Robot"
-    asked: Asked
+    target_sets: TargetSets
     scene: "Snapshot"
     tolerance: "Tolerance"
     initial: Floats
 
     def problem(self, i: int) -> Problem:
         """Return one of them by itself."""
-        return Problem.prepared(self.robot, self.asked.targets(i), self.scene, self.tolerance)
+        return Problem.prepared(self.robot, self.target_sets.targets(i), self.scene, self.tolerance)
 
     def some(self, index: Any) -> "Questions":
         """Return some of them: by a slice, or numbers (k,)."""
-        return self._replace(asked=self.asked[index], initial=self.initial[index])
+        return self._replace(target_sets=self.target_sets[index], initial=self.initial[index])
 
 
 class Beyond(NamedTuple):
@@ -185,12 +185,12 @@ class Solutions(Frozen, Sequence[Solution]):
     @property
     def position_error(self) -> Floats:
         """Largest distance (m,) of an end to its target position; NaN where none is asked for."""
-        return np.where(self._questions.asked.placed, self._answers[:, POSITION_ERROR], np.nan)
+        return np.where(self._questions.target_sets.placed, self._answers[:, POSITION_ERROR], np.nan)
 
     @property
     def angle_error(self) -> Floats:
         """Largest angle (m,) of an end to its target orientation, rad; NaN where none is asked for."""
-        return np.where(self._questions.asked.turned, self._answers[:, ANGLE_ERROR], np.nan)
+        return np.where(self._questions.target_sets.turned, self._answers[:, ANGLE_ERROR], np.nan)
 
     @property
     def clearance(self) -> Floats:

@@ -14,10 +14,10 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.method import Call
-from sinuous.problem.asked import read_asked
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
+from sinuous.problem.target_sets import read_target_sets
 from sinuous.progress import ProgressBar
 from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes
@@ -217,7 +217,7 @@ class Solver(Stepping):
         InputError
             When an argument is not what it should be, or there is not one of each for every target.
         """
-        asked = read_asked(self.robot, targets, arrays)
+        asked = read_target_sets(self.robot, targets, arrays)
         threads, shown = read_workers(workers), checks.truth("progress", progress)
         given = read_initial(self.robot, len(asked), initial)
         scene, blocked = self._look_at_base()

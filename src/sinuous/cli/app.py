@@ -44,7 +44,10 @@ Option = Annotated[
     list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
 ]
 Time = Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")]
-MaxStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of one solve.")]
+MaxStarts = Annotated[
+    int | None, typer.Option(metavar="COUNT", help="Most starts of one solve; else as many as the time allows.")
+]
+MostStarts = Annotated[int, typer.Option("--max-starts", metavar="COUNT", help="Most starts of one solve.")]
 Routes = Annotated[bool, typer.Option(help="Search for routes through free space where the first starts fail.")]
 Seed = Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
@@ -140,7 +143,7 @@ def solve(
     method: Method = "newton",
     option: Option = None,
     time: Time = 1.0,
-    max_starts: MaxStarts = 1000,
+    max_starts: MaxStarts = None,
     routes: Routes = True,
     seed: Seed = 0,
     why: Why = False,
@@ -164,7 +167,7 @@ def track(
     method: Method = "newton",
     option: Option = None,
     time: Time = 1.0,
-    max_starts: MaxStarts = 1000,
+    max_starts: MaxStarts = None,
     routes: Routes = True,
     seed: Seed = 0,
     json: Json = False,
@@ -187,7 +190,7 @@ def plan(
     method: Method = "newton",
     option: Option = None,
     time: PlanTime = 5.0,
-    max_starts: MaxStarts = 1000,
+    max_starts: MaxStarts = None,
     routes: Routes = True,
     shortcuts: Shortcuts = 0,
     begin: Begin = 0.0,
@@ -220,7 +223,7 @@ def batch(
     method: Method = "newton",
     option: Option = None,
     time: Time = 1.0,
-    max_starts: MaxStarts = 1000,
+    max_starts: MostStarts = 1000,
     routes: Routes = True,
     seed: Seed = 0,
     json: Json = False,
@@ -241,7 +244,7 @@ def reach(
     method: Method = "newton",
     option: Option = None,
     time: Time = 1.0,
-    max_starts: MaxStarts = 1,
+    max_starts: MostStarts = 1,
     routes: Routes = False,
     seed: Seed = 0,
     json: Json = False,

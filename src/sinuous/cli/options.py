@@ -47,7 +47,7 @@ class Options:
     method: str = "newton"
     options: tuple[str, ...] = ()
     time: float = 1.0
-    max_starts: int = 1000
+    max_starts: int | None = None
     routes: bool = True
     seed: int = 0
     json: bool = False

@@ -30,7 +30,7 @@ from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.several import KINDS, Kind
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 
 SOLVED, UNSOLVED, INTERRUPTED = 0, 1, 130
 
@@ -58,7 +58,7 @@ def solve_files(files: list[str], options: Options, count: int | None = None, by
         _refuse(one.problem, "path", "goal", "moving")
     alone = len(read) == 1 and count is None
     question = _solve if count is None else partial(_solve_all, count, kind)
-    return _answer_all(read, options, question, partial(_solver, OneSolve if alone else Solver))
+    return _answer_all(read, options, question, partial(_solver, Solver.once if alone else Solver))
 
 
 def track_files(files: list[str], options: Options, deviation: float | None = None) -> int:
@@ -73,7 +73,7 @@ def track_files(files: list[str], options: Options, deviation: float | None = No
     return _answer_on(read, options, partial(_track, deviation), _solver_at_first, asked)
 
 
-def _solver(kind: type[Solver], problem: ProblemFile, **options: Any) -> Solver:
+def _solver(kind: Callable[..., Solver], problem: ProblemFile, **options: Any) -> Solver:
     return kind(problem.robot, problem.scene, **options)
 
 

@@ -21,6 +21,9 @@ ROUNDED = 1e-14
 KEPT = 0.5
 """Share of the proved clearance that rounding a corner leaves."""
 
+NOTHING = 1e-12
+"""A straight piece between two blends is left out where it is no longer, of its leg: the rounding of its length."""
+
 SHORT = 1e-6
 """A corner is not rounded where that would take less than so great a share of a step."""
 
@@ -123,8 +126,12 @@ def steps_margins(robot: Robot, steps: Steps) -> Floats:
     several radii that holds for fixed lengths alone.
     """
     stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
-    shares = 3.0 if len(set(robot.radii)) == 1 else np.inf
-    own = np.where(np.isinf(steps.self_clearances), np.inf, steps.self_clearances / (shares if stretching else 2.0))
+    if not stretching:
+        own = steps.self_clearances / 2.0
+    elif len(set(robot.radii)) == 1:
+        own = steps.self_clearances / 3.0
+    else:
+        own = np.where(np.isinf(steps.self_clearances), np.inf, 0.0)
     margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.clearances, own), 0.0)
     return margins
 
@@ -154,7 +161,7 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
     pieces, lengths, stops = [], [], [True]
     for i, slope in enumerate(slopes):
         rest = legs.sizes[i] - arms[i] - arms[i + 1]
-        if rest > SHORT * legs.sizes[i]:
+        if rest > NOTHING * legs.sizes[i]:
             pieces.append([legs.corners[i] + arms[i] * slope, slope, np.zeros_like(slope)])
             lengths.append(rest)
             stops.append(bool(arms[i + 1] == 0.0))

@@ -36,7 +36,7 @@ from sinuous.solution.status import Status
 from sinuous.solving.between.steps import Steps, load_motions
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.planning.trees import Way
-from sinuous.solving.solver import Initial, OneSolve, Solver
+from sinuous.solving.solver import Initial, Solver
 
 TIME = 5.0
 """Default budget of a plan, in seconds."""
@@ -187,7 +187,7 @@ class Planner:
         """Plan a motion among obstacles that move."""
         scene = self._scene.snapshot()
         if not isinstance(end, np.ndarray):  # loaded now, because compiling is no planning
-            OneSolve.prepared(self._robot, Scene.of(scene.at(self._timing.begin)), self._options)
+            Solver.prepared(self._robot, Scene.of(scene.at(self._timing.begin)), self._options)
         spent = Watch(self._options.time)
         way, told = InTime(self._robot, scene, self._options, self._timing, spent.seconds_left).find(begin, end)
         if way is None:
@@ -197,7 +197,7 @@ class Planner:
     @cached_property
     def _solver(self) -> Solver:
         """Solves targets; without any, nothing is compiled for it."""
-        return OneSolve.prepared(self._robot, self._scene, self._options)
+        return Solver.prepared(self._robot, self._scene, self._options)
 
     def _configuration(self, key: str, given: Initial) -> Floats:
         return checks.array(key, given.q if isinstance(given, Solution) else given, (len(self._robot), 3))

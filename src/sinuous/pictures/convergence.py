@@ -8,7 +8,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.methods import registry
 from sinuous.solution.solution import Solution
-from sinuous.solving.again import Again
+from sinuous.solving.solver import SolvesAgain
 
 MOST = 400
 """Iterations that are shown."""
@@ -16,7 +16,7 @@ MOST = 400
 
 def counts_iterations(solution: Solution) -> bool:
     """Whether its method can be stopped after any number of iterations, and it is known with which options it ran."""
-    return isinstance(solution._resolver, Again) and hasattr(_options(solution._resolver), "iterations")
+    return isinstance(solution._resolver, SolvesAgain) and hasattr(_options(solution._resolver), "iterations")
 
 
 def errors(solution: Solution) -> tuple[Floats, Floats]:
@@ -25,7 +25,7 @@ def errors(solution: Solution) -> tuple[Floats, Floats]:
     The problem is solved again and again, each time with one iteration more; NaN where no target asks for it.
     """
     again = solution._resolver
-    assert isinstance(again, Again)
+    assert isinstance(again, SolvesAgain)
     options, given = _options(again), solution._given.reshape(-1, *solution.q.shape)
     found: list[tuple[float, float]] = []
     for count in range(1, min(options.iterations, MOST) + 1):
@@ -38,7 +38,7 @@ def errors(solution: Solution) -> tuple[Floats, Floats]:
     return position, angle
 
 
-def _options(again: Again) -> Any:
+def _options(again: SolvesAgain) -> Any:
     """Return the options of the method, also where it was given by its name."""
     method = again.options.method
     return registry.options_class(method)() if isinstance(method, str) else method

@@ -1,7 +1,7 @@
 """Many independent targets: chunks of them go to compiled code in all threads, what is left goes on one by one."""
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,13 +13,11 @@ from sinuous.methods.compiled import as_outcomes
 from sinuous.methods.method import Method
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
+from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Beyond, Questions, Solutions
 from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
-
-if TYPE_CHECKING:
-    from sinuous.solution.resolver import ReSolver
 
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
@@ -93,9 +91,9 @@ class Many:
 
         Crew(one, self._workers).share(_undecided(self._answers), alone=0.0)
 
-    def solutions(self, again: "ReSolver") -> Solutions:
+    def solutions(self, resolver: ReSolver) -> Solutions:
         """Return what was found."""
-        return Solutions(self._questions, self._answers, again, self._beyond)
+        return Solutions(self._questions, self._answers, resolver, self._beyond)
 
 
 def _undecided(answers: Floats) -> list[int]:

@@ -3,23 +3,23 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from time import monotonic
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import Outcome
+from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.problem.problem import Problem
+from sinuous.robot.robot import Robot
 from sinuous.solution.route_class import RouteClass
-from sinuous.solving.classes.by_class import CANDIDATES, ByClass, Dislike
 from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.explorer import Explorer
 from sinuous.solving.classes.naming import name_classes, sort_out
-from sinuous.solving.routing.searches import Searches
-from sinuous.solving.search import Distinct
-from sinuous.solving.starts import Batch, Question
-from sinuous.solving.strategy import Passages, Strategy, opening
+from sinuous.solving.classes.passages import Passages
+from sinuous.solving.search import Clock, Search
+from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.strategy import Strategy
 
 Kind = Literal["route", "shape"]
 """What may be asked for."""
@@ -33,9 +33,27 @@ SEARCHING = 0.8
 FIRST = 0.5
 """Share of the time for the search, and of the starts, that a first solution may take."""
 
+CANDIDATES = 4
+"""Distinct solutions of a class that are kept, the best ones."""
 
-Strategies = Callable[[Question, Passages | None], Strategy]
-"""Makes the strategy for a question, with routes through other passages if these are given."""
+Dislike = Callable[[list[Floats]], Floats]
+"""A number (m,) for each of m configurations (n, 3): what is smaller is better."""
+
+
+def disliking(robot: Robot, reference: Floats | None) -> Dislike:
+    """Return by what several solutions are ordered: how much they bend, or how far they are from a reference (n, 3).
+
+    That is the sum of squared bends (rad), or of squared differences, lengths in mean lengths of a segment.
+    """
+
+    def dislike(found: list[Floats]) -> Floats:
+        q = np.array(found).reshape(-1, len(robot), 3)
+        if reference is None:
+            return np.asarray((q[..., :2] ** 2).sum(axis=(1, 2)))
+        units = 1.0, 1.0, robot.mean_length / len(robot)
+        return np.asarray((((q - reference) / units) ** 2).sum(axis=(1, 2)))
+
+    return dislike
 
 
 @dataclass(frozen=True)
@@ -59,6 +77,147 @@ class Wanted:
     by: str
     max_starts: int
     seconds: float
+
+
+class Distinct(Search):
+    """Follows every start to its own solution, and stops when so many distinct ones are found, or no more seem left.
+
+    Parameters
+    ----------
+    count : int
+        Distinct solutions to find.
+    apart : float
+        Two solutions are the same when no point of the backbone is farther from its counterpart, in the length unit.
+    shape : callable
+        Points (k, 3) of the backbone of a configuration (n, 3).
+    max_starts, seconds, clock
+        See `Search`.
+
+    Attributes
+    ----------
+    found : list of Outcome
+        Distinct, all solved, in the order in which they were found; each with the effort until then.
+    """
+
+    patience: ClassVar[int] = 1000
+    """Starts in a row, routes not counted, that bring nothing new after the first solution, before it stops."""
+
+    def __init__(
+        self,
+        count: int,
+        apart: float,
+        shape: Callable[[Floats], Floats],
+        max_starts: int,
+        seconds: float,
+        clock: Clock = monotonic,
+    ) -> None:
+        super().__init__(max_starts, seconds, clock)
+        self._count, self._apart, self._shape = count, apart, shape
+        self._shapes: list[Floats] = []
+        self._impossible, self._in_vain = False, 0
+        self.found: list[Outcome] = []
+
+    @property
+    def open(self) -> bool:
+        """Whether solutions are missing and possible, there is hope for more, and starts and time are left."""
+        wanted = len(self.found) < self._count and not self._impossible and self._in_vain < self.patience
+        return wanted and self.starts_left > 0 and self.seconds_left > 0.0
+
+    def chunk(self) -> int:
+        """One: a call ends with its first solution."""
+        return 1
+
+    def keep(self, found: Outcome) -> None:
+        """Keep a solution that differs from all before."""
+        self._impossible = found.code >= OUT_OF_REACH
+        if found.source != ROUTE and self.found:
+            self._in_vain += found.starts
+        if found.code != SOLVED:
+            return
+        shape = self._shape(found.q)
+        if not self._shapes or (_apart(np.array(self._shapes), shape) > self._apart).all():
+            self._shapes.append(shape)
+            found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
+            self.found.append(found)
+            if self._is_new():
+                self._in_vain = 0
+
+    def _is_new(self) -> bool:
+        """Whether the last one found is of a kind that was not found before."""
+        return True
+
+    def close(self, cell: float) -> None:
+        """End it: no route leads to the target, so there are no more solutions."""
+        self._impossible = True
+
+
+def _apart(shapes: Floats, shape: Floats) -> Floats:
+    """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
+    distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
+    return distances
+
+
+class ByClass(Distinct):
+    """Follows every start to its own solution, and puts what is distinct into classes.
+
+    Stops when there are so many classes and `CANDIDATES` times as many solutions, or none seem to be left.
+
+    Parameters
+    ----------
+    count : int
+        Classes to find.
+    apart, shape, max_starts, seconds
+        See `Distinct`.
+    curves : Curves
+    dislike : callable
+
+    Attributes
+    ----------
+    classes : list of list of Outcome
+        Of every class the best solutions, best first.
+    """
+
+    patience: ClassVar[int] = 400
+    """Starts in a row, routes not counted, that bring no class after the first one, before it stops."""
+
+    def __init__(
+        self,
+        count: int,
+        apart: float,
+        shape: Callable[[Floats], Floats],
+        max_starts: int,
+        seconds: float,
+        curves: Curves,
+        dislike: Dislike,
+    ) -> None:
+        super().__init__(max_starts, apart, shape, max_starts, seconds)
+        self._wanted, self._curves, self._dislike = count, curves, dislike
+        self._firsts: list[Floats] = []
+        self.classes: list[list[Outcome]] = []
+
+    @property
+    def open(self) -> bool:
+        """Whether classes are missing, or solutions to choose from; and what `Distinct` asks."""
+        enough = len(self.classes) >= self._wanted and len(self.found) >= CANDIDATES * self._wanted
+        return super().open and not enough
+
+    def has(self, curve: Floats) -> bool:
+        """Whether there is a solution of the class of a curve (N, 3)."""
+        return self._curves.alike_one(curve, self._firsts) is not None
+
+    def _is_new(self) -> bool:
+        """Put the last one found among the best of its class; return whether the class is new."""
+        curve = self._curves.of(self.found[-1].q)
+        number = self._curves.alike_one(curve, self._firsts)
+        if number is not None:
+            members = [*self.classes[number], self.found[-1]]
+            order = np.argsort(self._dislike([each.q for each in members]), kind="stable")
+            self.classes[number] = [members[i] for i in order[:CANDIDATES]]
+        elif self.seconds_left > 0.0:  # else comparing took too long to say that it is new
+            self._firsts.append(curve)
+            self.classes.append([self.found[-1]])
+            return True
+        return False
 
 
 class Several:
@@ -90,30 +249,33 @@ class Several:
         else:
             self.search = Distinct(CANDIDATES * wanted.count, *own)
 
-    def batches(self, strategy: Strategies, searches: Searches | None, question: Question) -> Iterator[Batch]:
-        """Yield the starts of `solve` up to a first solution, then those of a strategy for several.
+    def batches(self, strategy: Strategy, question: Question) -> Iterator[Batch]:
+        """Yield the starts of `solve` up to a first solution, then those of the strategy for several.
 
         By route these have, before its routes, those through different passages, too.
         """
-        yield opening(question, self._wanted.max_starts, searches is not None)
+        searches, scattered = strategy.searches, strategy.scattered(question)
+        yield strategy.opening(question)
         if searches is not None and not self.search.found:
-            yield from self._up_to_first(strategy, question._replace(several=False))
+            yield from self._up_to_first(strategy, question._replace(several=False), scattered)
         passages = None
         if self._curves is not None and isinstance(self.search, ByClass) and searches is not None:
-            passages = Explorer(searches, self._curves, self.search.has).batches
-        yield from strategy(question, passages).batches()
+            passages = partial(Passages, searches, self._curves, solved=self.search.has)
+        yield from strategy.batches(question, scattered, passages)
 
-    def _up_to_first(self, strategy: Strategies, question: Question) -> Iterator[Batch]:
+    def _up_to_first(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[Batch]:
         """Yield starts as `solve` follows them, one by one, until one is solved, or a share of time or starts is spent.
 
         What leads to one solution soonest is left out, or put off, where others are looked for beside it.
         """
         seconds, starts = (1.0 - FIRST) * question.seconds_left(), (1.0 - FIRST) * self.search.starts_left
         sooner = question._replace(seconds_left=lambda: question.seconds_left() - seconds)
-        for batch in strategy(sooner, None).batches():
+        for batch in strategy.batches(sooner, scattered):
             for part in (batch,) if batch.closed is not None else batch.parts(lambda: 1):
                 yield part
                 if self.search.found or question.seconds_left() <= seconds or self.search.starts_left <= starts:
+                    if part.source == Scattered.name:
+                        scattered.go_back(part.own[1])
                     return
 
     def best(self) -> list[tuple[Outcome, RouteClass | None]]:

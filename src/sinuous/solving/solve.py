@@ -9,7 +9,7 @@ from sinuous.scene.scene import SceneLike
 from sinuous.solution.solution import Solution
 from sinuous.solving.options import SolveArguments
 from sinuous.solving.several import Kind
-from sinuous.solving.solver import Initial, OneSolve, Solver
+from sinuous.solving.solver import Initial, Solver
 
 
 def solve(
@@ -21,7 +21,7 @@ def solve(
     **options: Unpack[SolveArguments],
 ) -> Solution:
     """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
-    return OneSolve(robot, scene, **options).solve(target, initial)
+    return Solver.once(robot, scene, **options).solve(target, initial)
 
 
 def solve_all(

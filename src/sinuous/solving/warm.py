@@ -21,7 +21,7 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.planning.trees import load_trees
 from sinuous.solving.routing.searches import Searches
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
 MOVING = Scene([Moving(Sphere((9.0, 0.0, 0.0), 0.5), [0.0], [(0.0, 0.0, 0.0)])])
@@ -49,13 +49,13 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
     """
     chosen = tuple(dict.fromkeys(map(name_of, methods)))
     own = [
-        Step("single solves", partial(OneSolve, ROBOT)),
+        Step("single solves", partial(Solver.once, ROBOT)),
         Step("routes among obstacles", Searches(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
-        Step("single solves among obstacles", partial(OneSolve, ROBOT, FAR)),
-        Step("batches of solves", lambda: OneSolve(ROBOT).solve_many([TARGET])),
-        Step("batches of solves among obstacles", lambda: OneSolve(ROBOT, FAR).solve_many([TARGET])),
-        Step("preferences", lambda: OneSolve(ROBOT, prefer=Preferences(bends=1.0))),
-        Step("preferences among obstacles", lambda: OneSolve(ROBOT, FAR, prefer=Preferences(bends=1.0))),
+        Step("single solves among obstacles", partial(Solver.once, ROBOT, FAR)),
+        Step("batches of solves", lambda: Solver.once(ROBOT).solve_many([TARGET])),
+        Step("batches of solves among obstacles", lambda: Solver.once(ROBOT, FAR).solve_many([TARGET])),
+        Step("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
+        Step("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
     ]
     others = [
         Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
@@ -81,7 +81,7 @@ def _plans() -> None:
 
 
 def _loops() -> None:
-    OneSolve.prepared(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
+    Solver.prepared(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
 
 
 def _kinematics() -> None:

@@ -4,8 +4,8 @@ import numpy as np
 
 from sinuous.kernels.tables import RANDOM, ROUTE, SOLVED, Outcome
 from sinuous.scene.scene import Scene
-from sinuous.solving.classes.by_class import CANDIDATES, PATIENCE, ByClass
 from sinuous.solving.classes.curves import Curves
+from sinuous.solving.several import CANDIDATES, ByClass
 from tests.helpers import Floats
 from tests.solving.classes.places import ROBOT, pillar
 
@@ -55,14 +55,14 @@ def test_it_ends_with_enough_classes_and_enough_to_choose_from() -> None:
 def test_it_ends_after_many_starts_in_vain_but_not_after_routes() -> None:
     one = search(count=9)
     one.take(outcome(beside(1.0)))
-    for _ in range(2 * PATIENCE):
+    for _ in range(2 * ByClass.patience):
         one.take(outcome(beside(1.0), ROUTE))
     assert one.open
-    for _ in range(PATIENCE - 1):
+    for _ in range(ByClass.patience - 1):
         one.take(outcome(beside(1.0)))
     assert one.open
     one.take(outcome(beside(-1.0)))
-    for _ in range(PATIENCE):
+    for _ in range(ByClass.patience):
         assert one.open
         one.take(outcome(beside(1.0)))
     assert not one.open

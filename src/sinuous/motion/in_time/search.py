@@ -20,7 +20,7 @@ from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve
+from sinuous.solving.solver import Solver
 
 
 class Found(NamedTuple):
@@ -79,7 +79,7 @@ class InTime:
         """Solve the targets among what is there when the motion ends, or else among what stands still."""
         duration = self._timing.duration
         place = standing(self._scene) if duration is None else self._scene.at(self._timing.begin + duration)
-        solver = OneSolve.prepared(self._robot, Scene.of(place), self._options)
+        solver = Solver.prepared(self._robot, Scene.of(place), self._options)
         solution = solver.solve(end, start)
         if not solution.solved:
             return Found(None, {"solutions": (solution,), "waypoint_knots": (None,)})
@@ -95,7 +95,7 @@ class InTime:
         """Return the same solution, solved again among all that is there when the motion ends."""
         if self._timing.duration is not None:
             return met
-        again = OneSolve.prepared(self._robot, Scene.of(self._scene.at(when)), self._options).solve(targets, met.q)
+        again = Solver.prepared(self._robot, Scene.of(self._scene.at(when)), self._options).solve(targets, met.q)
         return again if np.array_equal(again.q, met.q) else met
 
     def _question(self, start: Floats, goals: Callable[[Floats], Floats], goal: Floats) -> TimedQuestion:

@@ -17,7 +17,7 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 from sinuous.solving.thinner import with_radii
 
 ROOMS = (0.2, 0.05)
@@ -104,4 +104,4 @@ class Means:
         options = replace(
             SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
         )
-        return OneSolve.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
+        return Solver.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)

@@ -13,7 +13,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 
 QUICK = 0.01
 """Budget, in seconds, of a solve while something is dragged."""
@@ -85,7 +85,7 @@ class Solvers:
             )
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", SuspiciousInput)  # the notes of the page say it
-                self._solver = OneSolve(job.robot, Scene.of(snapshot), **vars(options))
+                self._solver = Solver.once(job.robot, Scene.of(snapshot), **vars(options))
             self._known = known
         self._solver.scene.become(snapshot)
         return self._solver

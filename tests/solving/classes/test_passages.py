@@ -1,6 +1,7 @@
 """Routes through different passages: which ones, in what order, and what is tried again."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,12 +10,13 @@ from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
-from sinuous.solving.classes import explorer
+from sinuous.solving import strategy
+from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.classes.curves import Curves
-from sinuous.solving.classes.explorer import Explorer
-from sinuous.solving.classes.tasks import Task, Tasks
-from sinuous.solving.routing.searches import Searches
-from sinuous.solving.starts import Batch, Question
+from sinuous.solving.classes.passages import Passages
+from sinuous.solving.routing.searches import Plan, Searches
+from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.strategy import attempts_of
 from tests.helpers import Floats
 from tests.solving.classes.places import BARS, DOORS, ROBOT, TARGET, bars, pillar, wall
 
@@ -25,8 +27,10 @@ def explored(
     scene, tolerance = Scene(obstacles), Tolerance().for_robot(ROBOT)
     problem = Problem(ROBOT, target, scene, tolerance)
     question = Question(problem, np.empty((0, len(ROBOT), 3)), lambda: seconds)
-    source = Explorer(Searches(ROBOT, scene, tolerance), Curves(ROBOT, scene.snapshot()), solved)
-    return list(source.batches(question))
+    searches, curves = Searches(ROBOT, scene, tolerance), Curves(ROBOT, scene.snapshot())
+    make = partial(Passages, searches, curves, solved=solved)
+    without = set(ATTEMPTS) - {"passages"}
+    return list(attempts_of(question, Scattered(3, 3), searches, without=without, passages=make).batches())
 
 
 def crossed(batches: list[Batch], z: float) -> list[float]:
@@ -64,7 +68,7 @@ def test_there_is_a_route_through_every_passage(
 
 
 def test_where_no_start_is_solved_others_follow(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(explorer, "SEARCHES", 6)
+    monkeypatch.setattr(strategy, "PASSAGES_SEARCHES", 6)
     left, right = sorted(crossed(explored(pillar(), lambda curve: True), 150.0))  # one start of each class
     assert left < 0.0 < right
     every = crossed(explored(pillar(), lambda curve: False), 150.0)
@@ -76,12 +80,31 @@ def test_without_time_or_position_nothing_is_searched_for() -> None:
     assert explored(pillar(), once(), target=Target(direction=(0, 0, 1))) == []
 
 
-def test_what_is_probably_closed_comes_last_and_by_plans() -> None:
-    tasks = Tasks(3)
-    tasks.add(Task(frozenset({1}), 2), last=True)
-    tasks.add(Task(frozenset({2}), 1), last=True)
-    tasks.add(Task(frozenset({3}), 0))
-    tasks.add(Task(frozenset({4}), 3))  # there is no such plan
-    tasks.add(Task(frozenset({5}), 2))
-    order = [task.closed for task in iter(tasks.next, None)]
-    assert order == [{3}, {5}, {2}, {1}]
+def test_what_is_probably_closed_comes_last_and_with_finer_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where no search finds a route, each of them is made once, from the quickest on."""
+    plans: list[Plan] = []
+
+    def nothing(self: Passages, closed: frozenset[int], plan: Plan) -> tuple[list[Floats], int]:
+        plans.append(plan)
+        return [], 10
+
+    monkeypatch.setattr(Passages, "routes", nothing)
+    explored(pillar(), once())
+    single = Searches(ROBOT, Scene(pillar()), Tolerance().for_robot(ROBOT)).single_plans
+    assert plans == list(single)
+
+
+def test_passages_of_new_routes_come_before_finer_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, float]] = []
+    routes = Passages.routes
+
+    def noted(self: Passages, closed: frozenset[int], plan: Plan) -> tuple[list[Floats], int]:
+        asked.append((len(closed), plan.cell))
+        return routes(self, closed, plan)
+
+    monkeypatch.setattr(Passages, "routes", noted)
+    explored(bars(), once())
+    first = asked[0][1]
+    assert [cell for closed, cell in asked if closed <= 1][:2] == [first, first]
+    later = [cell for _, cell in asked]
+    assert later.index(min(later)) > sum(cell == first for cell in later) // 2

@@ -28,7 +28,7 @@ def test_a_method_is_chosen_by_name_or_by_options(name: MethodName) -> None:
     assert set(methods.capabilities(name).limits) <= set(LIMITS)
     assert methods.name_of(chosen()) == name
     assert chosen.__name__ == METHODS[name].options.rpartition(".")[2]
-    assert getattr(sn, chosen.__name__) is chosen
+    assert getattr(sn.methods, chosen.__name__) is chosen
     assert chosen.__doc__
     for key in inspect.signature(chosen).parameters:
         assert key in chosen.__doc__, f"{key} is not documented"

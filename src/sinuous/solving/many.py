@@ -15,7 +15,7 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import Beyond, Questions, Solutions
+from sinuous.solution.solutions import Beyond, ManyProblems, Solutions
 from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
 
@@ -42,14 +42,14 @@ class Many:
 
     Parameters
     ----------
-    questions : Questions
+    questions : ManyProblems
     method : Method
     workers : int
         Most threads.
     advance : callable
     """
 
-    def __init__(self, questions: Questions, method: Method, workers: int, advance: Advance) -> None:
+    def __init__(self, questions: ManyProblems, method: Method, workers: int, advance: Advance) -> None:
         self._questions, self._method = questions, method
         self._workers, self._advance = workers, advance
         self._answers = np.empty((len(questions.target_sets), answer_size(len(questions.robot))))

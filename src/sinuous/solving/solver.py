@@ -26,7 +26,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import Questions, Solutions
+from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
@@ -215,7 +215,7 @@ class Solver:
         given = read_initial(self.robot, len(asked), initial)
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
-        questions = Questions(self.robot, asked, scene, self.tolerance, given)
+        questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
         with ProgressBar(len(asked) if shown else 0) as bar:
             many = Many(questions, self._prepared, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)

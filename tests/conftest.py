@@ -67,7 +67,7 @@ FIRST = (
     "methods/fabrik_avoid/test_options.py",
     "solving/test_options.py",  # preferences
     "solving/test_live.py",
-    "viewer/page/test_page.py",  # waits for a browser
+    "viewer/test_page.py",  # waits for a browser
     "benchmarks/paper/test_experiments.py",  # takes long
     "benchmarks/clutter/test_clutter.py",
 )

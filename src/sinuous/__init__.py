@@ -8,7 +8,7 @@ type. The options of methods are in `sinuous.methods`; classes that are only ret
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from sinuous.notebook import Face
+from sinuous.notebook import NotebookMixin
 
 __version__ = "0.2.0.dev0"
 
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from sinuous.motion.track import track as track
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
+    from sinuous.pictures.assessment import plot_assessment as plot_assessment
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
-    from sinuous.pictures.surveys.assessment import plot_assessment as plot_assessment
-    from sinuous.pictures.surveys.workspace import plot_reach as plot_reach
+    from sinuous.pictures.workspace import plot_reach as plot_reach
     from sinuous.poses import pose as pose
     from sinuous.problem.curve import Curve as Curve
     from sinuous.problem.path import Path as Path
@@ -95,8 +95,8 @@ _HOMES = {
     "pictures.animate": ("animate",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
-    "pictures.surveys.assessment": ("plot_assessment",),
-    "pictures.surveys.workspace": ("plot_reach",),
+    "pictures.assessment": ("plot_assessment",),
+    "pictures.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.curve": ("Curve",),
     "problem.path": ("Path",),
@@ -149,7 +149,7 @@ def _html(noun: Any) -> str:
     return html
 
 
-Face.html = _html
+NotebookMixin._html_renderer = _html
 
 
 def __dir__() -> list[str]:

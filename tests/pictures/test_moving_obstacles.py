@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.pictures.contents import gather
+from sinuous.display.contents import gather
 
 pytest.importorskip("matplotlib").use("agg")
 

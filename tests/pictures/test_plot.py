@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.pictures.style import ARMS, ROUTE, TARGET, UNSOLVED
+from sinuous.display.style import ARMS, ROUTE, TARGET, UNSOLVED
 from tests.helpers import Floats
 from tests.pictures.arms import BALL, PATH, ROBOT, SCENE, TARGETS
 

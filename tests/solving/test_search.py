@@ -27,7 +27,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.search import ENOUGH, FirstSolved
-from sinuous.solving.several import Distinct
+from sinuous.solving.several import PATIENCE, Distinct
 from sinuous.solving.starts import Batch
 
 NONE = np.empty((0, 2, 3))
@@ -325,10 +325,10 @@ def test_a_search_that_was_cut_short_says_so() -> None:
 
 def test_distinct_solutions_are_not_sought_for_ever() -> None:
     search = Distinct(9, 0.1, lambda q: q, UNBOUNDED, 60.0)
-    search.take(outcome(code=FAILED, starts=5 * Distinct.patience))
+    search.take(outcome(code=FAILED, starts=5 * PATIENCE))
     assert search.open
     search.take(outcome(code=SOLVED))
-    search.take(outcome(code=SOLVED, starts=Distinct.patience - 1))
+    search.take(outcome(code=SOLVED, starts=PATIENCE - 1))
     assert search.open
     search.take(outcome(code=SOLVED, source=ROUTE, starts=9))
     assert search.open

@@ -42,7 +42,7 @@ def reach_file(file: str, asked: Map, options: Options) -> int:
     if options.out is not None and options.out.suffix.lower() != ".npz":
         raise InputError("--out", "", str(options.out), "a name that ends in .npz")
     if options.plot is not None:
-        from sinuous.pictures.surveys.workspace import check_map  # noqa: PLC0415
+        from sinuous.pictures.workspace import check_map  # noqa: PLC0415
 
         check_map("--plot", options.plot)
     setting = read_setting(file)
@@ -63,7 +63,7 @@ def reach_file(file: str, asked: Map, options: Options) -> int:
     if options.out is not None:
         found.save(options.out)
     if options.plot is not None:
-        from sinuous.pictures.surveys.workspace import plot_reach  # noqa: PLC0415
+        from sinuous.pictures.workspace import plot_reach  # noqa: PLC0415
 
         plot_reach(found, options.plot)
     typer.echo(json_line({"file": file, **found.to_dict()}) if options.json else f"{file}: {str(found)[7:]}")

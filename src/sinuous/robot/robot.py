@@ -13,7 +13,7 @@ from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack,
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.notebook import Shown
+from sinuous.notebook import NotebookMixin
 from sinuous.poses import as_pose
 from sinuous.reprs import call, text
 from sinuous.robot import limits
@@ -53,7 +53,7 @@ class RobotArguments(WholeArguments, total=False):
     radius: Number | None
 
 
-class Robot(Shown, Frozen):
+class Robot(NotebookMixin, Frozen):
     """A continuum robot: segments from base to tip, where it stands, and what it carries.
 
     A configuration `q` is an array (..., n, 3) with `bend_x`, `bend_y` (rad) and `length` of every segment.

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from time import monotonic
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -32,6 +32,12 @@ SEARCHING = 0.8
 
 FIRST = 0.5
 """Share of the time for the search, and of the starts, that a first solution may take."""
+
+PATIENCE = 1000
+"""Starts in a row, routes not counted, that bring nothing new after the first solution, before the search stops."""
+
+CLASS_PATIENCE = 400
+"""The same where classes are wanted: starts in a row that bring no new class."""
 
 CANDIDATES = 4
 """Distinct solutions of a class that are kept, the best ones."""
@@ -79,8 +85,54 @@ class Wanted:
     seconds: float
 
 
+class Classes:
+    """Solutions by their classes of routes, of each the best ones.
+
+    Parameters
+    ----------
+    curves : Curves
+    count : int
+        Classes that are wanted.
+    dislike : callable
+
+    Attributes
+    ----------
+    members : list of list of Outcome
+        Of every class the best solutions, best first.
+    """
+
+    def __init__(self, curves: Curves, count: int, dislike: Dislike) -> None:
+        self._curves, self._count, self._dislike = curves, count, dislike
+        self._firsts: list[Floats] = []
+        self.members: list[list[Outcome]] = []
+
+    @property
+    def enough(self) -> bool:
+        """Whether there are as many as are wanted."""
+        return len(self.members) >= self._count
+
+    def has(self, curve: Floats) -> bool:
+        """Whether there is a solution of the class of a curve (N, 3)."""
+        return self._curves.alike_one(curve, self._firsts) is not None
+
+    def add(self, found: Outcome, seconds_left: Callable[[], float]) -> bool:
+        """Put a solution among the best of its class; return whether the class is new."""
+        curve = self._curves.of(found.q)
+        number = self._curves.alike_one(curve, self._firsts)
+        if number is not None:
+            members = [*self.members[number], found]
+            order = np.argsort(self._dislike([each.q for each in members]), kind="stable")
+            self.members[number] = [members[i] for i in order[:CANDIDATES]]
+            return False
+        if seconds_left() <= 0.0:  # comparing took too long to say that it is new
+            return False
+        self._firsts.append(curve)
+        self.members.append([found])
+        return True
+
+
 class Distinct(Search):
-    """Follows every start to its own solution, and stops when so many distinct ones are found, or no more seem left.
+    """Follows every start to its own solution, and stops when enough distinct ones are found, or no more seem left.
 
     Parameters
     ----------
@@ -92,15 +144,14 @@ class Distinct(Search):
         Points (k, 3) of the backbone of a configuration (n, 3).
     max_starts, seconds, clock
         See `Search`.
+    classes : Classes, optional
+        Where classes are wanted, too.
 
     Attributes
     ----------
     found : list of Outcome
         Distinct, all solved, in the order in which they were found; each with the effort until then.
     """
-
-    patience: ClassVar[int] = 1000
-    """Starts in a row, routes not counted, that bring nothing new after the first solution, before it stops."""
 
     def __init__(
         self,
@@ -110,18 +161,21 @@ class Distinct(Search):
         max_starts: int,
         seconds: float,
         clock: Clock = monotonic,
+        classes: Classes | None = None,
     ) -> None:
         super().__init__(max_starts, seconds, clock)
-        self._count, self._apart, self._shape = count, apart, shape
+        self._count, self._apart, self._shape, self.classes = count, apart, shape, classes
+        self._patience = PATIENCE if classes is None else CLASS_PATIENCE
         self._shapes: list[Floats] = []
         self._impossible, self._in_vain = False, 0
         self.found: list[Outcome] = []
 
     @property
     def open(self) -> bool:
-        """Whether solutions are missing and possible, there is hope for more, and starts and time are left."""
-        wanted = len(self.found) < self._count and not self._impossible and self._in_vain < self.patience
-        return wanted and self.starts_left > 0 and self.seconds_left > 0.0
+        """Whether more is wanted and possible, there is hope for it, and starts and time are left."""
+        enough = len(self.found) >= self._count and (self.classes is None or self.classes.enough)
+        hope = not self._impossible and self._in_vain < self._patience
+        return not enough and hope and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
         """One: a call ends with its first solution."""
@@ -135,16 +189,12 @@ class Distinct(Search):
         if found.code != SOLVED:
             return
         shape = self._shape(found.q)
-        if not self._shapes or (_apart(np.array(self._shapes), shape) > self._apart).all():
-            self._shapes.append(shape)
-            found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
-            self.found.append(found)
-            if self._is_new():
-                self._in_vain = 0
-
-    def _is_new(self) -> bool:
-        """Whether the last one found is of a kind that was not found before."""
-        return True
+        if self._shapes and (_apart(np.array(self._shapes), shape) <= self._apart).any():
+            return
+        self._shapes.append(shape)
+        self.found.append(found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used))
+        if self.classes is None or self.classes.add(self.found[-1], lambda: self.seconds_left):
+            self._in_vain = 0
 
     def close(self, cell: float) -> None:
         """End it: no route leads to the target, so there are no more solutions."""
@@ -155,69 +205,6 @@ def _apart(shapes: Floats, shape: Floats) -> Floats:
     """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
     distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
     return distances
-
-
-class ByClass(Distinct):
-    """Follows every start to its own solution, and puts what is distinct into classes.
-
-    Stops when there are so many classes and `CANDIDATES` times as many solutions, or none seem to be left.
-
-    Parameters
-    ----------
-    count : int
-        Classes to find.
-    apart, shape, max_starts, seconds
-        See `Distinct`.
-    curves : Curves
-    dislike : callable
-
-    Attributes
-    ----------
-    classes : list of list of Outcome
-        Of every class the best solutions, best first.
-    """
-
-    patience: ClassVar[int] = 400
-    """Starts in a row, routes not counted, that bring no class after the first one, before it stops."""
-
-    def __init__(
-        self,
-        count: int,
-        apart: float,
-        shape: Callable[[Floats], Floats],
-        max_starts: int,
-        seconds: float,
-        curves: Curves,
-        dislike: Dislike,
-    ) -> None:
-        super().__init__(max_starts, apart, shape, max_starts, seconds)
-        self._wanted, self._curves, self._dislike = count, curves, dislike
-        self._firsts: list[Floats] = []
-        self.classes: list[list[Outcome]] = []
-
-    @property
-    def open(self) -> bool:
-        """Whether classes are missing, or solutions to choose from; and what `Distinct` asks."""
-        enough = len(self.classes) >= self._wanted and len(self.found) >= CANDIDATES * self._wanted
-        return super().open and not enough
-
-    def has(self, curve: Floats) -> bool:
-        """Whether there is a solution of the class of a curve (N, 3)."""
-        return self._curves.alike_one(curve, self._firsts) is not None
-
-    def _is_new(self) -> bool:
-        """Put the last one found among the best of its class; return whether the class is new."""
-        curve = self._curves.of(self.found[-1].q)
-        number = self._curves.alike_one(curve, self._firsts)
-        if number is not None:
-            members = [*self.classes[number], self.found[-1]]
-            order = np.argsort(self._dislike([each.q for each in members]), kind="stable")
-            self.classes[number] = [members[i] for i in order[:CANDIDATES]]
-        elif self.seconds_left > 0.0:  # else comparing took too long to say that it is new
-            self._firsts.append(curve)
-            self.classes.append([self.found[-1]])
-            return True
-        return False
 
 
 class Several:
@@ -243,11 +230,11 @@ class Several:
         shape(np.zeros((len(problem.robot), 3)))  # loads the kernel, before the time begins
         self._end = monotonic() + wanted.seconds
         seconds = wanted.seconds if self._curves is None else SEARCHING * wanted.seconds
-        own = wanted.apart, shape, wanted.max_starts, seconds
+        classes = None
         if self._curves is not None and wanted.by == BY_ROUTE:
-            self.search: Distinct = ByClass(wanted.count, *own, self._curves, dislike)
-        else:
-            self.search = Distinct(CANDIDATES * wanted.count, *own)
+            classes = Classes(self._curves, wanted.count, dislike)
+        count = CANDIDATES * wanted.count
+        self.search = Distinct(count, wanted.apart, shape, wanted.max_starts, seconds, classes=classes)
 
     def batches(self, strategy: Strategy, question: Question) -> Iterator[Batch]:
         """Yield the starts of `solve` up to a first solution, then those of the strategy for several.
@@ -259,8 +246,8 @@ class Several:
         if searches is not None and not self.search.found:
             yield from self._up_to_first(strategy, question._replace(several=False), scattered)
         passages = None
-        if self._curves is not None and isinstance(self.search, ByClass) and searches is not None:
-            passages = partial(Passages, searches, self._curves, solved=self.search.has)
+        if self._curves is not None and self.search.classes is not None and searches is not None:
+            passages = partial(Passages, searches, self._curves, solved=self.search.classes.has)
         yield from strategy.batches(question, scattered, passages)
 
     def _up_to_first(self, strategy: Strategy, question: Question, scattered: Scattered) -> Iterator[Batch]:
@@ -281,15 +268,16 @@ class Several:
     def best(self) -> list[tuple[Outcome, RouteClass | None]]:
         """Return the solutions, best first, each with its class: `None` where that is not known."""
         count, curves = self._wanted.count, self._curves
-        if isinstance(self.search, ByClass):
-            found = self._ranked([members[0] for members in self.search.classes])
-        else:
+        classes = self.search.classes
+        if classes is None:
             found = self._ranked(self.search.found)[:count]
+        else:
+            found = self._ranked([members[0] for members in classes.members])
         if curves is None:
             return [(outcome, None) for outcome in found]
         tight = [curves.of(outcome.q) for outcome in found]
         same = sort_out(curves, tight)
-        if isinstance(self.search, ByClass):
+        if classes is not None:
             kept = [i for i, first in enumerate(same) if i == first][:count]
             found, tight, same = [found[i] for i in kept], [tight[i] for i in kept], list(range(len(kept)))
         if self._seconds_left() <= 0.0:  # what was not compared any more seems to be different

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, TypedDict, Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Number, Orientation, Orientations, Rows, Vector, Whole
@@ -99,6 +100,28 @@ class Goals:
     def rows(self) -> Floats:
         """The targets as kernels read them, a new array (m, 15)."""
         return target_rows(len(self), self.positions, self.directions, self.rotations)
+
+    def targets(self, i: int) -> "tuple[Target, ...]":
+        """Return the one target of set `i`; this and the following are as of `ListedTargets`."""
+        return Target.of_rows(self[i : i + 1].rows)
+
+    def chunk(self, first: int, last: int) -> Floats:
+        """Return some of the targets as kernels read them, a new array (last - first, 1, 15)."""
+        return self[first:last].rows[:, None]
+
+    def runs(self) -> list[tuple[int, int]]:
+        """One run, of all."""
+        return [(0, len(self))] if len(self) else []
+
+    @property
+    def placed(self) -> NDArray[np.bool_]:
+        """Which targets have a position (m,)."""
+        return np.full(len(self), self.positions is not None)
+
+    @property
+    def turned(self) -> NDArray[np.bool_]:
+        """Which targets have a direction or a rotation (m,)."""
+        return np.full(len(self), self.directions is not None or self.rotations is not None)
 
 
 MOST_TARGETS = 1000

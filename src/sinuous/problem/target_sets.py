@@ -17,68 +17,52 @@ INSTEAD = "for positions use positions="
 """What to do with mere numbers."""
 
 
-class TargetSets:
-    """m sets of targets, as kernels read them; frozen.
+class ListedTargets:
+    """m sets of targets as they were listed, each to be met at once; checked before, for their robot."""
 
-    Parameters
-    ----------
-    rows : ndarray (r, 15)
-        All targets, set after set.
-    counts : ndarray (m,)
-        How many targets each set has.
-    listed : sequence of tuple of Target, optional
-        The sets as they were given; by default targets are made of their rows when they are asked for.
-    """
-
-    def __init__(
-        self, rows: Floats, counts: NDArray[np.int64], listed: tuple[tuple[Target, ...], ...] | None = None
-    ) -> None:
-        self._rows, self._counts, self._listed = rows, counts, listed
-        self._first = np.concatenate([[0], np.cumsum(counts)])
+    def __init__(self, sets: tuple[tuple[Target, ...], ...]) -> None:
+        self._sets = sets
 
     def __len__(self) -> int:
-        return len(self._counts)
+        return len(self._sets)
 
-    def __getitem__(self, index: Any) -> "TargetSets":
+    def __getitem__(self, index: Any) -> "ListedTargets":
         """Some of them: a slice, or numbers (k,)."""
-        numbers = np.arange(len(self))[index]
-        counts = self._counts[numbers]
-        before = np.cumsum(counts) - counts
-        rows = np.arange(counts.sum()) + np.repeat(self._first[numbers] - before, counts)
-        listed = None if self._listed is None else tuple(self._listed[i] for i in numbers.tolist())
-        return TargetSets(self._rows[rows], counts, listed)
+        return ListedTargets(tuple(self._sets[i] for i in np.arange(len(self))[index].tolist()))
 
     def targets(self, i: int) -> tuple[Target, ...]:
         """Return the targets of set `i`."""
-        if self._listed is not None:
-            return self._listed[i]
-        return Target.of_rows(self._rows[self._first[i] : self._first[i + 1]])
+        return self._sets[i]
 
-    def rows(self, first: int, last: int) -> Floats:
+    def chunk(self, first: int, last: int) -> Floats:
         """Return the targets of some sets as kernels read them, a new array (last - first, t, 15).
 
         There are equally many in each of them: see `runs`.
         """
-        return self._rows[self._first[first] : self._first[last]].reshape(last - first, -1, TARGET_WIDTH).copy()
+        tables = [target._table for targets in self._sets[first:last] for target in targets]
+        return np.concatenate(tables).reshape(last - first, -1, TARGET_WIDTH)
 
     def runs(self) -> list[tuple[int, int]]:
         """First and last of every run of sets with equally many targets."""
-        cuts = (np.flatnonzero(np.diff(self._counts)) + 1).tolist()
-        return list(zip([0, *cuts], [*cuts, len(self)], strict=True)) if len(self) else []
+        cuts = (np.flatnonzero(np.diff([len(targets) for targets in self._sets])) + 1).tolist()
+        return list(zip([0, *cuts], [*cuts, len(self)], strict=True)) if self._sets else []
 
     @property
     def placed(self) -> NDArray[np.bool_]:
         """Of which sets some target has a position (m,)."""
-        return self._any(HAS_POSITION)
+        return self._some(HAS_POSITION)
 
     @property
     def turned(self) -> NDArray[np.bool_]:
         """Of which sets some target has a direction or a rotation (m,)."""
-        return self._any(ORIENTATION)
+        return self._some(ORIENTATION)
 
-    def _any(self, column: int) -> NDArray[np.bool_]:
-        some: NDArray[np.bool_] = np.logical_or.reduceat(self._rows[:, column] != 0.0, self._first[:-1])
-        return some
+    def _some(self, column: int) -> NDArray[np.bool_]:
+        return np.array([any(target._table[0, column] for target in each) for each in self._sets], np.bool_)
+
+
+TargetSets = Goals | ListedTargets
+"""Sets of targets: one of the tip in each, from arrays, or listed ones."""
 
 
 def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Mapping[str, Any]) -> TargetSets:
@@ -96,13 +80,10 @@ def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Ma
     if targets is None:
         if not given:
             raise InputError("targets", "nothing is asked", None, "targets, or positions=, directions= or rotations=")
-        rows = Goals.read(arrays).rows
-        return TargetSets(rows, np.ones(len(rows), np.int64))
+        return Goals.read(arrays)
     if given:
         raise InputError(given[0], "stands beside targets", arrays[given[0]], "one of targets, arrays")
-    listed = listed_targets(robot, targets)
-    tables = [np.empty((0, TARGET_WIDTH)), *(target._table for each in listed for target in each)]
-    return TargetSets(np.concatenate(tables), np.array([len(each) for each in listed], np.int64), listed)
+    return ListedTargets(listed_targets(robot, targets))
 
 
 def listed_targets(robot: Robot, targets: Any) -> tuple[tuple[Target, ...], ...]:

@@ -63,7 +63,7 @@ class Many:
 
         def begin(chunk: tuple[int, int]) -> None:
             first, last = chunk
-            rows = self._questions.target_sets.rows(first, last)
+            rows = self._questions.target_sets.chunk(first, last)
             initial = np.array(self._questions.initial[first:last], order="C")
             answers = self._answers[first:last]
             self._method.run_many(self._questions.scene, rows, initial, budget, answers)

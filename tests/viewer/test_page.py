@@ -1,5 +1,6 @@
 """The page in a real browser: what people drag, type and press, and what they see then."""
 
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,7 +13,7 @@ import sinuous as sn
 from sinuous.viewer.nodes import rotation_of
 from sinuous.viewer.page import Page
 from tests.helpers import Floats
-from tests.viewer.browser import chromium, frames, opened, pixels, projected, until
+from tests.viewer.browser import PATIENCE, chromium, frames, opened, pixels, projected, until
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
 JOB = sn.Job(ROBOT, sn.Target((1, 0, 2)), [sn.Sphere((0.2, 0.9, 1.2), radius=0.25, name="ball")])
@@ -70,8 +71,15 @@ def load(page: Page, tab: Any, job: sn.Job) -> None:
 
 
 def settled(page: Page) -> None:
-    """Wait until the queue of events is empty."""
-    time.sleep(0.3)
+    """Wait until all events are handled and no solve goes on."""
+
+    def handled() -> bool:
+        done = threading.Event()
+        page.do("settled", done.set)
+        return done.wait(PATIENCE)
+
+    until(lambda: handled() and not page._busy, "a page at rest")
+    assert handled()  # the answer of a solve comes right after its end
 
 
 def asked(page: Page) -> Floats:
@@ -148,7 +156,7 @@ def test_the_page_opens_with_the_robot_and_obstacles_where_they_must_be(page: Pa
 
 
 def test_the_tip_follows_the_gizmo_to_tolerance(page: Page, fresh: Any) -> None:
-    pull(page, fresh, lambda: page.scenery._gizmos[0][1], lambda: asked(page))
+    pull(page, fresh, lambda: page.scenery.gizmo("targets/0"), lambda: asked(page))
     settled(page)
     until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
     target = asked(page)
@@ -178,14 +186,14 @@ def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> No
         return page.model.grasped == 0
 
     until(chosen, "the ball chosen")
-    until(lambda: page.scenery._grip is not None, "its gizmo")
+    until(lambda: page.scenery.gizmo("grip") is not None, "its gizmo")
 
     def center() -> Floats:
         ball = page.model.scene.obstacles[0]
         assert isinstance(ball, sn.Sphere)
         return ball.center
 
-    pull(page, fresh, lambda: page.scenery._grip, center)
+    pull(page, fresh, lambda: page.scenery.gizmo("grip"), center)
     fresh.get_by_role("tab", name="Scene").click()
     fresh.get_by_role("button", name="Delete it").click()
     until(lambda: len(page.model.scene) == 0, "no ball")

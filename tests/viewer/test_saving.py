@@ -9,6 +9,7 @@ import sinuous as sn
 from sinuous.errors import InputError
 from sinuous.viewer.model import Model
 from sinuous.viewer.saving import loaded, saved
+from tests.scene.shapes import cube
 
 PROBLEM = b"robot: {segments: {count: 3, length: [0.8, 1.2]}}\ntarget: {position: [1, 0, 2]}\n"
 
@@ -31,6 +32,26 @@ def test_a_saved_problem_is_what_is_on_the_page(tmp_path: Path) -> None:
     assert again.waypoints[0][0].equals(page.targets[0])
     assert again.tolerance == page.job.tolerance
     assert again.start is not None
+
+
+def test_obstacles_that_were_moved_are_saved_where_they_are() -> None:
+    cell = np.pad(np.ones((1, 1, 1), bool), 1)
+    scene = [
+        sn.Mesh(*cube(0.5, (-2, -2, 2))),
+        sn.PointCloud([[3, 0, 0], [3, 1, 0]], 0.1),
+        sn.Grid(cell, (4, 0, 0), 0.2),
+    ]
+    page = Model(sn.Job(sn.Robot.uniform(3, (0.8, 1.2)), sn.Target((1, 0, 2)), scene))
+    for index in range(3):
+        page.grasp(index)
+        assert page.grip is not None
+        for shift in ((0.1, 0.2, 0.3), (0.1, 0.1, 0.1)):
+            turn = sn.pose(shift, rotation=(1, 2, 3, 4) if index < 2 else None)
+            page.carry(turn @ page.grip)
+    again = loaded("moved.yaml", saved(page).encode(), Path()).scene.snapshot()
+    assert again.equals(page.scene)
+    points = np.random.default_rng(0).normal(size=(200, 3))
+    np.testing.assert_allclose(again.distance(points), page.scene.distance(points), atol=1e-9)
 
 
 def test_a_path_keeps_all_its_waypoints(tmp_path: Path) -> None:

@@ -68,10 +68,13 @@ def _with_obstacles(bounds: Bounds, reach: float, boxes: Sequence[Floats]) -> Bo
     """Extend the bounds by the parts of boxes (2, 3) that are within `reach` of them; a small box is taken whole."""
     least, most = bounds.low - reach, bounds.high + reach
     for box in boxes:
-        if np.ptp(box, axis=0).max() >= 2.0 * reach:
-            bounds = bounds.joined(np.maximum(box[0], least), np.minimum(box[1], most))
-        elif ((box.mean(axis=0) > least) & (box.mean(axis=0) < most)).all():
-            bounds = bounds.joined(box[0], box[1])
+        if np.ptp(box, axis=0).max() < 2.0 * reach:
+            near = bool(((box.mean(axis=0) > least) & (box.mean(axis=0) < most)).all())
+            part = box
+        else:
+            near = bool((box[0] < most).all() and (box[1] > least).all())
+            part = np.clip(box, least, most)
+        bounds = bounds.joined(part[0], part[1]) if near else bounds
     return bounds
 
 

@@ -7,7 +7,9 @@ from html import escape
 from typing import Any
 
 from sinuous.display.captions import rows_of
+from sinuous.display.contents import gather
 from sinuous.motion.motion import Motion
+from sinuous.pictures.plot import still
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -36,9 +38,6 @@ def _picture(noun: Any) -> str:
         import matplotlib as _  # noqa: F401, PLC0415
     except ImportError:
         return ""
-    from sinuous.display.contents import gather  # noqa: PLC0415
-    from sinuous.pictures.plot import still  # noqa: PLC0415
-
     if isinstance(noun, Scene) and not len(noun):
         return ""
     figure = still(gather([noun]), AREA, DPI, head=0.0)

@@ -1,13 +1,12 @@
 """The state of the page of `sinuous view`, and how it changes: without a browser, and without threads."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import MethodName
 from sinuous.checks import Floats
 from sinuous.display.contents import straight
 from sinuous.errors import InputError
@@ -23,9 +22,8 @@ from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
-from sinuous.solving.options import TIME
 from sinuous.viewer import edits
-from sinuous.viewer.solvers import Question
+from sinuous.viewer.solvers import Question, Settings
 
 ASKED = ("position", "direction", "rotation")
 """What a target may ask beside its position: nothing, a direction of the tangent, a whole rotation."""
@@ -44,26 +42,6 @@ def pace(duration: float) -> float:
     Times are taken for seconds, unless the whole takes longer than people wait.
     """
     return 1.0 if duration <= LONGEST else duration / SHORTENED
-
-
-@dataclass
-class Settings:
-    """How the page solves.
-
-    Attributes
-    ----------
-    method : str
-    beside : str or None
-        A second method, whose answer stands beside that of the first.
-    seed : int
-    time : float
-        Budget in seconds, when nothing is dragged.
-    """
-
-    method: MethodName = "newton"
-    beside: MethodName | None = None
-    seed: int = 0
-    time: float = TIME
 
 
 class Model:
@@ -160,15 +138,14 @@ class Model:
 
     def question(self) -> Question:
         """What is asked of the method, from the shape on the page."""
-        own = self.settings
-        return Question(self.job, self.there, self.targets, own.method, own.seed, own.time, self.q, self.number)
+        return Question(self.job, self.there, self.targets, self.settings, self.q, self.number)
 
     def question_beside(self) -> Question | None:
         """What is asked of the second method, from its own last shape; None without one."""
-        own = self.settings
-        if own.beside is None:
+        if self.settings.beside is None:
             return None
-        return Question(self.job, self.there, self.targets, own.beside, own.seed, own.time, self._q_beside, self.number)
+        settings = replace(self.settings, method=self.settings.beside)
+        return replace(self.question(), settings=settings, initial=self._q_beside)
 
     def accept(self, number: int, solution: Solution) -> bool:
         """Show the answer to a question; return whether it was still asked."""
@@ -342,11 +319,8 @@ class Model:
         """Choose an obstacle, or none."""
         self.grasped = None if index is None else checks.integer("obstacle", index, 0, len(self.scene) - 1)
         obstacle = self.chosen
-        place = None if obstacle is None else edits.place_of(obstacle)
-        self._held = None if obstacle is None or place is None else (obstacle, place)
-        self.grip = place
-        if isinstance(obstacle, Primitive) and not self.scene.moves and not self._goes_on(self.grasped):
-            self._mover = Mover(self.scene, self.grasped or 0)
+        self.grip = None if obstacle is None else edits.place_of(obstacle)
+        self._held = None if obstacle is None or self.grip is None else (obstacle, self.grip)
 
     @property
     def chosen(self) -> Obstacle | None:
@@ -400,21 +374,13 @@ class Model:
 
     def _replace_obstacle(self, obstacle: Obstacle) -> None:
         assert self.grasped is not None
-        obstacles, index = list(self.scene.obstacles), self.grasped
-        if self.scene.moves:
-            self._change(scene=Scene.of(self.scene.replaced(index, obstacle)))
+        scene, index = self.scene, self.grasped
+        if scene.moves or not (isinstance(obstacle, Primitive) and isinstance(scene.obstacles[index], Primitive)):
+            self._change(scene=Scene.of(scene.replaced(index, obstacle)))
             return
-        if isinstance(obstacle, Primitive) and isinstance(obstacles[index], Primitive):
-            mover = self._mover if self._mover is not None and self._goes_on(index) else Mover(self.scene, index)
-            self._mover = mover
-            self._change(scene=Scene.of(mover.moved(obstacle)))
-            return
-        obstacles[index] = obstacle
-        self._change(scene=Scene(obstacles))
-
-    def _goes_on(self, index: int | None) -> bool:
-        """Whether an obstacle can be moved on quickly."""
-        return index is not None and self._mover is not None and self._mover.goes_on(self.scene, index)
+        if self._mover is None or not self._mover.goes_on(scene, index):
+            self._mover = Mover(scene, index)
+        self._change(scene=Scene.of(self._mover.moved(obstacle)))
 
     # Files
 

@@ -113,9 +113,13 @@ class Body:
         )
         self._scene, self._name = scene, name
         self._nodes: list[MeshHandle] = []
+        self._shown: tuple[Floats | None, Sequence[Rgb]] = None, ()
 
     def show(self, q: Floats, colours: Sequence[Rgb]) -> None:
         """Show a configuration (n, 3) with one colour a piece of the body."""
+        if q is self._shown[0] and colours == self._shown[1]:
+            return
+        self._shown = q, colours
         vertices = [own[0] for own in self.surface.vertices(q[None])]
         if self.look.grain:
             vertices = [np.round(own / self.look.grain) * self.look.grain for own in vertices]

@@ -1,6 +1,6 @@
 """What of the model stands in space: bodies, obstacles, targets with gizmos, the line to the nearest place."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from sinuous.display.bounds import best_view, bounds_of
 from sinuous.display.clearances import clearances
 from sinuous.display.contents import Arm, Contents
 from sinuous.display.style import TIP_PATH, Rgb, by_bending, by_clearance, rgb
+from sinuous.problem.target import Target
 from sinuous.viewer.model import Model
 from sinuous.viewer.nodes import LINE, Body, Look, Obstacles, body_tones, rotation_of, show_line, wxyz
 from sinuous.viewer.server import aim
@@ -21,8 +22,8 @@ from sinuous.viewer.status import Near
 BESIDE, GHOST = 0.5, 0.3
 """Opacity of the shape of a second method, and of other solutions."""
 
-FINE = 4
-"""Pieces of a segment that are coloured by their clearance."""
+FINE, STEPS = 4, 3
+"""Pieces of a segment that are coloured by their clearance, and steps along each at which it is measured."""
 
 FAR = 0.15
 """Clearance, in mean lengths of the robot, at the end of the scale of colours."""
@@ -53,16 +54,11 @@ class Scenery:
         self.bounds = bounds_of(contents)
         aim(server, self.bounds, best_view(contents))
         self._obstacles = Obstacles(server.scene, self.bounds, session.choose_obstacle)
-        self._body: Body | None = None
-        self._second: Body | None = None
-        self._ghosts: tuple[list[Any], list[Body]] = ([], [])
-        self._gizmos: list[tuple[str, TransformControlsHandle]] = []
-        self._grip: TransformControlsHandle | None = None
+        self._bodies: dict[str, Body] = {}
+        self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
         self._line: LineSegmentsHandle | None = None
         if model.job.is_path:
             self._show_path()
-        if model.job.goal is not None:
-            self._ghost("/goal", model.job.goal)
 
     def show(self, near: Near | None) -> None:
         """Show the model as it is."""
@@ -70,73 +66,77 @@ class Scenery:
             self._show_bodies()
             self._obstacles.show(self._model.there.obstacles, self._model.grasped)
             self._show_gizmos()
-            self._show_grip()
             self._show_near(near)
 
     def _show_bodies(self) -> None:
-        model = self._model
-        parts = FINE if self._session.colouring == "clearance" else 1
-        if self._body is None or self._body.robot is not model.robot or self._body.look.pieces != parts:
-            self._body = self._anew(self._body, "body", Look(self.bounds.span, parts))
-        self._body.show(model.shown, self._colours(self._body, model.shown))
-        if model.beside is None or model.motion is not None:
-            if self._second is not None:
-                self._second.remove()
-            self._second = None
-        else:
-            if self._second is None or self._second.robot is not model.robot:
-                self._second = self._anew(self._second, "second", Look(self.bounds.span, 1, BESIDE))
-            self._second.show(model.beside.q, body_tones(len(model.robot), model.beside.solved, 1))
-        others = [(i, each) for i, each in enumerate(model.ghosts) if each is not model.answer]
-        if self._ghosts[0] != others:
-            for body in self._ghosts[1]:
-                body.remove()
-            self._ghosts = others, [self._ghost(f"/ghosts/{i}", each.q, i) for i, each in others]
+        wanted = list(self._wanted_bodies())
+        for name in self._bodies.keys() - {name for name, *_ in wanted}:
+            self._bodies.pop(name).remove()
+        for name, look, q, colours in wanted:
+            body = self._bodies.get(name)
+            if body is None or body.robot is not self._model.robot or body.look != look:
+                if body is not None:
+                    body.remove()
+                body = self._bodies[name] = Body(self._server.scene, f"/{name}", self._model.robot, look)
+            body.show(q, colours)
 
-    def _anew(self, before: Body | None, name: str, look: Look) -> Body:
-        if before is not None:
-            before.remove()
-        return Body(self._server.scene, f"/{name}", self._model.robot, look)
+    def _wanted_bodies(self) -> Iterator[tuple[str, Look, Floats, list[Rgb]]]:
+        """Yield the bodies on the page: a name, how it is drawn, its configuration (n, 3), a colour for each piece."""
+        model, span, count = self._model, self.bounds.span, len(self._model.robot)
+        pieces = FINE if self._session.colouring == "clearance" else 1
+        yield "body", Look(span, pieces), model.shown, self._colours(model.shown, pieces)
+        if model.beside is not None and model.motion is None:
+            yield "second", Look(span, opacity=BESIDE), model.beside.q, body_tones(count, model.beside.solved, 1)
+        ghosts = {f"ghosts/{i}": each.q for i, each in enumerate(model.ghosts) if each is not model.answer}
+        if model.job.goal is not None:
+            ghosts["goal"] = model.job.goal
+        for i, (name, q) in enumerate(ghosts.items(), 1):
+            yield name, Look(span, opacity=GHOST), q, body_tones(count, True, i)
 
-    def _ghost(self, name: str, q: Floats, i: int = 0) -> Body:
-        body = Body(self._server.scene, name, self._model.robot, Look(self.bounds.span, 1, GHOST))
-        body.show(q, body_tones(len(self._model.robot), True, 1 + i))
-        return body
-
-    def _colours(self, body: Body, q: Floats) -> list[Rgb]:
+    def _colours(self, q: Floats, pieces: int) -> list[Rgb]:
         """One colour a piece of the body."""
-        model, robot = self._model, body.robot
+        model, robot = self._model, self._model.robot
         if self._session.colouring == "bending":
             return by_bending(robot, q)
         if self._session.colouring == "clearance" and len(model.scene):
-            places = clearances(robot, model.there, q, body.surface.per_segment)
-            least = [float(places[part.middle].min()) for part in body.surface.parts if part.segment is not None]
+            places = clearances(robot, model.there, q, FINE * STEPS)
+            least = [float(places[i : i + STEPS + 1].min()) for i in range(0, len(places) - 1, STEPS)]
             return by_clearance(least, FAR * robot.mean_length)
         solved = model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
         if model.motion is not None:
             solved = model.step_is_proved
         own = body_tones(len(robot), solved, HAND if model.by_hand else 0)
-        return [own[part.segment] for part in body.surface.parts if part.segment is not None]
+        return [colour for colour in own for _ in range(pieces)]
+
+    def gizmo(self, name: str) -> TransformControlsHandle | None:
+        """The gizmo of a target, `targets/0`, or of the chosen obstacle, `grip`, where there is one."""
+        return self._gizmos[name][1] if name in self._gizmos else None
 
     def _show_gizmos(self) -> None:
-        kinds = [_asked(target) for target in self._model.targets[:MOST_GIZMOS]]
-        if [kind for kind, _ in self._gizmos] != kinds:
-            for _, gizmo in self._gizmos:
+        wanted = {name: (kind, frame, moved) for name, kind, frame, moved in self._wanted_gizmos()}
+        for name, (kind, gizmo) in list(self._gizmos.items()):
+            if name not in wanted or wanted[name][0] != kind:
                 gizmo.remove()
-            self._gizmos = [
-                (kind, self._gizmo(f"/targets/{i}", kind, partial(self._target_moved, i)))
-                for i, kind in enumerate(kinds)
-            ]
-        for i, (kind, gizmo) in enumerate(self._gizmos):
-            frame = self._model.target_frame(i)
+                del self._gizmos[name]
+        for name, (kind, frame, moved) in wanted.items():
+            if name not in self._gizmos:
+                self._gizmos[name] = kind, self._make_gizmo(f"/{name}", kind, moved)
+            _place(self._gizmos[name][1], frame)
+
+    def _wanted_gizmos(self) -> Iterator[tuple[str, str, Floats, Moved]]:
+        """Yield the gizmos on the page: a name, what each can do, its frame (4, 4), and who is told that it moves."""
+        for i, target in enumerate(self._model.targets[:MOST_GIZMOS]):
+            kind, frame = _kind_of(target), self._model.target_frame(i)
             if kind == "position":  # the axes of the world; those of the tip would turn in the hand
                 frame[:3, :3] = np.eye(3)
-            _place(gizmo, frame)
+            yield f"targets/{i}", kind, frame, partial(self._target_moved, i)
+        if self._model.grip is not None:
+            yield "grip", "pose", self._model.grip, self._session.move_obstacle
 
     def _target_moved(self, index: int, position: Floats, rotation: Floats, let_go: bool) -> None:
         self._session.move_target(index, position, rotation)
 
-    def _gizmo(self, name: str, kind: str, moved: Moved) -> TransformControlsHandle:
+    def _make_gizmo(self, name: str, kind: str, moved: Moved) -> TransformControlsHandle:
         endless = ((-1e9, 1e9),) * 3
         gizmo = self._server.scene.add_transform_controls(
             name,
@@ -154,17 +154,6 @@ class Scenery:
 
         return gizmo
 
-    def _show_grip(self) -> None:
-        place = self._model.grip
-        if place is None:
-            if self._grip is not None:
-                self._grip.remove()
-            self._grip = None
-            return
-        if self._grip is None:
-            self._grip = self._gizmo("/grip", "rotation", self._session.move_obstacle)
-        _place(self._grip, place)
-
     def _show_near(self, near: Near | None) -> None:
         if self._line is None:
             ends = np.zeros((1, 2, 3))
@@ -181,8 +170,8 @@ class Scenery:
             show_line(self._server.scene, "/path", known, TIP_PATH, self.bounds.span)
 
 
-def _asked(target: Any) -> str:
-    """What a gizmo of a target can do: `position`, `turn`, or both."""
+def _kind_of(target: Target) -> str:
+    """What the gizmo of a target can do: `position`, `turn`, or `pose`, which is both."""
     turned = target.direction is not None or target.rotation is not None
     return "position" if not turned else "turn" if target.position is None else "pose"
 

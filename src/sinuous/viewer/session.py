@@ -150,9 +150,9 @@ class Session(ABC):
 
     def _answer_quickly(self) -> None:
         """Solve for some milliseconds, by the method that needs no more; others may have to be compiled first."""
-        question = self.model.question()
-        if question.targets and question.method == "newton":
-            self.model.accept(question.number, self._quick.solve(question, min(QUICK, question.time)))
+        question, own = self.model.question(), self.model.settings
+        if question.targets and own.method == "newton":
+            self.model.accept(question.number, self._quick.solve(question, min(QUICK, own.time)))
 
     def _stands(self, question: Question) -> bool:
         """Wait a moment; return whether the question is still asked."""

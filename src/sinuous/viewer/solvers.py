@@ -12,11 +12,31 @@ from sinuous.problem.target import Target
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
-from sinuous.solving.options import SolveOptions
+from sinuous.solving.options import TIME, SolveOptions
 from sinuous.solving.solver import Solver
 
 QUICK = 0.01
 """Budget, in seconds, of a solve while something is dragged."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the page solves.
+
+    Attributes
+    ----------
+    method : str
+    beside : str or None
+        A second method, whose answer stands beside that of the first.
+    seed : int
+    time : float
+        Budget in seconds, when nothing is dragged.
+    """
+
+    method: MethodName = "newton"
+    beside: MethodName | None = None
+    seed: int = 0
+    time: float = TIME
 
 
 @dataclass(frozen=True)
@@ -30,10 +50,7 @@ class Question:
         Its obstacles as they are at that moment, standing still.
     targets : tuple of Target
         To be met at once.
-    method : str
-    seed : int
-    time : float
-        Budget in seconds.
+    settings : Settings
     initial : ndarray (n, 3)
     number : int
         Of the state of the page that it is asked in; an answer to an older one is out of date.
@@ -42,9 +59,7 @@ class Question:
     job: Job
     scene: Snapshot
     targets: tuple[Target, ...]
-    method: MethodName
-    seed: int
-    time: float
+    settings: Settings
     initial: Floats
     number: int
 
@@ -71,16 +86,16 @@ class Solvers:
         InputError
             When the method does not handle the robot, or what is preferred.
         """
-        job, snapshot = question.job, question.scene
-        place = len(snapshot) if question.method == "newton" else snapshot  # others sample the scene once
-        known = (job.robot, job.tolerance, job.prefer, question.method, question.seed, question.time, place)
+        job, own, snapshot = question.job, question.settings, question.scene
+        place = len(snapshot) if own.method == "newton" else snapshot  # others sample the scene once
+        known = (job.robot, job.tolerance, job.prefer, own.method, own.seed, own.time, place)
         if self._solver is None or known != self._known:
             options = SolveOptions(
                 tolerance=job.tolerance,
-                method=question.method,
+                method=own.method,
                 prefer=job.prefer,
-                time=question.time,
-                seed=question.seed,
+                time=own.time,
+                seed=own.seed,
                 routes=self._routes,
             )
             with warnings.catch_warnings():

@@ -56,6 +56,28 @@ class Fields:
             if event.client is not None:
                 changed(handle.value)
 
+    def choose(
+        self,
+        handle: Any,
+        names: Callable[[], tuple[str, ...]],
+        current: Callable[[], int],
+        chosen: Callable[[int], None],
+    ) -> None:
+        """Show a list of `names()`, which may change, with the `current()` one; call `chosen` with another's index."""
+
+        def get() -> str:
+            own = names()
+            if tuple(handle.options) != own:
+                handle.options = own
+            return own[current()]
+
+        def changed(name: str) -> None:
+            own = names()
+            if name in own:
+                chosen(own.index(name))
+
+        self.bind(handle, get, changed)
+
     def press(self, handle: Any, act: Callable[[Any], None]) -> None:
         """Call `act` with the event when a button is pressed."""
         self._buttons.append(handle)
@@ -96,20 +118,15 @@ def target_tab(gui: GuiApi, session: Session, fields: Fields) -> None:
     forget = gui.add_button("Forget them", color="gray")
     fields.press(forget, lambda _: session.forget_others())
 
-    def refresh() -> str:
-        names = _solution_names(session)
-        if tuple(found.options) != names:
-            found.options = names
+    def current() -> int:
         forget.visible = found.visible = bool(model.ghosts)
-        shown = next((i for i, ghost in enumerate(model.ghosts) if ghost is model.answer), None)
-        return names[0] if shown is None else names[shown + 1]
+        return next((i for i, ghost in enumerate(model.ghosts, 1) if ghost is model.answer), 0)
 
-    def choose(name: str) -> None:
-        names = _solution_names(session)
-        if name in names[1:]:
-            session.do("solution", lambda: model.choose(names.index(name) - 1))
+    def choose(index: int) -> None:
+        if index:
+            session.do("solution", lambda: model.choose(index - 1))
 
-    fields.bind(found, refresh, choose)
+    fields.choose(found, partial(_solution_names, session), current, choose)
 
 
 def _solution_names(session: Session) -> tuple[str, ...]:
@@ -221,20 +238,13 @@ def _ranges(segment: Segment) -> list[tuple[float, float]]:
 def scene_tab(gui: GuiApi, session: Session, fields: Fields) -> None:
     """Put the fields into the panel."""
     model = session.model
-    names = _obstacle_names(session)
-    chosen = gui.add_dropdown("obstacle", names, hint="Or click on one. The chosen one can be dragged.")
+    names = partial(_obstacle_names, session)
+    listed = gui.add_dropdown("obstacle", names(), hint="Or click on one. The chosen one can be dragged.")
 
-    def shown() -> str:
-        now = _obstacle_names(session)
-        if tuple(chosen.options) != now:
-            chosen.options = now
-        return now[0] if model.grasped is None else now[model.grasped + 1]
+    def current() -> int:
+        return 0 if model.grasped is None else model.grasped + 1
 
-    def choose(name: str) -> None:
-        own = _obstacle_names(session)
-        session.choose_obstacle(own.index(name) - 1 if name in own[1:] else None)
-
-    fields.bind(chosen, shown, choose)
+    fields.choose(listed, names, current, lambda index: session.choose_obstacle(index - 1 if index else None))
     delete = gui.add_button("Delete it", color="gray")
     fields.press(delete, lambda _: session.do("delete", model.delete))
     kind = gui.add_dropdown("kind", KINDS)
@@ -279,35 +289,25 @@ def robot_tab(gui: GuiApi, session: Session, fields: Fields) -> None:
     def segment() -> Segment:
         return model.robot.segments[index() or 0]
 
-    def low(value: float) -> None:
+    def put(arguments: Callable[[float], dict[str, Any]], value: float) -> None:
         k = index()
-        session.do("limit", lambda: model.limit(k, length=(value, segment().length[1])))
+        session.do("limit", lambda: model.limit(k, **arguments(value)))
 
-    def high(value: float) -> None:
-        k = index()
-        session.do("limit", lambda: model.limit(k, length=(segment().length[0], value)))
+    def add(label: str, step: float, get: Callable[[], float], arguments: Callable[[float], dict[str, Any]]) -> None:
+        hint = "Largest bend divided by length; 0: no limit of its own." if label == "max_curvature" else None
+        fields.bind(gui.add_number(label, 0.0, min=0.0, step=step, hint=hint), get, partial(put, arguments))
 
-    def bend(value: float) -> None:
-        k = index()
-        session.do("limit", lambda: model.limit(k, max_bend=value))
-
-    def curvature(value: float) -> None:
-        k = index()
-        session.do("limit", lambda: model.limit(k, max_curvature=value or None))
-
-    def radius(value: float) -> None:
-        k = index()
-        session.do("limit", lambda: model.limit(k, radius=value))
+    def curvature() -> float:
+        own = segment().max_curvature
+        return own if math.isfinite(own) else 0.0
 
     fields.bind(which, lambda: which.value, lambda _: session.do("segment", lambda: None))
     step = step_of(model.robot.mean_length)
-    fields.bind(gui.add_number("least length", 0.0, min=0.0, step=step), lambda: segment().length[0], low)
-    fields.bind(gui.add_number("greatest length", 0.0, min=0.0, step=step), lambda: segment().length[1], high)
-    fields.bind(gui.add_number("max_bend, rad", 0.0, min=0.0, step=0.01), lambda: segment().max_bend, bend)
-    hint = "Largest bend divided by length; 0: no limit of its own."
-    curved = gui.add_number("max_curvature", 0.0, min=0.0, step=1e-6, hint=hint)
-    fields.bind(curved, lambda: segment().max_curvature if math.isfinite(segment().max_curvature) else 0.0, curvature)
-    fields.bind(gui.add_number("radius", 0.0, min=0.0, step=step), lambda: segment().radius, radius)
+    add("least length", step, lambda: segment().length[0], lambda value: {"length": (value, segment().length[1])})
+    add("greatest length", step, lambda: segment().length[1], lambda value: {"length": (segment().length[0], value)})
+    add("max_bend, rad", 0.01, lambda: segment().max_bend, lambda value: {"max_bend": value})
+    add("max_curvature", 1e-6, curvature, lambda value: {"max_curvature": value or None})
+    add("radius", step, lambda: segment().radius, lambda value: {"radius": value})
 
 
 def solve_tab(gui: GuiApi, session: Session, fields: Fields) -> None:

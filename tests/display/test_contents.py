@@ -1,6 +1,7 @@
-"""Obstacles that move are drawn where they are when the robot is where it is."""
+"""Things are sorted, and obstacles that move are where they are when the robot is where it is."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,6 +24,33 @@ def test_obstacles_are_where_they_are_at_a_share_of_the_motion() -> None:
             assert shown.equals(moving.at(when))
     (alone,) = gather([sn.Scene([BALL])]).obstacles_at(0.7)
     assert alone.equals(BALL.at(0.0))
+
+
+@pytest.mark.parametrize(
+    ("things", "message"),
+    [
+        ((), "things: expected something to draw"),
+        ((ROBOT, ["x"]), r"things\[1\]\[0\]: expected a robot, scene"),
+        ((np.zeros((2, 3)),), r"things\[0\]: expected an array of configurations right after its robot"),
+        ((ROBOT, np.zeros((3, 3))), r"things\[1\]: expected"),
+        ((sn.Target(direction=(0, 0, 1)),), "a robot before a target without a position"),
+        (([ROBOT] * 101,), r"len\(robots\): expected"),
+    ],
+)
+def test_what_cannot_be_drawn_is_named(things: Any, message: str) -> None:
+    with pytest.raises(sn.InputError, match=message):
+        gather(things)
+
+
+def test_a_job_brings_its_robot_its_targets_or_its_path() -> None:
+    start = [[0.0, 0.0, 1.0]] * 2
+    for asked, counts in (
+        ({"target": sn.Target((0, 0, 2))}, (1, 1, 0)),
+        ({"path": [sn.Target((0, 0, 2)), sn.Target((0, 0.1, 2))]}, (1, 0, 1)),
+        ({"start": start, "goal": start}, (1, 0, 0)),
+    ):
+        contents = gather([sn.Job(ROBOT, **asked)])
+        assert (len(contents.arms), len(contents.targets), len(contents.paths)) == counts
 
 
 def test_every_kind_of_picture_shows_them(tmp_path: Path) -> None:

@@ -71,9 +71,9 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import check as check
-    from sinuous.solving.solve import solve as solve
-    from sinuous.solving.solve import solve_all as solve_all
     from sinuous.solving.solver import Solver as Solver
+    from sinuous.solving.solver import solve as solve
+    from sinuous.solving.solver import solve_all as solve_all
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
@@ -121,8 +121,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Step",),
     "solution.verification": ("Verification", "check"),
-    "solving.solve": ("solve", "solve_all"),
-    "solving.solver": ("Solver",),
+    "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),
     "workspace.reach": ("Reach",),

@@ -9,8 +9,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.solving.routing.searches import Searches
-from sinuous.solving.solve import solve
-from sinuous.solving.solver import Solver
+from sinuous.solving.solver import Solver, solve
 
 ROBOT = Robot.uniform(3, (0.8, 1.2), radius=0.05)
 SCENE = [Sphere((0.5, 0.0, 1.5), 0.2)]

@@ -1,6 +1,7 @@
 """Everything that Python calls is compiled ahead, once, and nothing is compiled for what users do afterwards."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -21,8 +22,9 @@ from benchmarks.places import make
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling.pieces import name_of
 
-made, plain = [], compiling.entry
+made, plain, around = [], compiling.entry, compiling.entry_around
 compiling.entry = lambda function: made.append(plain(function)) or made[-1]
+compiling.entry_around = lambda inner, function: made.append(around(inner, function)) or made[-1]
 from sinuous.solving.warm import steps
 for step in steps():
     step.use()
@@ -74,6 +76,11 @@ def test_everything_is_compiled_ahead_and_in_one_form() -> None:
     assert late == {}
 
 
+def made_around(file: Path) -> list[str]:
+    """Names of the entries of a file that are made around another kernel."""
+    return re.findall(r"^(\w+) = search_by\(", file.read_text(encoding="utf-8"), re.MULTILINE)
+
+
 def test_every_entry_is_in_one_piece() -> None:
     listed = [entry for piece in PIECES for entry in piece.entries]
     assert len(set(listed)) == len(listed)
@@ -81,7 +88,7 @@ def test_every_entry_is_in_one_piece() -> None:
         ".".join([*file.relative_to(PACKAGE).with_suffix("").parts, name])
         for room in ("kernels", "methods")
         for file in (PACKAGE / room).rglob("*.py")
-        for name in decorated(file, "entry")
+        for name in (*decorated(file, "entry"), *made_around(file))
     }
     assert {entry.removesuffix(FREE) for entry in listed} == entries
 

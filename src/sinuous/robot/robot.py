@@ -71,9 +71,10 @@ class Robot(NotebookMixin, Frozen):
     tool : array_like (4, 4), optional
         Pose of the tool in the frame of the tip. Targets of the tip mean the tool; the tool has no body.
     self_collision : str
-        `avoid`: two places of the backbone whose distance along it is at least pi times the larger of their radii are
-        farther apart than the sum of their radii, and no segment bends more tightly than with the curvature
-        1 / radius. `allow`: the body may run through itself.
+        `avoid`: two places of the backbone are farther apart than the sum of their radii, unless they are neighbours
+        along it, and no segment bends more tightly than with the curvature 1 / radius. Neighbours are, where the radius
+        is the same between them, places nearer along the body than pi radii, and where it changes, places each of which
+        lies ahead of the other. `allow`: the body may run through itself.
     actuators : Actuators, optional
         Actuators beside the tendons and chambers of the segments.
     name : str, optional

@@ -106,7 +106,7 @@ class Scene(NotebookMixin):
 
     @property
     def table(self) -> Floats:
-        """Rows (m, 32) for the kernels, read-only."""
+        """Rows (m, 33) for the kernels, read-only."""
         return self._snapshot.table
 
     @property

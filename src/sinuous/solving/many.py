@@ -9,8 +9,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import CODE, TARGET_WIDTH, Budget, Outcome, answer_size
-from sinuous.methods.compiled import as_outcomes
-from sinuous.methods.method import Method
+from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.resolver import ReSolver
@@ -22,8 +21,11 @@ from sinuous.solving.search import UNDECIDED
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
 
-FREE, AMONG_OBSTACLES = 64, 4
-"""Fewest problems that are handed over in one call, if there are so many: a call costs as much as three free solves."""
+FREE = 64
+"""Fewest problems of one call without obstacles, if there are so many: a call costs as much as three such solves."""
+
+AMONG_OBSTACLES = 4
+"""Fewest problems of one call among obstacles, if there are so many."""
 
 PARTS = 4
 """Chunks a worker, where there are enough problems: some take a thousand times as long as others."""
@@ -43,13 +45,13 @@ class Many:
     Parameters
     ----------
     questions : ManyProblems
-    method : Method
+    method : Prepared
     workers : int
         Most threads.
     advance : callable
     """
 
-    def __init__(self, questions: ManyProblems, method: Method, workers: int, advance: Advance) -> None:
+    def __init__(self, questions: ManyProblems, method: Prepared, workers: int, advance: Advance) -> None:
         self._questions, self._method = questions, method
         self._workers, self._advance = workers, advance
         self._answers = np.empty((len(questions.target_sets), answer_size(len(questions.robot))))

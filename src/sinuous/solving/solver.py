@@ -14,7 +14,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
-from sinuous.methods.method import Call
+from sinuous.methods.prepared import Call
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -179,6 +179,7 @@ class Solver:
         """Solve independent targets, as `solve` does one by one, on all cores.
 
         Whatever the number of workers, each answer is that of `solve`, to the last bit, unless its time runs out.
+        A target that is not solved, and not proved impossible, takes all of its time unless `max_starts` bounds it.
 
         Parameters
         ----------
@@ -403,6 +404,33 @@ class Solver:
         if type(initial) is Solution and initial.q.shape == self._shape:  # checked when it was found
             return initial.q[None].copy()
         return self.configuration("initial", initial).reshape(1, len(self.robot), 3).copy()
+
+
+def solve(
+    robot: Robot,
+    target: Targets,
+    scene: SceneLike | None = None,
+    *,
+    initial: Initial | None = None,
+    **options: Unpack[SolveArguments],
+) -> Solution:
+    """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
+    return Solver.once(robot, scene, **options).solve(target, initial)
+
+
+def solve_all(
+    robot: Robot,
+    target: Targets,
+    scene: SceneLike | None = None,
+    *,
+    initial: Initial | None = None,
+    count: Whole = 8,
+    apart: Number = 0.02,
+    by: Kind | None = None,
+    **options: Unpack[SolveArguments],
+) -> list[Solution]:
+    """Find several solutions, ranked: by route or by shape; parameters as for `Solver` and `Solver.solve_all`."""
+    return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart, by=by)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm
 from sinuous.kernels.step.limits import bend_cap
 from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 from sinuous.methods.fabrik.links import angle_between, unit_or
+from sinuous.methods.search import cut
 
 Tree = namedtuple("Tree", ["frames", "q", "effort", "travel", "parent", "depth", "priority", "open"])
 """Nodes: frame (12,) of the end, the segment (3,) that leads there, cost so far, length so far, parent, number of
@@ -42,16 +43,12 @@ WIDEST_HALF = 3.1
 @kernel
 def carve_tree(buffer: Array, nodes: int) -> Tree:
     """Lay out a tree in the beginning of `buffer` (`PER_NODE` numbers a node)."""
-    rest = buffer[15 * nodes :]
+    frames, rest = cut(buffer, nodes, 12)
+    q, rest = cut(rest, nodes, 3)
+    effort, travel, priority = rest[:nodes], rest[nodes : 2 * nodes], rest[2 * nodes : 3 * nodes]
+    whole = rest[3 * nodes : 6 * nodes].view(np.int64)
     return Tree(
-        buffer[: 12 * nodes].reshape((nodes, 12)),
-        buffer[12 * nodes : 15 * nodes].reshape((nodes, 3)),
-        rest[:nodes],
-        rest[nodes : 2 * nodes],
-        rest[2 * nodes : 3 * nodes].view(np.int64),
-        rest[3 * nodes : 4 * nodes].view(np.int64),
-        rest[4 * nodes : 5 * nodes],
-        rest[5 * nodes : 6 * nodes].view(np.int64),
+        frames, q, effort, travel, whole[:nodes], whole[nodes : 2 * nodes], priority, whole[2 * nodes : 3 * nodes]
     )
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.kernels.between.sweep import RATES_WIDTH, bow, measure_rates
+from sinuous.kernels.chain.rates import RATES_WIDTH, bow, measure_rates
 from tests.helpers import Floats, frames_of
 
 STEP = 1e-3

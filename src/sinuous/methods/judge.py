@@ -84,16 +84,17 @@ def check_size(segments: int, obstacles: int) -> int:
 
 
 @kernel
-def carve_check(buffer: Array, problem: Problem) -> Check:
-    """Lay out the scratch of the check at the beginning of `buffer` (at least `check_size`)."""
+def carve_check(buffer: Array, problem: Problem) -> tuple[Check, Array]:
+    """Lay out the scratch of the check at the beginning of `buffer` (`check_size` or more); returns the rest too."""
     n, m = problem.limits.shape[0], problem.scene.table.shape[0]
     frames = shaped(buffer[: 12 * (n + 1)], (n + 1, 12))
     rotation, position = frame(problem.base, 0)
     put_frame(frames, 0, rotation, position)
     rest = buffer[12 * (n + 1) :]
     clock = rest[m : m + CLOCK_SIZE].view(np.int64)
-    spans = shaped(rest[m + CLOCK_SIZE : m + CLOCK_SIZE + SPAN_WIDTH * (n + 1)], (n + 1, SPAN_WIDTH))
-    return Check(frames, rest[:m].view(np.int64), clock, spans)
+    size = m + CLOCK_SIZE + SPAN_WIDTH * (n + 1)
+    spans = shaped(rest[m + CLOCK_SIZE : size], (n + 1, SPAN_WIDTH))
+    return Check(frames, rest[:m].view(np.int64), clock, spans), rest[size:]
 
 
 @kernel

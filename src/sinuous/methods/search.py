@@ -1,23 +1,23 @@
 """The search of every method but our own: starts one after the other until one is solved, and the record of it.
 
-A method hands over its kernel `follow`, which follows one start; all else is the same for all. It is called as
+A method brings its kernel `follow`, which follows one start; all else is the same for all. It is called as
 
-    follow(problem, check, work, options, start, answer) -> iterations, solved
+    follow(problem, check, scratch, options, start, answer) -> iterations, solved
 
-with the scratch `work` and the `options` of the method. It hands its answers to `judge.offer`, and returns `NO_START`
-iterations where the method has no start of this number.
+with `scratch` (w,), a buffer of as many numbers as the method asked for, and the `options` of the method. It hands its
+answers to `judge.offer`, and returns `NO_START` iterations where the method has no start of this number.
 """
 
 import math
 from collections import namedtuple
 from collections.abc import Callable
-from typing import Any
 
+from sinuous.checks import Floats
 from sinuous.kernels.clock import allow, begin, now, over
-from sinuous.kernels.compile import closure, kernel
+from sinuous.kernels.compile import entry_around, kernel
+from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem, answer_of, read_problem
-from sinuous.kernels.solve.judge import Answer, Check, carve_check, finish
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.tables import (
@@ -40,6 +40,10 @@ from sinuous.kernels.tables import (
     STARTS,
     Budget,
 )
+from sinuous.methods.judge import Answer, Check, carve_check, check_size, finish
+from sinuous.methods.prepared import Compiled
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 
 Start = namedtuple("Start", ["initial", "index", "first", "seed"])
 """One start of a search: the initial configurations (g, n, 3; rad and length unit); its place among all starts, of
@@ -49,9 +53,16 @@ random."""
 NO_START = -1
 """Iterations of a start that does not exist: the search ends."""
 
-Follow = Callable[[Problem, Check, Any, Array, Start, Answer], tuple[int, bool]]
+Follow = Callable[[Problem, Check, Array, Array, Start, Answer], tuple[int, bool]]
 
-Drive = Callable[[Any, tuple[Array, Array, Array], Array, Array, Budget, Array, Array], None]
+Search = Callable[[Array, Array, Array, Array, Array, Budget, Array, Array], None]
+
+
+@kernel
+def cut(buffer: Array, rows: int, columns: int) -> tuple[Array, Array]:
+    """The beginning of a `buffer` (w,) as an array (rows, columns), and the rest of the buffer."""
+    size = rows * columns
+    return shaped(buffer[:size], (rows, columns)), buffer[size:]
 
 
 @kernel
@@ -87,8 +98,8 @@ def begin_own(problem: Problem, check: Check, number: int, seed: int, q: Array) 
 def open_record(problem: Problem, check: Check, given: int, budget: Budget, answer: Answer) -> int:
     """Open the record and the time of a search; returns the number of its starts.
 
-    They are `given` initial configurations and the method's own of the `budget`. What is proved
-    impossible is tried from the initial configurations and once more.
+    They are `given` initial configurations and the method's own of the `budget`. What is proved impossible is tried
+    from the initial configurations and once more.
     """
     first, last, _, seconds = budget
     record = answer.record
@@ -120,59 +131,52 @@ def close_record(problem: Problem, check: Check, iterations: int, starts: int, l
     record[SECONDS] = now(check.clock) - record[SECONDS]
 
 
-def driver(follow: Follow) -> Drive:
-    """Make the search of the method that `follow` belongs to: a kernel, to be called by an entry.
+def search_by(follow: Follow) -> Search:
+    """Make the search of the method that `follow` belongs to, to be called from Python.
 
-    It is made around `follow`, because an entry that hands over a kernel as an argument cannot be cached.
+    It is made around `follow`, because code that is handed over as an argument cannot be kept on disk.
     """
 
-    @closure
     def search(
-        problem: Problem,
-        check: Check,
-        work: Any,
-        options: Array,
-        initial: Array,
-        budget: Budget,
-        answer: Answer,
-    ) -> None:
-        """Follow the starts of one problem until one is solved, there are no more, or time is over."""
-        count = open_record(problem, check, initial.shape[0], budget, answer)
-        total, index, late, solved = 0, 0, False, False
-        while index < count and not late and not solved:
-            start = Start(initial, index, budget[0], budget[2])
-            used, solved = follow(problem, check, work, options, start, answer)
-            if used < 0:
-                break
-            total += used
-            index += 1
-            late = not solved and over(check.clock)
-        close_record(problem, check, total, index, late, answer)
-
-    @closure
-    def drive(
-        work: Any,
-        groups: tuple[Array, Array, Array],
+        robot: Array,
+        scene: Array,
+        settings: Array,
         targets: Array,
         initial: Array,
         budget: Budget,
-        scratch: Array,
+        workspace: Array,
         answers: Array,
     ) -> None:
-        """Solve m problems.
+        """Solve m problems, each from its starts until one is solved, there are no more, or time is over.
 
-        `groups` are robot, scene and settings, laid out as `tables` says; `targets` (m, t, 15); `initial` (m, g, n, 3).
-        `scratch` (at least `judge.check_size`) is what the check works on. Fills `answers` (m, 11 + 3 n): record and
-        configuration of each.
+        `robot`, `scene` and `settings` are groups, laid out as `tables` says; `targets` (m, t, 15); `initial`
+        (m, g, n, 3). `workspace` is scratch of the check (`judge.check_size`), then of the method. Fills `answers`
+        (m, 11 + 3 n): record and configuration of each.
         """
-        robot, scene, settings = groups
         n, options = int(robot[0]), settings[METHOD_OPTIONS:]
         for i in range(targets.shape[0]):
             problem = read_problem(robot, scene, settings, targets[i])
-            check = carve_check(scratch, problem)
+            check, scratch = carve_check(workspace, problem)
             if i == 0:
                 begin(check.clock)
             best, record = answer_of(answers, i, n)
-            search(problem, check, work, options, initial[i], budget, Answer(best, record))
+            answer = Answer(best, record)
+            count = open_record(problem, check, initial.shape[1], budget, answer)
+            total, index, late, solved = 0, 0, False, False
+            while index < count and not late and not solved:
+                start = Start(initial[i], index, budget[0], budget[2])
+                used, solved = follow(problem, check, scratch, options, start, answer)
+                if used < 0:
+                    break
+                total += used
+                index += 1
+                late = not solved and over(check.clock)
+            close_record(problem, check, total, index, late, answer)
 
-    return drive
+    return entry_around(follow, search)
+
+
+def compiled_search(search: Search, scratch: int, options: Floats, robot: Robot, scene: Scene) -> Compiled:
+    """Return the search of a method that works on so many numbers, and has these options, for a robot and a scene."""
+    size = check_size(len(robot), len(scene)) + scratch
+    return Compiled(search, lambda _: size, options)

@@ -1,4 +1,6 @@
-"""Monte Carlo: draw configurations at random about the best so far, from a range that shrinks (Qin et al. 2022).
+"""Monte Carlo: draw configurations at random about the best so far, from a range that shrinks.
+
+Qin et al., "A snake-inspired layer-driven continuum robot" (2022), where it solves the inverse kinematics.
 
 A round draws configurations evenly from the range about the best so far; one that is better takes its place at once.
 After a round without a better one the range shrinks. The range of a bend's components is twice the largest bend (half
@@ -10,21 +12,28 @@ starts).
 
 import math
 from collections import namedtuple
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import forward, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.solve.driver import Start, begin_from, driver
-from sinuous.kernels.solve.judge import Answer, Check, check_size, has_obstacles, offer, target_errors
 from sinuous.kernels.step.actuation import straighten
 from sinuous.kernels.step.limits import bend_cap, project_segment
-from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH, Budget
+from sinuous.kernels.tables import GIVEN, MAX_LENGTH, MIN_LENGTH
+from sinuous.methods.capabilities import LIMITS, Capabilities
+from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
+from sinuous.methods.options import Options, count, number
+from sinuous.methods.prepared import Compiled
+from sinuous.methods.search import Start, begin_from, compiled_search, cut, search_by
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 
 LOOKS = 8
 """Places of every segment that are looked at for obstacles."""
@@ -38,28 +47,17 @@ FINEST = 1e-12
 MARGIN = 1e-6
 """Clearance that is asked for where the proof of the whole body failed, in robot lengths; it doubles every time."""
 
-PER_SEGMENT, BESIDE = 9, 1
-"""Numbers (float64) that the scratch takes from a buffer: for every segment, and beside."""
-
 Work = namedtuple("Work", ["q", "trial", "straight", "state"])
 """Scratch of one solve: the best, a draw, what `straighten` needs (all (n, 3)), and the state of the random numbers."""
 
 
-def workspace_size(segments: int, obstacles: int) -> int:
-    """Numbers (float64) that a search needs as workspace."""
-    return check_size(segments, obstacles) + PER_SEGMENT * segments + BESIDE
-
-
 @kernel
-def carve(buffer: Array, segments: int) -> Work:
-    """Lay out the scratch in the beginning of `buffer` (w,), for so many segments."""
-    n = segments
-    return Work(
-        buffer[: 3 * n].reshape((n, 3)),
-        buffer[3 * n : 6 * n].reshape((n, 3)),
-        buffer[6 * n : 9 * n].reshape((n, 3)),
-        buffer[9 * n : 9 * n + 1].view(np.uint64),
-    )
+def carve(buffer: Array, n: int) -> Work:
+    """Lay out the scratch in `buffer` (9 n + 1,), for n segments."""
+    q, rest = cut(buffer, n, 3)
+    trial, rest = cut(rest, n, 3)
+    straight, rest = cut(rest, n, 3)
+    return Work(q, trial, straight, rest[:1].view(np.uint64))
 
 
 @kernel
@@ -153,34 +151,42 @@ def descend(
 
 @kernel
 def follow(
-    problem: Problem, check: Check, work: Work, options: Array, start: Start, answer: Answer
+    problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:
-    """Follow one start; see `sinuous.kernels.solve.driver`.
-
-    `options` (3,): most rounds from one start, draws of a round, and what is left of the range after one that found
-    nothing better.
-    """
+    """Follow one start; see `sinuous.methods.search`. The `options` are the fields of `MonteCarlo`."""
+    work = carve(scratch, problem.limits.shape[0])
     work.state[0] = np.uint64(start.seed) * np.uint64(0x100000000) + np.uint64(start.first + start.index)
     source = begin_from(problem, check, start, work.q)
     project_to_limits(problem, work.q, work.straight)
     return descend(problem, check, work, options, source, answer)
 
 
-drive = driver(follow)
+search = search_by(follow)
 
 
-@entry
-def search(
-    robot: Array,
-    scene: Array,
-    settings: Array,
-    targets: Array,
-    initial: Array,
-    budget: Budget,
-    workspace: Array,
-    answers: Array,
-) -> None:
-    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
-    n = int(robot[0])
-    work, rest = carve(workspace, n), workspace[PER_SEGMENT * n + BESIDE :]
-    drive(work, (robot, scene, settings), targets, initial, budget, rest, answers)
+@dataclass(frozen=True, repr=False)
+class MonteCarlo(Options):
+    """Options of the method `monte_carlo`.
+
+    Attributes
+    ----------
+    rounds : int
+        Most rounds from one start. They are the iterations of a solution.
+    samples : int
+        Configurations drawn in a round.
+    shrink : float
+        What is left of the range after a round that found nothing better.
+    """
+
+    method: ClassVar[str] = "monte_carlo"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        "Qin et al. 2022", rotation=True, orientation_alone=True, elbows=True, limits=LIMITS, obstacles=True
+    )
+
+    rounds: int = count(2000, 1, 1_000_000)
+    samples: int = count(50, 1, 1_000_000)
+    shrink: float = number(0.8, above=0.0, high=1.0)
+
+    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
+        """Return the compiled search; see `Options.compiled`."""
+        return compiled_search(search, 9 * len(robot) + 1, self.vector(), robot, scene)

@@ -1,28 +1,35 @@
-"""Forward and backward reaching that steps aside: joints are pushed away from what the body runs into (Wu et al. 2022).
+"""FABRIK with obstacle avoidance: forward and backward reaching that pushes joints away from what the body runs into.
 
-One iteration is FABRIKc's. Then every segment is looked at in some places; where one is inside an obstacle, the joints
-that shape it (its key points) are moved away from the obstacle, along the gradient of the distance, before the next
-iteration reaches for the target again. Nothing is done while nothing overlaps. The paper could not be had; chosen here
-are the places, that the deepest of a segment counts, that its own joint moves by all of a push and the joint before by
-half, and that the push aims a little beyond contact, farther whenever the proof of the whole body finds an overlap
-that the places had missed.
+Wu et al., "A novel obstacle avoidance heuristic algorithm of continuum robot based on FABRIK" (2022). The paper could
+not be had. One iteration is FABRIKc's. Then every segment is looked at in some places; where one is inside an obstacle,
+the joints that shape it (its key points) are moved away from the obstacle, along the gradient of the distance, before
+the next iteration reaches for the target again. Nothing is done while nothing overlaps. Chosen here are the places,
+that the deepest of a segment counts, that its own joint moves by all of a push and the joint before by half, and that
+the push aims a little beyond contact, farther whenever the proof of the whole body finds an overlap that the places had
+missed.
 """
 
 import math
+from dataclasses import dataclass
+from typing import ClassVar
 
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import obstacle, price
 from sinuous.kernels.maths.vectors import Array, add_scaled, copy, get_vec, put_vec
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.solve.driver import Start, begin_from, driver
-from sinuous.kernels.solve.judge import Answer, Check, has_obstacles, offer, target_errors
-from sinuous.kernels.tables import Budget
+from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.fabrik.conversion import fold
 from sinuous.methods.fabrik.links import Chain, group
-from sinuous.methods.fabrik.search import BESIDE, PER_SEGMENT, Work, carve, reach
+from sinuous.methods.fabrik.reaching import Work, carve, reach, scratch_size
+from sinuous.methods.judge import Answer, Check, has_obstacles, offer, target_errors
+from sinuous.methods.options import Options, count, flag, number
+from sinuous.methods.prepared import Compiled
+from sinuous.methods.search import Start, begin_from, compiled_search, search_by
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 
 PATIENCE = 40
 """Iterations in a row that gain less than a hundredth before a start is given up."""
@@ -89,34 +96,47 @@ def descend(
 
 @kernel
 def follow(
-    problem: Problem, check: Check, work: Work, options: Array, start: Start, answer: Answer
+    problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:
-    """Follow one start; see `sinuous.kernels.solve.driver`.
-
-    `options` (5,): most iterations from one start, places of a segment that are looked at, how far a push goes as a
-    share of what is missing, clearance that it aims for in robot lengths, and whether lengths may change.
-    """
+    """Follow one start; see `sinuous.methods.search`. The `options` are the fields of `FabrikAvoid`."""
+    n = problem.limits.shape[0]
+    work = carve(scratch, n, n)
+    group(work.chain, n, 1, 0.0)
     source = begin_from(problem, check, start, work.q)
     fold(problem.limits, work.chain, check.frames, options[4] != 0.0, work.q)
     return descend(problem, check, work, options, source, answer)
 
 
-drive = driver(follow)
+search = search_by(follow)
 
 
-@entry
-def search(
-    robot: Array,
-    scene: Array,
-    settings: Array,
-    targets: Array,
-    initial: Array,
-    budget: Budget,
-    workspace: Array,
-    answers: Array,
-) -> None:
-    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
-    n = int(robot[0])
-    work, rest = carve(workspace, n, n), workspace[PER_SEGMENT * n + BESIDE :]
-    group(work.chain, n, 1, 0.0)
-    drive(work, (robot, scene, settings), targets, initial, budget, rest, answers)
+@dataclass(frozen=True, repr=False)
+class FabrikAvoid(Options):
+    """Options of the method `fabrik_avoid`.
+
+    Attributes
+    ----------
+    iterations : int
+        Most iterations from one start.
+    looks : int
+        Places of every segment that are looked at for obstacles.
+    push : float
+        How far a key point is pushed, as a share of what is missing.
+    margin : float
+        Clearance that a push aims for, in robot lengths.
+    stretch : bool
+        Whether segments may change the lengths that the start gave them, within their limits.
+    """
+
+    method: ClassVar[str] = "fabrik_avoid"
+    capabilities: ClassVar[Capabilities] = Capabilities("Wu et al. 2022", obstacles=True)
+
+    iterations: int = count(300, 1, 1_000_000)
+    looks: int = count(8, 1, 10_000)
+    push: float = number(1.5, above=0.0)
+    margin: float = number(0.002, low=0.0)
+    stretch: bool = flag(True)
+
+    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
+        """Return the compiled search; see `Options.compiled`."""
+        return compiled_search(search, scratch_size(len(robot)), self.vector(), robot, scene)

@@ -1,29 +1,39 @@
-"""Damped least squares on the geometric Jacobian of the tip.
+"""DLS: damped least squares on the geometric Jacobian of the tip.
 
 Wampler 1986, Nakamura & Hanafusa 1986: with the error e of the tip (position in robot lengths, rotation vector in rad)
 and its Jacobian J, the step is `J' (J J' + mu I)^-1 e`. Chosen here: mu is a share of |e|^2 (the damping by the error
 of Chan & Lawrence 1988, so the last steps are Newton's); an error longer than a bound is shortened to it (Buss & Kim
 2005); lengths count in units of their mean; a step that leaves the limits is put back within them, segment by segment.
+The system has at most six rows, whatever the number of segments.
 """
 
 import math
 from collections import namedtuple
+from dataclasses import dataclass
+from typing import ClassVar
 
 from sinuous.kernels.body.rows import Rows, carve_rows, pick_rows
 from sinuous.kernels.chain.kinematics import forward_with_columns, frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, copy, put_vec
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.solve.driver import Start, begin_from, driver
-from sinuous.kernels.solve.judge import Answer, Check, check_size, offer
 from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.step.targets import add_rows
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, Budget
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.methods.capabilities import Capabilities
+from sinuous.methods.judge import Answer, Check, offer
+from sinuous.methods.options import Options, count, number
+from sinuous.methods.prepared import Compiled
+from sinuous.methods.search import Start, begin_from, compiled_search, cut, search_by
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 
 MOST_ROWS = 6
+"""Rows of a target: a position and a rotation."""
 
 LEAST_DAMPING = 1e-12
+"""What is added to the diagonal at least: the system stays solvable where the Jacobian is singular."""
 
 PATIENCE = 20
 """Steps in a row that gain less than a hundredth before a start is given up."""
@@ -33,29 +43,21 @@ Work = namedtuple("Work", ["q", "kept", "columns", "jacobian", "system", "soluti
 coordinates, its square (6, 6), the solution (6,) of the system, and the rows of the target."""
 
 
-PER_SEGMENT, BESIDE = 6 + 18 + 3 * MOST_ROWS + 1, MOST_ROWS * (MOST_ROWS + 1 + 27) + 1
-"""Numbers (float64) that the scratch takes from a buffer: for every segment, and beside."""
-
-
-def workspace_size(segments: int, obstacles: int) -> int:
-    """Numbers (float64) that a search needs as workspace."""
-    return check_size(segments, obstacles) + PER_SEGMENT * segments + BESIDE
+def scratch_size(n: int) -> int:
+    """Numbers (float64) of the scratch for n segments."""
+    return 3 * n + 3 * n + 18 * n + MOST_ROWS * 3 * n + MOST_ROWS * MOST_ROWS + MOST_ROWS + n + 1 + 28 * MOST_ROWS
 
 
 @kernel
-def carve(buffer: Array, segments: int) -> Work:
-    """Lay out the scratch at the beginning of `buffer` (w,), for so many segments."""
-    n, m = segments, MOST_ROWS
-    at = 24 * n + 3 * m * n
-    return Work(
-        buffer[: 3 * n].reshape((n, 3)),
-        buffer[3 * n : 6 * n].reshape((n, 3)),
-        buffer[6 * n : 24 * n].reshape((n, 18)),
-        buffer[24 * n : at].reshape((m, 3 * n)),
-        buffer[at : at + m * m].reshape((m, m)),
-        buffer[at + m * m : at + m * (m + 1)],
-        pick_rows(carve_rows(buffer[at + m * (m + 1) :], 1, n, m), 0),
-    )
+def carve(buffer: Array, n: int) -> Work:
+    """Lay out the scratch in `buffer`, for n segments."""
+    q, rest = cut(buffer, n, 3)
+    kept, rest = cut(rest, n, 3)
+    columns, rest = cut(rest, n, 18)
+    jacobian, rest = cut(rest, MOST_ROWS, 3 * n)
+    system, rest = cut(rest, MOST_ROWS, MOST_ROWS)
+    rows = pick_rows(carve_rows(rest[MOST_ROWS:], 1, n, MOST_ROWS), 0)
+    return Work(q, kept, columns, jacobian, system, rest[:MOST_ROWS], rows)
 
 
 @kernel
@@ -152,33 +154,41 @@ def descend(problem: Problem, check: Check, work: Work, most: int, damping: floa
 
 @kernel
 def follow(
-    problem: Problem, check: Check, work: Work, options: Array, start: Start, answer: Answer
+    problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:
-    """Follow one start; see `sinuous.kernels.solve.driver`.
-
-    `options` (3,): most steps from one start, damping as a share of the squared error, and the largest error (robot
-    lengths and rad) of one step.
-    """
+    """Follow one start; see `sinuous.methods.search`. The `options` are the fields of `Dls`."""
+    work = carve(scratch, problem.limits.shape[0])
     source = begin_from(problem, check, start, work.q)
     used = descend(problem, check, work, int(options[0]), options[1], options[2])
     return used, offer(problem, check, work.kept, source, answer)
 
 
-drive = driver(follow)
+search = search_by(follow)
 
 
-@entry
-def search(
-    robot: Array,
-    scene: Array,
-    settings: Array,
-    targets: Array,
-    initial: Array,
-    budget: Budget,
-    workspace: Array,
-    answers: Array,
-) -> None:
-    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
-    n = int(robot[0])
-    work, rest = carve(workspace, n), workspace[PER_SEGMENT * n + BESIDE :]
-    drive(work, (robot, scene, settings), targets, initial, budget, rest, answers)
+@dataclass(frozen=True, repr=False)
+class Dls(Options):
+    """Options of the method `dls`.
+
+    Attributes
+    ----------
+    iterations : int
+        Most steps from one start.
+    damping : float
+        What is added to the diagonal, as a share of the squared error (robot lengths and rad).
+    clamp : float
+        Largest error that one step goes for, in robot lengths and rad together.
+    """
+
+    method: ClassVar[str] = "dls"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        "Wampler 1986, Nakamura & Hanafusa 1986", rotation=True, orientation_alone=True
+    )
+
+    iterations: int = count(200, 1, 1_000_000)
+    damping: float = number(0.1, low=0.0)
+    clamp: float = number(0.5, above=0.0)
+
+    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
+        """Return the compiled search; see `Options.compiled`."""
+        return compiled_search(search, scratch_size(len(robot)), self.vector(), robot, scene)

@@ -1,17 +1,16 @@
 """The search of every method but our own, with a method that does as it is told."""
 
 import math
-from collections import namedtuple
 from typing import Any
 
-import numba
 import numpy as np
 import pytest
 
 from sinuous.kernels.clock import DEADLINE
-from sinuous.kernels.compile import OPTIONS
-from sinuous.kernels.solve import driver
-from sinuous.kernels.solve.judge import Answer, check_size, offer
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.problem import Problem as Inner
 from sinuous.kernels.tables import (
     ANGLE_ERROR,
     ARC,
@@ -34,14 +33,16 @@ from sinuous.kernels.tables import (
     Outcome,
     answer_size,
 )
-from sinuous.methods.compiled import as_outcomes
+from sinuous.methods import search as method_search
+from sinuous.methods.judge import Answer, Check, check_size, offer
+from sinuous.methods.prepared import as_outcomes
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
-from tests.kernels.solve.test_judge import checker
+from tests.methods.test_judge import checker
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.1)
 RIGHT = np.array([[0.5, 0.2, 1.0]] * 2)
@@ -50,28 +51,25 @@ TARGET = Target(ROBOT.tip(RIGHT)[:3, 3])
 ROOM = 50
 NEVER = 1000
 
-Work = namedtuple("Work", ["seen", "right", "wrong"])
 
+@kernel
+def follow(
+    problem: Inner, check: Check, scratch: Array, options: Array, start: method_search.Start, answer: Answer
+) -> tuple[int, bool]:
+    """Offer what is right from one start, and what is wrong from all others, and write down every start in `scratch`.
 
-@numba.njit(**OPTIONS)
-def obey(problem, check, work, options, start, answer):  # type: ignore[no-untyped-def]
-    """Offer what is right from one start, and what is wrong from all others; options: that one, the first that is not
-    there, and iterations."""
-    row = work.seen[int(work.seen[0, 0])]
-    work.seen[0, 0] += 1.0
+    `options`: the number of that start, the first that is not there, iterations, and both configurations.
+    """
+    row = 1 + 3 * int(scratch[0])
+    scratch[0] += 1.0
     if start.index >= options[1]:
-        return driver.NO_START, False
-    row[1], row[2], row[3] = start.index, driver.own_number(start), start.seed
-    q = work.right if start.index == options[0] else work.wrong
-    return int(options[2]), offer(problem, check, q, RANDOM, answer)
+        return method_search.NO_START, False
+    scratch[row], scratch[row + 1], scratch[row + 2] = start.index, method_search.own_number(start), start.seed
+    first = 3 if start.index == options[0] else 9
+    return int(options[2]), offer(problem, check, shaped(options[first : first + 6], (2, 3)), RANDOM, answer)
 
 
-drive = driver.driver(obey)
-
-
-@numba.njit(**OPTIONS)
-def search(work, robot, scene, settings, targets, initial, budget, scratch, answers):  # type: ignore[no-untyped-def]
-    drive(work, (robot, scene, settings), targets, initial, budget, scratch, answers)
+search = method_search.search_by(follow)
 
 
 def run(
@@ -79,16 +77,16 @@ def run(
 ) -> tuple[list[Outcome], Floats]:
     """Give outcomes, and which starts were followed: place, own number, seed."""
     problems = [Problem(ROBOT, target, scene, Tolerance(1e-3, 1e-3)) for target in targets]
-    settings = settings_group(ROBOT, problems[0].tolerance, options=[float(x) for x in options])
+    settings = settings_group(ROBOT, problems[0].tolerance, options=[*options, *RIGHT.flat, *WRONG.flat])
     answers = np.empty((len(targets), answer_size(2)))
     rows = np.stack([problem.rows for problem in problems])
-    seen = np.zeros((ROOM, 4))
     snapshot = problems[0].scene
-    scratch = np.empty(check_size(2, len(snapshot)))
+    size = check_size(2, len(snapshot))
+    workspace = np.zeros(size + 1 + 3 * ROOM)
     initial = np.broadcast_to(WRONG, (len(targets), given, 2, 3)).copy()
-    work = Work(seen, RIGHT, WRONG)
-    search(work, robot_group(ROBOT), snapshot.group.copy(), settings, rows, initial, budget, scratch, answers)
-    return as_outcomes(answers), seen[: int(seen[0, 0]), 1:].copy()
+    robot, obstacles = robot_group(ROBOT), snapshot.group.copy()
+    search(robot, obstacles, settings, rows, initial, budget, workspace, answers)
+    return as_outcomes(answers), workspace[size + 1 :].reshape(ROOM, 3)[: int(workspace[size])].copy()
 
 
 def test_starts_are_followed_in_order_until_one_is_solved() -> None:
@@ -150,12 +148,12 @@ def test_the_record_is_opened_and_closed() -> None:
     robot = Robot.uniform(2, (0.8, 1.2), 2.0)
     inner, check = checker(Problem(robot, Target(robot.tip(RIGHT)[:3, 3]), Scene([Sphere((5.0, 0.0, 0.0), 1.0)])))
     answer = empty_answer()
-    count = driver.open_record(inner, check, 0, (3, 9, 0, 1.0), answer)
+    count = method_search.open_record(inner, check, 0, (3, 9, 0, 1.0), answer)
     assert count == 6
     assert check.clock[DEADLINE] == pytest.approx(1e9 * (answer.record[SECONDS] + 1.0))
     np.testing.assert_array_equal(answer.best[:, 2], 1.0)
     assert offer(inner, check, RIGHT, ARC, answer)
-    driver.close_record(inner, check, 7, 2, True, answer)
+    method_search.close_record(inner, check, 7, 2, True, answer)
     assert (answer.record[CODE], answer.record[ITERATIONS], answer.record[STARTS]) == (SOLVED, 7, 2)
     assert answer.record[SOURCE] == ARC
     assert 0.0 <= answer.record[SECONDS] < 60.0
@@ -166,8 +164,8 @@ def test_nothing_offered_is_the_straight_robot_and_a_failure() -> None:
     inner, check = checker(Problem(robot, Target((0.0, 0.0, 2.0))))
     for late, code in ((False, FAILED), (True, LATE)):
         answer = empty_answer()
-        driver.open_record(inner, check, 0, (0, 0, 0, 1.0), answer)
-        driver.close_record(inner, check, 0, 0, late, answer)
+        method_search.open_record(inner, check, 0, (0, 0, 0, 1.0), answer)
+        method_search.close_record(inner, check, 0, 0, late, answer)
         assert answer.record[CODE] == code
         assert np.isfinite(answer.record[[POSITION_ERROR, ANGLE_ERROR, MERIT]]).all()
 
@@ -179,10 +177,10 @@ def test_the_impossible_is_said_and_hardly_tried() -> None:
     ):
         inner, check = checker(Problem(ROBOT, target, scene, Tolerance(1e-3, 1e-3)))
         answer = empty_answer()
-        count = driver.open_record(inner, check, 1, (0, 50, 0, 1.0), answer)
+        count = method_search.open_record(inner, check, 1, (0, 50, 0, 1.0), answer)
         assert count == 2
         offer(inner, check, WRONG, ARC, answer)
-        driver.close_record(inner, check, 0, 0, False, answer)
+        method_search.close_record(inner, check, 0, 0, False, answer)
         assert answer.record[CODE] == code
 
 
@@ -193,7 +191,7 @@ def test_starts_are_given_then_the_arc_then_scattered_within_limits() -> None:
     q = np.zeros((3, 3))
     kinds: list[Any] = []
     for index in range(6):
-        kinds.append(driver.begin_from(inner, check, driver.Start(given, index, 0, 0), q))
+        kinds.append(method_search.begin_from(inner, check, method_search.Start(given, index, 0, 0), q))
         assert robot.excess(q) <= 1e-12
         if index == 0:
             np.testing.assert_array_equal(q, given[0])

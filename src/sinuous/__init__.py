@@ -1,6 +1,8 @@
 """Inverse kinematics and motion of continuum robots among obstacles.
 
-Names are imported when they are first used, so that `import sinuous` costs next to nothing.
+Names are imported when they are first used, so that `import sinuous` costs next to nothing. Here are those that users
+type. The options of methods are in `sinuous.methods`; classes that are only returned are in their modules, like
+`sinuous.robot.rates.Changes`.
 """
 
 from importlib import import_module
@@ -11,26 +13,16 @@ from sinuous.notebook import NotebookMixin
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
+    from sinuous import methods as methods
     from sinuous.assessing.assess import assess as assess
     from sinuous.assessing.assessment import Assessment as Assessment
     from sinuous.assessing.moves import Move as Move
     from sinuous.assessing.sweep import sweep as sweep
     from sinuous.assessing.tasks import Follow as Follow
-    from sinuous.batch.batch import Batch as Batch
     from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
     from sinuous.errors import UnfinishedError as UnfinishedError
-    from sinuous.export.chain import JointChain as JointChain
-    from sinuous.measures.following import Deviation as Deviation
-    from sinuous.methods.dls import Dls as Dls
-    from sinuous.methods.fabrik.avoiding import FabrikAvoid as FabrikAvoid
-    from sinuous.methods.fabrik.reaching import Fabrikc as Fabrikc
-    from sinuous.methods.fabrik.reaching import Fabrikx as Fabrikx
-    from sinuous.methods.monte_carlo import MonteCarlo as MonteCarlo
-    from sinuous.methods.newton import Newton as Newton
-    from sinuous.methods.opti_path.options import OptiPath as OptiPath
-    from sinuous.methods.slinki.search import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
     from sinuous.motion.leader import follow_the_leader as follow_the_leader
@@ -53,11 +45,9 @@ if TYPE_CHECKING:
     from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
     from sinuous.problem.target import Target as Target
     from sinuous.problem.target import Tolerance as Tolerance
-    from sinuous.robot.actuation import Actuator as Actuator
     from sinuous.robot.actuators import Actuators as Actuators
     from sinuous.robot.actuators import Chambers as Chambers
     from sinuous.robot.actuators import Tendons as Tendons
-    from sinuous.robot.rates import Changes as Changes
     from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
@@ -78,10 +68,8 @@ if TYPE_CHECKING:
     from sinuous.solution.solution import Solution as Solution
     from sinuous.solution.solutions import Solutions as Solutions
     from sinuous.solution.status import Status as Status
-    from sinuous.solution.step import Active as Active
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
-    from sinuous.solution.verification import Verifications as Verifications
     from sinuous.solution.verification import check as check
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
@@ -89,7 +77,6 @@ if TYPE_CHECKING:
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
-    from sinuous.workspace.verdicts import Verdict as Verdict
 
 _HOMES = {
     "assessing.assess": ("assess",),
@@ -97,18 +84,8 @@ _HOMES = {
     "assessing.moves": ("Move",),
     "assessing.sweep": ("sweep",),
     "assessing.tasks": ("Follow",),
-    "batch.batch": ("Batch",),
     "batch.solve": ("solve_batch",),
     "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
-    "export.chain": ("JointChain",),
-    "measures.following": ("Deviation",),
-    "methods.dls": ("Dls",),
-    "methods.fabrik.avoiding": ("FabrikAvoid",),
-    "methods.fabrik.reaching": ("Fabrikc", "Fabrikx"),
-    "methods.monte_carlo": ("MonteCarlo",),
-    "methods.newton": ("Newton",),
-    "methods.opti_path.options": ("OptiPath",),
-    "methods.slinki.search": ("Slinki",),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),
@@ -127,9 +104,8 @@ _HOMES = {
     "problem.problem": ("Problem",),
     "problem.suspicions": ("SuspiciousInput",),
     "problem.target": ("Target", "Tolerance"),
-    "robot.actuation": ("Actuator",),
     "robot.actuators": ("Actuators", "Chambers", "Tendons"),
-    "robot.rates": ("Changes", "Rates"),
+    "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
     "scene.grids": ("Field", "Grid"),
@@ -142,13 +118,12 @@ _HOMES = {
     "solution.solution": ("Solution",),
     "solution.solutions": ("Solutions",),
     "solution.status": ("Status",),
-    "solution.step": ("Active", "Step"),
-    "solution.verification": ("Verification", "Verifications", "check"),
+    "solution.step": ("Step",),
+    "solution.verification": ("Verification", "check"),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),
     "workspace.reach": ("Reach",),
-    "workspace.verdicts": ("Verdict",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -158,6 +133,8 @@ __all__ = [*_HOME, "__version__"]  # noqa: PLE0604
 if not TYPE_CHECKING:  # a checker would take every name for one that is there
 
     def __getattr__(name: str) -> Any:
+        if name == "methods":
+            return import_module("sinuous.methods")
         if name not in _HOME:
             raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
         value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
@@ -174,4 +151,4 @@ NotebookMixin._html_renderer = _html
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted([*__all__, "methods"])

@@ -10,12 +10,14 @@ from matplotlib.patches import Circle
 from PIL import Image
 
 import sinuous as sn
-from sinuous.pictures.contents import gather
-from sinuous.pictures.movies import palette_of
-from sinuous.pictures.plot import new_figure
-from sinuous.pictures.report import still, write_picture
-from sinuous.pictures.shapes.stage import best_view
-from sinuous.pictures.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET, tidy
+from sinuous.display.bounds import best_view
+from sinuous.display.contents import gather
+from sinuous.display.style import ARMS, CURVES, GRID, INK, OBSTACLE, PALE, TARGET
+from sinuous.pictures.animate import palette_of
+from sinuous.pictures.diagrams import tidy
+from sinuous.pictures.plot import still
+from sinuous.pictures.report import write_picture
+from sinuous.pictures.space import new_figure
 
 ROOT = Path(__file__).parent.parent
 IMAGES, EXAMPLES = ROOT / "docs" / "images", ROOT / "examples"

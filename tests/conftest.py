@@ -61,13 +61,13 @@ def no_figures_stay() -> Iterator[None]:
 FIRST = (
     "solving/test_routes.py",  # our own method and routes, for one process
     "methods/opti_path/test_options.py",  # methods that share little with it, for the other
-    "methods/slinki/test_options.py",
-    "methods/fabrik/test_fabrikc.py",
-    "methods/monte_carlo/test_options.py",
-    "methods/fabrik_avoid/test_options.py",
+    "methods/slinki/test_search.py",
+    "methods/fabrik/test_reaching.py",
+    "methods/test_monte_carlo.py",
+    "methods/fabrik/test_avoiding.py",
     "solving/test_options.py",  # preferences
     "solving/test_live.py",
-    "viewer/page/test_page.py",  # waits for a browser
+    "viewer/test_page.py",  # waits for a browser
     "benchmarks/paper/test_experiments.py",  # takes long
     "benchmarks/clutter/test_clutter.py",
 )

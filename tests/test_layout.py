@@ -16,6 +16,7 @@ FLOORS = {
     "batch": 5,
     "workspace": 5,
     "viewer": 6,
+    "display": 5,
     "motion": 5,
     "solving": 4,
     "methods": 3,

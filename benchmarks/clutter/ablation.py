@@ -26,8 +26,9 @@ from sinuous import checks
 from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
 from sinuous.kernels.tables import ROUTE, SOURCES
+from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.solver import Solver
-from sinuous.solving.strategy import ATTEMPTS, OPENING
+from sinuous.solving.strategy import OPENING
 
 EVERYTHING = "everything"
 """What is called where nothing is switched off."""

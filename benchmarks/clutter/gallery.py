@@ -11,10 +11,12 @@ from benchmarks.pictures.style import INK
 from benchmarks.places import make
 from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
-from sinuous.pictures.contents import gather
+from sinuous.display.bounds import best_view
+from sinuous.display.captions import caption
+from sinuous.display.contents import gather
 from sinuous.pictures.files import check_picture
-from sinuous.pictures.plot import caption, draw_contents, new_figure
-from sinuous.pictures.shapes.stage import best_view, fill, stage_of
+from sinuous.pictures.plot import draw_contents
+from sinuous.pictures.space import axes_box, fill, new_figure
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
 
@@ -59,15 +61,15 @@ def draw(file: Path, shown: dict[str, int] = SHOWN) -> None:
     for i, (family, seed) in enumerate(shown.items()):
         axes = figure.add_subplot(rows, COLUMNS, i + 1, projection="3d", computed_zorder=False)
         contents = gather([solved(family, seed)])
-        stage = stage_of(contents)
-        draw_contents(axes, contents, stage, best_view(contents))
+        box = axes_box(contents)
+        draw_contents(axes, contents, box, best_view(contents))
         axes.set_axis_off()
-        panels.append((axes, stage))
-        axes.set_title(f"{family}\n{caption(contents)}", fontsize=10, color=INK)
+        panels.append((axes, box))
+        axes.set_title(f"{family}\n{caption(contents.answers)}", fontsize=10, color=INK)
     figure.canvas.draw()  # puts the panels in their places
     figure.set_layout_engine("none")
-    for axes, stage in panels:
-        fill(axes, stage)
+    for axes, box in panels:
+        fill(axes, box)
     figure.savefig(file)
 
 

@@ -107,11 +107,11 @@ def divide(everyone: Sequence[Entrant], problems: ProblemSet) -> tuple[list[Entr
 
 
 def roster(everyone: Sequence[Entrant], unable: dict[str, str]) -> str:
-    """Return a table of the methods: what is compiled, which limits they see, where they are described."""
-    rows = [["method", "compiled", "takes account of limits on", "takes part", "source"]]
+    """Return a table of the methods: which limits they see, where they are described."""
+    rows = [["method", "takes account of limits on", "takes part", "source"]]
     for entrant in everyone:
         can = entrant.capabilities
         part = unable.get(entrant.label)
         part = "yes" if part is None else f"no: {part}"
-        rows.append([entrant.label, can.compiled, ", ".join(entrant.limits) or "nothing", part, can.source])
+        rows.append([entrant.label, ", ".join(entrant.limits) or "nothing", part, can.source])
     return table(rows, words=True)

@@ -8,10 +8,11 @@ import numpy as np
 from benchmarks.pictures.style import INK, style
 from benchmarks.problems import ProblemSet
 from sinuous.checks import Floats
-from sinuous.pictures.contents import Contents, Moving
+from sinuous.display.bounds import Bounds, best_view
+from sinuous.display.contents import Contents, MovingArm
+from sinuous.display.style import TARGET, View
 from sinuous.pictures.plot import draw_contents
-from sinuous.pictures.shapes.stage import Stage, best_view, set_stage, stage_of
-from sinuous.pictures.style import TARGET, View, tidy_space
+from sinuous.pictures.space import axes_box, set_bounds
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 
@@ -26,8 +27,7 @@ def draw_arms(axes: Any, robot: Robot, arms: dict[str, Floats], target: Target, 
     place = np.asarray(target.position)
     lines = {label: robot.backbone(q, ALONG) for label, q in arms.items()}
     low, high = _roomy(np.concatenate([*lines.values(), place[None], robot.base[None, :3, 3]]))
-    tidy_space(axes)
-    set_stage(axes, Stage(low, high), VIEW)
+    set_bounds(axes, Bounds(low, high), VIEW)
     _closer(axes, 1.15)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_ticklabels([])
@@ -61,8 +61,8 @@ def draw_track(axes: Any, problems: ProblemSet, records: Sequence[dict[str, Any]
     right = [i for i, record in enumerate(records) if record["right"]]
     q = np.array([records[i]["q"] for i in right])
     places = [place for i in right if (place := problems.targets[i].position) is not None]
-    moving = Moving(problems.robot, q, np.arange(len(right), dtype=np.float64), True)
+    moving = MovingArm(problems.robot, q, np.arange(len(right), dtype=np.float64), True)
     contents = Contents(moving=[moving], obstacles=list(problems.scene.obstacles), paths=[np.stack(places)])
-    draw_contents(axes, contents, stage_of(contents), best_view(contents))
+    draw_contents(axes, contents, axes_box(contents), best_view(contents))
     _closer(axes, 1.2)
     axes.set_title(title, fontsize=11, color=INK)

@@ -9,10 +9,11 @@ from benchmarks.judges.clearances import least_clearance
 from benchmarks.places.parts.surfaces import Faces
 from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.checks import Floats
-from sinuous.pictures.shapes.surfaces import obstacle_surface
+from sinuous.display.obstacles import obstacle_surface
+from sinuous.display.surface import arc
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Capsule, Cylinder, Obstacle, Sphere
 from sinuous.scene.scene import Scene
 
 THICKNESS = 0.15
@@ -25,8 +26,8 @@ No place of a surface is then farther from a point than LATTICE / sqrt(3) + CELL
 less than body and point together, 1.15: the middle of the body cannot get through.
 """
 
-AROUND, EDGE = 20, 6
-"""Facets of an obstacle around what is round, and along the edge of a box."""
+AROUND, EDGE, WALL = 20, 6, 12
+"""Facets of an obstacle around what is round, along the edge of a box, and along the wall of a cylinder or capsule."""
 
 NOISE = 0.02
 """Most that a point is beside the surface. All in radii of the body."""
@@ -52,8 +53,31 @@ def triangles(obstacle: Obstacle) -> Floats:
     if isinstance(obstacle, Mesh):
         corners: Floats = obstacle.vertices[obstacle.faces]
         return corners
-    facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE)
+    if isinstance(obstacle, Sphere | Capsule | Cylinder):
+        facets = _of_revolution(obstacle)
+    else:
+        facets = obstacle_surface(obstacle, np.zeros(3), 0.0, AROUND, EDGE).facets
     return np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
+
+
+def _of_revolution(obstacle: Sphere | Capsule | Cylinder) -> Floats:
+    """Facets (f, 4, 3) of what is round. The places are what they are to the last bit, also where a circle closes."""
+    center, rotation, half = obstacle.frame
+    shift, quarter = np.array([0.0, half[2]]), 0.5 * math.pi
+    if isinstance(obstacle, Sphere):
+        profile = arc(obstacle.radius, -quarter, quarter, 13)
+    elif isinstance(obstacle, Cylinder):
+        wall = [[obstacle.radius, height] for height in np.linspace(-half[2], half[2], WALL + 1)]
+        profile = np.array([-shift, *wall, shift])
+    else:
+        low, high = arc(obstacle.radius, -quarter, 0.0, 6) - shift, arc(obstacle.radius, 0.0, quarter, 6) + shift
+        profile = np.concatenate([low, np.linspace(low[-1], high[0], WALL + 1)[1:-1], high])
+    turn = np.linspace(0.0, 2.0 * math.pi, AROUND + 1)
+    radius, height = profile[:, :1], profile[:, 1:]
+    rings = np.stack(np.broadcast_arrays(radius * np.cos(turn), radius * np.sin(turn), height), axis=-1)
+    corners = np.stack([rings[:-1, :-1], rings[:-1, 1:], rings[1:, 1:], rings[1:, :-1]], axis=2).reshape(-1, 4, 3)
+    surface: Floats = center + corners @ rotation.T
+    return surface[:, ::-1] if getattr(obstacle, "inside", False) else surface
 
 
 def _on(corners: Floats, spacing: float) -> Floats:

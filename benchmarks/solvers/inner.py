@@ -16,9 +16,9 @@ from sinuous.kernels.clock import LONGEST, allow, begin
 from sinuous.kernels.compile import entry
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import read_problem
-from sinuous.kernels.solve.judge import FINEST, carve_check, check_size
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.tables import SOLVED
+from sinuous.methods.judge import FINEST, carve_check, check_size
 from sinuous.solving.solver import Solver
 
 
@@ -41,7 +41,7 @@ def repeat_self_proof(
     The groups are those of a solve; `scratch`: see `judge.check_size`.
     """
     problem = read_problem(robot, scene, settings, targets)
-    check = carve_check(scratch, problem)
+    check, _ = carve_check(scratch, problem)
     begin(check.clock)
     allow(check.clock, LONGEST)
     forward(q, check.frames)

@@ -18,7 +18,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.harness.times import Times
 from sinuous.checks import Floats
 from sinuous.cli.view import TURN
-from sinuous.viewer.page.page import Page
+from sinuous.viewer.page import Page
 
 SECTION = "pages: 100 spheres and a mesh of 50,000 triangles"
 IN_FILES = "pages in files: 200 knots of 8 segments among 100 obstacles"
@@ -85,12 +85,12 @@ def drags(plan: Plan) -> Iterator[Line]:
     page = Page(job())
     try:
         count = plan.count(600, 60)
-        target = page._target_moved(0)
-        yield from _lines("target dragged", _times(page, count, lambda t: target(_curve(t), np.eye(3), False)))
+        target = partial(page.move_target, 0)
+        yield from _lines("target dragged", _times(page, count, lambda t: target(_curve(t), np.eye(3))))
         page.do("grasp", lambda: page.model.grasp(50))
         time.sleep(1.0)
         yield from _lines(
-            "sphere dragged", _times(page, count, lambda t: page._obstacle_moved(_aside(t), np.eye(3), False))
+            "sphere dragged", _times(page, count, lambda t: page.move_obstacle(_aside(t), np.eye(3), False))
         )
     finally:
         page.stop()
@@ -155,9 +155,9 @@ def _updates(page: Page, frames: list[int], wait: Callable[[float], None], secon
     stop = threading.Event()
 
     def move() -> None:
-        target, began = page._target_moved(0), time.perf_counter()
+        began = time.perf_counter()
         while not stop.wait(1 / 60):
-            target(_curve(time.perf_counter() - began), np.eye(3), False)
+            page.move_target(0, _curve(time.perf_counter() - began), np.eye(3))
 
     mover = threading.Thread(target=move)
     mover.start()

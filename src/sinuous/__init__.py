@@ -6,7 +6,7 @@ Names are imported when they are first used, so that `import sinuous` costs next
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from sinuous.notebook import Face
+from sinuous.notebook import NotebookMixin
 
 __version__ = "0.2.0.dev0"
 
@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     from sinuous.errors import UnfinishedError as UnfinishedError
     from sinuous.export.chain import JointChain as JointChain
     from sinuous.measures.following import Deviation as Deviation
-    from sinuous.methods.dls.options import Dls as Dls
-    from sinuous.methods.fabrik.fabrikc import Fabrikc as Fabrikc
-    from sinuous.methods.fabrik.fabrikx import Fabrikx as Fabrikx
-    from sinuous.methods.fabrik_avoid.options import FabrikAvoid as FabrikAvoid
-    from sinuous.methods.monte_carlo.options import MonteCarlo as MonteCarlo
+    from sinuous.methods.dls import Dls as Dls
+    from sinuous.methods.fabrik.avoiding import FabrikAvoid as FabrikAvoid
+    from sinuous.methods.fabrik.reaching import Fabrikc as Fabrikc
+    from sinuous.methods.fabrik.reaching import Fabrikx as Fabrikx
+    from sinuous.methods.monte_carlo import MonteCarlo as MonteCarlo
     from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath
-    from sinuous.methods.slinki.options import Slinki as Slinki
+    from sinuous.methods.slinki.search import Slinki as Slinki
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
     from sinuous.motion.leader import follow_the_leader as follow_the_leader
@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     from sinuous.motion.track import track as track
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
+    from sinuous.pictures.assessment import plot_assessment as plot_assessment
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
-    from sinuous.pictures.surveys.assessment import plot_assessment as plot_assessment
-    from sinuous.pictures.surveys.workspace import plot_reach as plot_reach
+    from sinuous.pictures.workspace import plot_reach as plot_reach
     from sinuous.poses import pose as pose
     from sinuous.problem.curve import Curve as Curve
     from sinuous.problem.path import Path as Path
@@ -83,9 +83,9 @@ if TYPE_CHECKING:
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import Verifications as Verifications
     from sinuous.solution.verification import check as check
-    from sinuous.solving.solve import solve as solve
-    from sinuous.solving.solve import solve_all as solve_all
     from sinuous.solving.solver import Solver as Solver
+    from sinuous.solving.solver import solve as solve
+    from sinuous.solving.solver import solve_all as solve_all
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
@@ -102,14 +102,13 @@ _HOMES = {
     "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
     "export.chain": ("JointChain",),
     "measures.following": ("Deviation",),
-    "methods.dls.options": ("Dls",),
-    "methods.fabrik.fabrikc": ("Fabrikc",),
-    "methods.fabrik.fabrikx": ("Fabrikx",),
-    "methods.fabrik_avoid.options": ("FabrikAvoid",),
-    "methods.monte_carlo.options": ("MonteCarlo",),
+    "methods.dls": ("Dls",),
+    "methods.fabrik.avoiding": ("FabrikAvoid",),
+    "methods.fabrik.reaching": ("Fabrikc", "Fabrikx"),
+    "methods.monte_carlo": ("MonteCarlo",),
     "methods.newton": ("Newton",),
     "methods.opti_path.options": ("OptiPath",),
-    "methods.slinki.options": ("Slinki",),
+    "methods.slinki.search": ("Slinki",),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),
@@ -119,8 +118,8 @@ _HOMES = {
     "pictures.animate": ("animate",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
-    "pictures.surveys.assessment": ("plot_assessment",),
-    "pictures.surveys.workspace": ("plot_reach",),
+    "pictures.assessment": ("plot_assessment",),
+    "pictures.workspace": ("plot_reach",),
     "poses": ("pose",),
     "problem.curve": ("Curve",),
     "problem.path": ("Path",),
@@ -146,8 +145,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Active", "Step"),
     "solution.verification": ("Verification", "Verifications", "check"),
-    "solving.solve": ("solve", "solve_all"),
-    "solving.solver": ("Solver",),
+    "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),
     "workspace.reach": ("Reach",),
@@ -173,7 +171,7 @@ def _html(noun: Any) -> str:
     return html
 
 
-Face.html = _html
+NotebookMixin._html_renderer = _html
 
 
 def __dir__() -> list[str]:

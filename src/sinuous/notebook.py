@@ -1,20 +1,18 @@
-"""What notebooks show of an object. It is drawn by a face, far above the objects; the front door joins the two."""
+"""What a notebook shows of an object."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 
-class Shown:
-    """Shows itself in notebooks with a picture and a small table."""
+class NotebookMixin:
+    """Lets a notebook show an object as HTML: a picture and a small table."""
 
     __slots__ = ()
 
+    _html_renderer: ClassVar[Callable[[Any], str] | None] = None
+    """Makes the HTML. It needs `sinuous.pictures`, which no noun may import, so `sinuous/__init__.py` sets it."""
+
     def _repr_html_(self) -> str | None:
-        """What a notebook shows; `None`: the text, as anywhere else."""
-        return None if Face.html is None else Face.html(self)
-
-
-class Face:
-    """What draws."""
-
-    html: Callable[[Any], str] | None = None
+        """HTML for a notebook; `None`: the notebook shows the text."""
+        render = NotebookMixin._html_renderer
+        return None if render is None else render(self)

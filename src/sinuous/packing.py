@@ -25,6 +25,9 @@ LOOK_DEPTH = 0
 STEP_DEPTH = 3
 """How often a segment is halved in the search for contacts in a step."""
 
+ROUNDOFF = 1e-13
+"""What arithmetic may make of a distance, relative to the coordinates that are subtracted."""
+
 MARGIN = 1e-4
 """Clearance that steps aim for beyond none, of the robot's mean length: room for the proof to decide."""
 
@@ -84,13 +87,19 @@ def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, a
 def primitive_row(
     kind: int, inside: bool, center: Floats, axes: Floats, half_extents: Any, rounding: float = 0.0
 ) -> Floats:
-    """Return the row (32,) of a sphere, box, cylinder or half-space."""
+    """Return the row (33,) of a sphere, box, cylinder or half-space."""
     row = np.zeros(t.OBSTACLE_WIDTH)
     row[t.KIND], row[t.SIGN], row[t.ROUNDING] = kind, -1.0 if inside else 1.0, rounding
     row[t.CENTER : t.CENTER + 3] = center
     row[t.AXES : t.AXES + 9] = np.ravel(axes)
     row[t.HALF_EXTENTS : t.HALF_EXTENTS + 3] = half_extents
+    row[t.ROUNDOFF] = roundoff(np.abs([center]) + np.abs([half_extents]), rounding)
     return row
+
+
+def roundoff(corners: Floats, more: float = 0.0) -> float:
+    """What arithmetic may make of the distance to what lies among these corners (m, 3), rounded by `more`."""
+    return ROUNDOFF * (float(np.abs(corners).max(axis=0).sum()) + more)
 
 
 def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
@@ -108,7 +117,7 @@ def scene_group(rows: Sequence[Floats], stores: Sequence[Floats]) -> Floats:
 
 
 def scene_parts(group: Floats) -> tuple[Floats, Floats]:
-    """Return the rows (m, 32) and the store (s,) of the group of a scene, as views."""
+    """Return the rows (m, 33) and the store (s,) of the group of a scene, as views."""
     end = t.SCENE_HEADER + t.OBSTACLE_WIDTH * int(group[0])
     return group[t.SCENE_HEADER : end].reshape(-1, t.OBSTACLE_WIDTH), group[end:]
 

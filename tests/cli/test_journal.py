@@ -17,8 +17,8 @@ import sinuous as sn
 from sinuous.cli import journal
 from sinuous.cli.answers import read_solution, write_solution
 from sinuous.cli.app import main
-from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.plan import Planner
+from sinuous.motion.tracker import Tracker
 from sinuous.solving.solver import Solver
 
 PATIENCE = 300.0
@@ -41,10 +41,9 @@ def circle(count: int, out_of_reach: int | None = None) -> list[sn.Target]:
 
 
 JOBS: dict[str, list[sn.Job]] = {
-    "solve": [  # solved, out of reach, not met and not proved, among obstacles
+    "solve": [  # solved, out of reach, among obstacles
         sn.Job(ARM, sn.Target((1, 0, 2))),
         sn.Job(ARM, sn.Target((0, 0, 9)), [BALL]),
-        sn.Job(ARM, [sn.Target((1, 0, 2)), sn.Target((-1, 0, 2))]),
         sn.Job(ARM, sn.Target((0.6, 0, 2.2)), [BALL], start=LEFT),
     ],
     "track": [  # short, with a waypoint out of reach, from a start, past what moves

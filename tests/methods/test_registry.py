@@ -27,7 +27,7 @@ def test_a_method_is_chosen_by_name_or_by_options(name: MethodName) -> None:
     assert methods.with_options(name, []) == name
     assert set(methods.capabilities(name).limits) <= set(LIMITS)
     assert methods.name_of(chosen()) == name
-    assert chosen.__name__ == METHODS[name].options.rpartition(".")[2]
+    assert chosen.__name__ == METHODS[name].rpartition(".")[2]
     assert getattr(sn, chosen.__name__) is chosen
     assert chosen.__doc__
     for key in inspect.signature(chosen).parameters:
@@ -58,7 +58,7 @@ def test_many_are_solved_like_one(name: MethodName) -> None:
 
 @pytest.mark.parametrize("name", METHODS)
 def test_what_a_method_does_not_handle_is_refused(name: MethodName) -> None:
-    can = METHODS[name].capabilities
+    can = methods.capabilities(name)
     upright = np.eye(3)
     cases: tuple[tuple[bool, str, Any], ...] = (
         (can.direction, "target.direction", sn.Target((60, 20, 240), direction=(0, 0, 1))),

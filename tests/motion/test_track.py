@@ -49,7 +49,7 @@ def test_where_an_obstacle_is_in_the_way_the_robot_goes_around() -> None:
 
 
 def test_where_no_way_is_found_the_step_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sinuous.motion.following.tracker.find_way", lambda question: None)
+    monkeypatch.setattr("sinuous.motion.tracker.find_path", lambda question: None)
     track = sn.track(ROBOT, ACROSS, [PLATE], deviation=1.0)
     assert all(solution.solved for solution in track.solutions)
     assert (track.between, len(track.unproved_steps), track.reconfigured) == ("unproved", 1, (3,))

@@ -206,3 +206,32 @@ def test_knots_in_one_line_are_one_leg_whatever_their_number() -> None:
     share = np.linspace(0.0, 1.0, 5001)[:, None, None]
     q = (1.0 - share) * MOTION.q[0] + share * MOTION.q[3]
     assert len(sn.Motion(ARM, q, [FAR]).timed(FIRST).times) == 2
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e-6, 1e6, 1e9])
+def test_a_blended_way_takes_the_same_time_in_every_unit_of_length(unit: float) -> None:
+    """Tolerances of what finds the timing are absolute: in small units it found none."""
+
+    def timed(scale: float) -> sn.Trajectory:
+        arm = sn.Robot.uniform(3, (0.8 * scale, 1.2 * scale), 2.4, radius=0.01 * scale)
+        q = MOTION.q * (1.0, 1.0, scale / 57.0)
+        rates = sn.Rates(1.0, 0.5 * scale, acceleration=sn.Rates(3.0, 2.0 * scale))
+        return sn.Motion(arm, q, [sn.Sphere((0, 0, 9 * scale), 0.1 * scale)]).timed(rates, 0.1 * scale)
+
+    one, other = timed(1.0), timed(unit)
+    assert other.duration == pytest.approx(one.duration, rel=1e-6)
+    shares = np.linspace(0.0, 1.0, 50)
+    places = other.at(shares * other.duration) * (1.0, 1.0, 1.0 / unit)
+    np.testing.assert_allclose(places, one.at(shares * one.duration), atol=1e-5)
+
+
+@pytest.mark.parametrize("longer", [1e-3, 1e-6, 1e-8, 1e-11])
+def test_a_blended_way_does_not_jump(longer: float) -> None:
+    """Where next to nothing of a leg is left between two blends, it was left out."""
+    aside = np.array([[0, 0], [1, 0], [2 + longer, 1], [3 + 2 * longer, 1], [4 + 2 * longer, 0]]) * 0.1
+    q = np.zeros((5, 3, 3))
+    q[:, 0, :2], q[:, :, 2] = aside, 57.0
+    timed = sn.Motion(ARM, q, [FAR]).timed(BOTH, 1e3)
+    t = np.linspace(0.0, timed.duration, 20_001)
+    steps = np.hypot(*np.moveaxis(np.diff(timed.at(t), axis=0)[:, 0, :2], -1, 0))
+    assert (steps <= timed.duration / 20_000 * 1.0 * (1.0 + 1e-7)).all()

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.display.contents import gather
+from sinuous.display.style import View
 from sinuous.pictures.animate import frames
-from sinuous.pictures.contents import gather
-from sinuous.pictures.style import View
 from tests.pictures.arms import BALL, PATH, ROBOT
 
 pytest.importorskip("matplotlib")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.pictures.style import ARMS, ROUTE, TARGET, UNSOLVED
+from sinuous.display.style import ARMS, ROUTE, TARGET, UNSOLVED
 from tests.helpers import Floats
 from tests.pictures.arms import BALL, PATH, ROBOT, SCENE, TARGETS
 
@@ -178,22 +178,6 @@ def test_settings_of_the_caller_are_not_touched() -> None:
     settings = dict(matplotlib.rcParams)
     sn.plot(ROBOT)
     assert dict(matplotlib.rcParams) == settings
-
-
-@pytest.mark.parametrize(
-    ("things", "message"),
-    [
-        ((), "things: expected something to draw"),
-        ((ROBOT, ["x"]), r"things\[1\]\[0\]: expected a robot, scene"),
-        ((np.zeros((3, 3)),), r"things\[0\]: expected an array of configurations right after its robot"),
-        ((ROBOT, np.zeros((2, 3))), r"things\[1\]: expected"),
-        ((sn.Target(direction=(0, 0, 1)),), "a robot before a target without a position"),
-        (([ROBOT] * 101,), r"len\(robots\): expected"),
-    ],
-)
-def test_what_cannot_be_drawn_is_named(things: Any, message: str) -> None:
-    with pytest.raises(sn.InputError, match=message):
-        sn.plot(*things)
 
 
 def test_wrong_axes_and_views_are_refused() -> None:

@@ -9,8 +9,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.obstacles import Sphere
 from sinuous.solving.routing.searches import Searches
-from sinuous.solving.solve import solve
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver, solve
 
 ROBOT = Robot.uniform(3, (0.8, 1.2), radius=0.05)
 SCENE = [Sphere((0.5, 0.0, 1.5), 0.2)]
@@ -34,7 +33,7 @@ def loads(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 @pytest.mark.parametrize(("target", "count"), [(NEAR, 0), (FAR, 0), (TORN, 1)], ids=["solved", "proved", "open"])
 def test_it_is_loaded_where_the_first_starts_decide_nothing(loads: list[float], target: Any, count: int) -> None:
-    solution = OneSolve(ROBOT, SCENE, time=0.02).solve(target)
+    solution = Solver.once(ROBOT, SCENE, time=0.02).solve(target)
     assert solution.solved is (target is NEAR)
     assert bool(loads) is bool(count)
     assert solution.seconds < 60.0 - 3600.0 * count
@@ -67,12 +66,11 @@ def test_solutions_solve_again_as_one_question(loads: list[float]) -> None:
         assert own._resolver == solution._resolver
         assert (own._resolver.solve(own.problem).q == solution.q).all()
     assert len(loads) == 1
-    assert type(pickle.loads(pickle.dumps(OneSolve(ROBOT, SCENE)))) is OneSolve
+    assert type(pickle.loads(pickle.dumps(Solver.once(ROBOT, SCENE)))) is Solver
 
 
 def test_what_is_loaded_is_not_loaded_again(monkeypatch: pytest.MonkeyPatch) -> None:
     solver = Solver(ROBOT, SCENE)
     assert Searches.loaded
     monkeypatch.setattr(Searches, "find", None)
-    assert solver._searches is not None
-    assert solver._searches.load() < 1.0
+    assert solver._strategy.load() < 1.0

@@ -6,7 +6,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.methods import registry
-from sinuous.solving.options import MAX_STARTS, TIME, SolveOptions
+from sinuous.solving.options import TIME, SolveOptions
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(2, 1.0)
@@ -14,7 +14,7 @@ WRONG: dict[str, tuple[Any, ...]] = {
     "tolerance": (0.1, "fine", (0.1, 0.1), True),
     "prefer": ("short", 1.0, {"bends": 1.0}),
     "time": (-1.0, float("nan"), float("inf"), "1", True, None),
-    "max_starts": (0, -3, 1.5, "9", True, None, 10**10),
+    "max_starts": (0, -3, 1.5, "9", True, 10**10),
     "seed": (-1, 2**31, 0.5, "0", False, None),
     "routes": (0, 1, "yes", None),
     "without": ("hops", ("grown", "hops"), 7, None),
@@ -23,7 +23,7 @@ WRONG: dict[str, tuple[Any, ...]] = {
 
 def test_defaults() -> None:
     options = SolveOptions()
-    assert (options.time, options.max_starts, options.seed, options.routes) == (TIME, MAX_STARTS, 0, True)
+    assert (options.time, options.max_starts, options.seed, options.routes) == (TIME, None, 0, True)
     assert (options.method, options.tolerance, options.prefer) == ("newton", sn.Tolerance(), sn.Preferences())
     assert not options.prefer
 

@@ -25,7 +25,9 @@ from sinuous.kernels.tables import (
     UNPROVED,
     Outcome,
 )
-from sinuous.solving.search import Distinct, FirstSolved
+from sinuous.solving.options import UNBOUNDED
+from sinuous.solving.search import ENOUGH, FirstSolved
+from sinuous.solving.several import PATIENCE, Distinct
 from sinuous.solving.starts import Batch
 
 NONE = np.empty((0, 2, 3))
@@ -228,12 +230,12 @@ def test_a_proof_on_the_way_ends_the_search() -> None:
     assert (search.outcome.code, search.outcome.cell) == (NO_ROUTE, 0.25)
 
 
-def test_a_method_without_such_starts_is_asked_once_a_batch() -> None:
+def test_a_method_without_such_starts_is_asked_once() -> None:
     source = Source(Batch(SOURCES[RANDOM], NONE, (4, 40)), Batch(SOURCES[RANDOM], NONE, (40, 50)))
-    method = Answers(outcome(starts=0), outcome(starts=0))
+    method = Answers(outcome(starts=0))
     FirstSolved(outcome(), 100, 9.0).pursue(iter(source), method)
-    assert source.asked == 2
-    assert [batch.own[0] for batch, _ in method.seen] == [4, 40]
+    assert source.asked == 1
+    assert [batch.own[0] for batch, _ in method.seen] == [4]
 
 
 def at(place: float, **changed: Any) -> Outcome:
@@ -294,3 +296,41 @@ def test_the_starts_are_counted() -> None:
     method = Answers(*(at(float(i)) for i in range(9)))
     search.pursue(iter(Source(Batch(SOURCES[RANDOM], NONE, (0, 9)))), method)
     assert len(method.seen) == 3
+
+
+def test_without_a_bound_a_search_goes_on_until_the_time_is_over() -> None:
+    hands = Hands()
+    search = FirstSolved(outcome(starts=4), None, 1.0, hands)
+    for _ in range(20):
+        assert search.open
+        search.take(outcome(starts=search.chunk()))
+    hands.time += 2.0
+    assert not search.open
+    assert search.outcome.code == FAILED  # so many starts say more than that the time is over
+    assert search.outcome.starts > ENOUGH
+
+
+def test_a_search_that_was_cut_short_says_so() -> None:
+    few = FirstSolved(outcome(starts=4), None, 1.0)
+    few.take(outcome(code=LATE, starts=ENOUGH - 5))
+    assert not few.open
+    assert few.outcome.code == LATE
+    many = FirstSolved(outcome(starts=4), None, 1.0)
+    many.take(outcome(code=LATE, starts=ENOUGH - 4))
+    assert many.outcome.code == FAILED
+    bounded = FirstSolved(outcome(starts=4), 2 * ENOUGH, 1.0)
+    bounded.take(outcome(code=LATE, starts=ENOUGH))
+    assert bounded.outcome.code == LATE
+
+
+def test_distinct_solutions_are_not_sought_for_ever() -> None:
+    search = Distinct(9, 0.1, lambda q: q, UNBOUNDED, 60.0)
+    search.take(outcome(code=FAILED, starts=5 * PATIENCE))
+    assert search.open
+    search.take(outcome(code=SOLVED))
+    search.take(outcome(code=SOLVED, starts=PATIENCE - 1))
+    assert search.open
+    search.take(outcome(code=SOLVED, source=ROUTE, starts=9))
+    assert search.open
+    search.take(outcome(code=SOLVED))
+    assert not search.open

@@ -9,6 +9,7 @@ import sinuous as sn
 from sinuous.measures.body import least_self_clearance, segment_ends
 from tests.helpers import Floats
 from tests.kernels.body.test_self_proof import curled
+from tests.self_gaps import gaps_of, sample_body
 
 THICK = sn.Robot.uniform(4, (0.8, 1.4), 3.0, radius=0.16)
 THROUGH = sn.Robot.uniform(4, (0.8, 1.4), 3.0, radius=0.16, self_collision="allow")
@@ -31,14 +32,7 @@ def hidden(robot: sn.Robot, rng: np.random.Generator) -> Floats:
 
 def rough_gap_of(robot: sn.Robot, q: Floats) -> float:
     """Of few places, so never less than the true one: quick enough to draw many shapes."""
-    places, count = robot.backbone(q, FEW), FEW * len(q) + 1
-    along = np.concatenate([[0.0], np.cumsum(np.repeat(q[:, 2] / FEW, FEW))])
-    radii = np.array(robot.radii)[np.minimum(np.arange(count) // FEW, len(q) - 1)]
-    first, second = np.triu_indices(count)
-    larger = np.maximum(radii[first], radii[second])
-    concerned = along[second] - along[first] >= math.pi * larger
-    gaps = np.linalg.norm(places[first] - places[second], axis=-1) - radii[first] - radii[second]
-    return float(gaps[concerned].min(initial=math.inf))
+    return float(gaps_of(sample_body(q, np.array(robot.radii), FEW)).min())
 
 
 def gap_of(robot: sn.Robot, q: Floats) -> float:

@@ -53,6 +53,8 @@ NOTHING = initial(0)
 @given(st.integers(0, 20), st.integers(0, 200), st.lists(st.integers(0, 60)))
 def test_scattered_starts_come_in_order_and_once(first: int, count: int, asked: list[int]) -> None:
     source = Scattered(first, first + count)
-    batches = [*(source.take(question(1), each) for each in asked), source.rest(question(1))]
+    batches = [*(source.take(question(1), each) for each in asked), source.take(question(1), count)]
     assert [i for batch in batches for i in range(*batch.own)] == list(range(first, first + count))
     assert all(batch.source == SOURCES[RANDOM] and len(batch.initial) == 0 for batch in batches)
+    source.go_back(first)
+    assert source.take(question(), count).own == (first, first + count)

@@ -10,7 +10,7 @@ import sinuous as sn
 from sinuous.problem.problem import Problem
 from sinuous.scene.scene import Scene
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.solver import OneSolve
+from sinuous.solving.solver import Solver
 from sinuous.solving.starts import Question
 from sinuous.solving.strategy import THINNER_PRICES
 from sinuous.solving.thinner import OF_TIME, STEPS, Thinner, with_radii
@@ -115,7 +115,7 @@ def test_what_comes_of_it_is_met_and_nearly_clear() -> None:
     scene = sn.Scene(walls)
     problem = Problem(ROBOT, TARGET, scene)
     asked = Question(problem, np.zeros((0, 3, 3)), lambda: 20.0)
-    source = Thinner(ROBOT, SolveOptions(), OneSolve.prepared)
+    source = Thinner(ROBOT, SolveOptions(), Solver.prepared)
     assert TARGET.position is not None
     for share in SHARES:
         (batch,) = source.begun(asked, share)

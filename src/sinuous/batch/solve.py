@@ -28,6 +28,9 @@ from sinuous.solving.many import read_workers
 from sinuous.solving.options import SolveArguments
 from sinuous.solving.solver import Solver
 
+STARTS = 1000
+"""Most starts of a target, by default."""
+
 CHUNK = 10_000
 """Rows of a chunk by default."""
 
@@ -131,7 +134,7 @@ def solve_batch(
     progress : bool
         Whether to say on standard error how far it is.
     **options
-        As for `Solver`.
+        As for `Solver`, but `max_starts` is 1000 by default: a table may hold many targets that nothing reaches.
 
     Returns
     -------
@@ -144,7 +147,7 @@ def solve_batch(
     UnfinishedError
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
-    given: dict[str, Any] = dict(options)
+    given: dict[str, Any] = {"max_starts": STARTS, **options}
     run = RunOptions(**{key: given.pop(key) for key in RunArguments.__annotations__ if key in given})
     file = None if out is None else Path(out)
     if file is not None:

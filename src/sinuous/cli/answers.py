@@ -10,7 +10,7 @@ import typer
 from sinuous.checks import Floats
 from sinuous.cli.options import MotionOutput, Output, is_page, numbered
 from sinuous.files.results import json_line, result
-from sinuous.motion.following.entries import read_outcome, write_outcome
+from sinuous.motion.knots import read_outcome, write_outcome
 from sinuous.motion.motion import Motion
 from sinuous.motion.tables import write_csv
 from sinuous.problem.target import Targets

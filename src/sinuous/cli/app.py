@@ -13,6 +13,7 @@ from sinuous import __version__
 from sinuous.cli.options import (
     BAD_INPUT,
     UNSOLVED,
+    BatchSolving,
     Files,
     Json,
     MapSolving,
@@ -110,7 +111,7 @@ def batch(
         Path, typer.Option(metavar="TABLE", help="Targets, a row each: .csv, .npz or .parquet.", show_default=False)
     ],
     out: Annotated[Path, typer.Option(metavar="TABLE", help="Results, of the same kinds.", show_default=False)],
-    solving: Solving,
+    solving: BatchSolving,
     chunk: Annotated[int, typer.Option(metavar="ROWS", help="What is solved, and written, together.")] = 10_000,
     engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads",
     dask: Annotated[

@@ -45,7 +45,7 @@ Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files,
 Place = Annotated[
     str, typer.Argument(metavar="FILE", help="A problem file, whose targets are left alone.", show_default=False)
 ]
-MaxStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of one solve.")]
+MostStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of one solve.")]
 Routes = Annotated[bool, typer.Option(help="Search for routes through free space where the first starts fail.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
 Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or processes; by default one a core.")]
@@ -62,7 +62,9 @@ class Solving:
         list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
     ] = None
     time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")] = 1.0
-    max_starts: MaxStarts = 1000
+    max_starts: Annotated[
+        int | None, typer.Option(metavar="COUNT", help="Most starts of one solve; else as many as the time allows.")
+    ] = None
     routes: Routes = True
     seed: Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")] = 0
 
@@ -106,10 +108,17 @@ class PlanSolving(Solving):
 
 
 @dataclass(frozen=True)
+class BatchSolving(Solving):
+    """How each target of a batch is solved."""
+
+    max_starts: MostStarts = 1000
+
+
+@dataclass(frozen=True)
 class MapSolving(Solving):
     """How each direction of a map is solved."""
 
-    max_starts: MaxStarts = 1
+    max_starts: MostStarts = 1
     routes: Routes = False
 
 

@@ -22,7 +22,7 @@ def reach_file(
     if out is not None and out.suffix.lower() != ".npz":
         raise InputError("--out", "", str(out), "a name that ends in .npz")
     if plot is not None:
-        from sinuous.pictures.surveys.workspace import check_map  # noqa: PLC0415
+        from sinuous.pictures.workspace import check_map  # noqa: PLC0415
 
         check_map("--plot", plot)
     try:
@@ -34,7 +34,7 @@ def reach_file(
         typer.echo(f"sinuous: interrupted; {kept}", err=True)
         return INTERRUPTED
     if plot is not None:
-        from sinuous.pictures.surveys.workspace import plot_reach  # noqa: PLC0415
+        from sinuous.pictures.workspace import plot_reach  # noqa: PLC0415
 
         plot_reach(found, plot)
     typer.echo(json_line({"file": file, **found.to_dict()}) if json else f"{file}: {str(found).split(': ', 1)[1]}")

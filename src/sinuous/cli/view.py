@@ -69,7 +69,7 @@ def is_loopback(host: str) -> bool:
 
 def _serve(job: Job, host: str, port: int, browser: bool, answer: Solution | Motion | None) -> int:
     """Serve the page until it is interrupted."""
-    from sinuous.viewer.page.page import Page  # noqa: PLC0415
+    from sinuous.viewer.page import Page  # noqa: PLC0415
 
     job.scene.prepare()
     sys.setswitchinterval(TURN)

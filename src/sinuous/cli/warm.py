@@ -12,12 +12,12 @@ from typing import Any
 import typer
 
 from sinuous.cli.options import INTERRUPTED, SOLVED
+from sinuous.cli.warm_steps import Step, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.methods.registry import METHODS
 from sinuous.progress import rich_progress
 from sinuous.solving.crew import cores
-from sinuous.solving.warm import Step, steps
 
 
 def warm_up(methods: Sequence[str]) -> int:

@@ -16,18 +16,18 @@ from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
-from sinuous.motion.following.entries import Entry, read_entry, write_entry
-from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.job import motion_of, rates_in_time
+from sinuous.motion.knots import Entry, read_entry, write_entry
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import tracker_of
+from sinuous.motion.tracker import Tracker
 from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.several import KINDS, Kind
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 
 MOST_ALTERNATIVES = 10_000
 """Most solutions that `--all` may ask for."""
@@ -55,7 +55,7 @@ def solve_files(
     read = read_all(files)
     for one in read:
         _refuse(one.problem, "path", "goal", "moving")
-    made = OneSolve if len(read) == 1 and count is None else Solver
+    made = Solver.once if len(read) == 1 and count is None else Solver
 
     def prepare(problem: ProblemFile, **options: Any) -> Solver:
         return made(problem.robot, problem.scene, **options)

@@ -27,6 +27,18 @@ def entry(function: Function) -> Function:
     return compiled
 
 
+def entry_around(inner: Any, function: Function) -> Function:
+    """Compile a kernel that Python calls, and that is made around the kernel `inner` as a function within a function.
+
+    It bears the name of the module of `inner`: by that, and by what the file of `inner` imports, its code is found
+    again. That file has to import the one in which the function is made.
+    """
+    function.__module__, function.__qualname__ = inner.__module__, function.__name__
+    file = inner.py_func.__code__.co_filename
+    compiled: Function = telling(_stored(function, "entry", once.Whole, {"no_cfunc_wrapper": True}, file))
+    return compiled
+
+
 def kernel(function: Function) -> Function:
     """Compile a kernel that other kernels call. It cannot be called from Python: the wrapper for that costs time."""
     compiled = _stored(function, "inner", once.Part, NO_WRAPPERS)
@@ -47,20 +59,12 @@ def inline(compiled: Function) -> Function:
     return copied
 
 
-def closure(function: Function) -> Function:
-    """Compile a kernel that is made around another kernel, as a function within a function.
+def _stored(function: Function, kind: str, library: Any, options: dict[str, Any], file: str | None = None) -> Any:
+    """Compile a function into such a library, and keep its code on disk as what depends on this file and its imports.
 
-    It is copied into the entries that call it, before they are compiled, and kept with them. By itself it cannot be
-    kept: another process would not recognise the kernel that it was made around.
+    By default that is the file of the function. What is made around something else is kept only when a file is named.
     """
-    options: dict[str, Any] = {**OPTIONS, **NO_WRAPPERS, "inline": "always"}
-    compiled: Function = numba.njit(**options)(function)
-    return compiled
-
-
-def _stored(function: Function, kind: str, library: Any, options: dict[str, Any]) -> Any:
-    """Compile a function into such a library, and keep its code on disk unless it is made around something else."""
-    store = None if function.__closure__ else Store(function, kind)
+    store = None if function.__closure__ and file is None else Store(function, kind, file)
     chosen = {**OPTIONS, **options}
     if once.tried():
         chosen["pipeline_class"] = once.compiler(library, None if store is None else store.name)

@@ -61,6 +61,10 @@ CENTER, AXES, HALF_EXTENTS = 2, 5, 14
 ROUNDING = 17
 """Column of every obstacle: what is taken off the distance."""
 
+ROUNDOFF = 18
+"""Column of every obstacle: what arithmetic may make its distances wrong by, for the size of the coordinates that are
+subtracted (length unit); what comes from those of the robot is not in it."""
+
 NODES, LEVELS, ITEMS, COUNT, ITEM_KIND, NORMALS = range(2, 8)
 """Columns of a TREE. Where its nodes begin in the store, and its levels; where its items begin, their number and kind;
 where their normals begin (-1: triangles without an inside)."""
@@ -72,15 +76,19 @@ the place of the first (3), and the distance between neighbours."""
 CUBE_HALF = 16
 """Column of a TREE of cubes: half of their edge."""
 
-PLACED, PLACE = 18, 19
+EXACT_BELOW = 16
+"""Column of SAMPLES: the value from which on they are lower bounds of a distance only. Below it they are distances, and
+so are those that are not above 0, as far as an upper bound is asked for."""
+
+PLACED, PLACE = 19, 20
 """Columns of whatever is in the store: 1 where it lies there as it is described, in a frame of its own, and has been
 moved; and the pose of that frame in the world, as `POSE_ROTATION` and `POSE_POSITION` lay it out (12)."""
 
-FIRST_CELL = 31
+FIRST_CELL = 32
 """Column of a TREE of triangles: where the cells begin in the store that list which may be the closest (-1: there are
 none). SHAPE, ORIGIN and SPACING are then of their middles: who has cells has no samples."""
 
-OBSTACLE_WIDTH = 32
+OBSTACLE_WIDTH = 33
 
 TRIANGLES, BALLS, CUBES = range(3)
 """Kinds of items."""

@@ -87,10 +87,10 @@ def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats) -> N
 
 
 def room_at(place: Floats, scene: Snapshot) -> Nearest:
-    """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it."""
+    """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it, if one does."""
     distances = [float(at_most(obstacle, place[None])[0]) for obstacle in scene.obstacles]
     nearest = int(np.argmin(distances))
-    return Nearest(distances[nearest], None, scene.name(nearest))
+    return Nearest(distances[nearest], None, scene.name(nearest) if math.isfinite(distances[nearest]) else None)
 
 
 MOST_PLACES = 20_000
@@ -118,23 +118,44 @@ class Meeting(NamedTuple):
     segments: tuple[int, int] | None
 
 
-def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
-    """Least gap over sampled places of the body, in configuration `q` (n, 3).
+class Places(NamedTuple):
+    """Sampled places of the backbone, from the base to the tip.
 
-    Two places concern each other when their distance along the backbone is at least pi times the larger of their
-    radii, unless both have none. `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments.
+    Attributes
+    ----------
+    points, tangents : ndarray (m, 3)
+    along, turned : ndarray (m,)
+        Length of the backbone up to there, and by how much (rad) it turns up to there.
+    segments : ndarray (m,)
+        0 = first.
+    radii : ndarray (m,)
+    runs : ndarray (m,)
+        The same number for neighbouring segments of the same radius.
     """
-    places, along, segments = _places(q, ends)
-    radii = np.array(robot.radii)[segments]
+
+    points: Floats
+    tangents: Floats
+    along: Floats
+    turned: Floats
+    segments: Indices
+    radii: Floats
+    runs: Indices
+
+
+def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
+    """Least gap over sampled places of the body that concern each other, in configuration `q` (n, 3); see `concerned`.
+
+    `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments.
+    """
+    places = backbone_places(robot, q, ends, min(SAMPLES, max(FEWEST, MOST_PLACES // len(q))))
+    points, radii, segments = places.points, places.radii, places.segments
     least = Meeting(math.inf, None)
-    for low, one, other in _nearest_first(places, along, radii):
+    for low, one, other in _nearest_first(places):
         if low >= least.gap:
             break
         first, second = one[:, :, None], other[:, None, :]
-        larger = np.maximum(radii[first], radii[second])
-        concerned = (along[second] - along[first] >= math.pi * larger) & (larger > 0.0)
-        gaps = np.linalg.norm(places[first] - places[second], axis=-1) - radii[first] - radii[second]
-        gaps[~concerned] = math.inf
+        gaps = np.linalg.norm(points[first] - points[second], axis=-1) - radii[first] - radii[second]
+        gaps[~concerned(places, first, second)] = math.inf
         if gaps.min() < least.gap:
             k, a, b = np.unravel_index(gaps.argmin(), gaps.shape)
             least = Meeting(float(gaps.min()), (int(segments[one[k, a]]) + 1, int(segments[other[k, b]]) + 1))
@@ -146,30 +167,56 @@ def nearest_meeting(robot: Robot, q: Floats, ends: Floats) -> Meeting:
     return least_self_clearance(robot, q, ends) if robot.avoids_itself else Meeting(math.inf, None)
 
 
-def _places(q: Floats, ends: Floats) -> tuple[Floats, Floats, Indices]:
-    """Sampled places (m, 3) of the backbone, how far along it they are (m,), and the segments (m,), 0 = first."""
-    count = min(SAMPLES, max(FEWEST, MOST_PLACES // len(q)))
+def concerned(places: Places, first: Indices, second: Indices) -> NDArray[np.bool_]:
+    """Whether the first of two places may not touch the second, which is nearer to the tip: they are no neighbours.
+
+    Neighbours are, where the radius is the same from one to the other, places less than pi radii apart along the body;
+    where it changes, places each of which lies ahead of the other. Two places without a radius never touch.
+    """
+    apart = places.along[second] - places.along[first]
+    alike = places.runs[first] == places.runs[second]
+    across = places.points[second] - places.points[first]
+    here = np.einsum("...i,...i->...", across, places.tangents[first])
+    there = np.einsum("...i,...i->...", across, places.tangents[second])
+    # Less than a quarter turn leaves them ahead of each other, also where rounding has it otherwise.
+    astray = ((here <= 0.0) | (there <= 0.0)) & (places.turned[second] - places.turned[first] >= 0.5 * math.pi)
+    radius = np.maximum(places.radii[first], places.radii[second])
+    result: NDArray[np.bool_] = np.where(alike, apart >= math.pi * radius, astray) & (radius > 0.0)
+    return result
+
+
+def backbone_places(robot: Robot, q: Floats, ends: Floats, count: int) -> Places:
+    """Divide each segment of a body in configuration `q` (n, 3) into `count` pieces; `ends` as above."""
     fractions = np.linspace(0.0, 1.0, count + 1)
-    places = [(ends[k] @ arc_poses(segment, count))[:, :3, 3] for k, segment in enumerate(q)]
-    begins = np.cumsum(q[:, 2]) - q[:, 2]
-    along = (begins[:, None] + q[:, 2, None] * fractions).ravel()
-    return np.concatenate(places), along, np.repeat(np.arange(len(q)), count + 1)
+    poses = np.concatenate([ends[k] @ arc_poses(segment, count) for k, segment in enumerate(q)])
+    bends = np.hypot(q[:, 0], q[:, 1])
+    along, turned = (
+        ((np.cumsum(amounts) - amounts)[:, None] + amounts[:, None] * fractions).ravel() for amounts in (q[:, 2], bends)
+    )
+    segments = np.repeat(np.arange(len(q)), count + 1)
+    radii = np.array(robot.radii)
+    runs = np.concatenate([[0], np.cumsum(np.diff(radii) != 0.0)])
+    return Places(poses[:, :3, 3], poses[:, :3, 2], along, turned, segments, radii[segments], runs[segments])
 
 
-def _nearest_first(places: Floats, along: Floats, radii: Floats) -> Iterator[tuple[float, Indices, Indices]]:
+def _nearest_first(places: Places) -> Iterator[tuple[float, Indices, Indices]]:
     """Yield pairs of runs of places (k, r), (k, r) with a lower bound of the gaps of what is still to come, and theirs.
 
     The run that is nearer to the base comes first. Pairs of which no two places concern each other are left out.
     The bounds are those of balls about the runs.
     """
-    last = len(places) - 1
+    points, radii, last = places.points, places.radii, len(places.points) - 1
     runs = np.minimum(np.arange(0, last + 1, RUN)[:, None] + np.arange(RUN), last)
-    centers = places[runs].mean(axis=1)
-    reach = (np.linalg.norm(places[runs] - centers[:, None], axis=-1) + radii[runs]).max(axis=1)
+    centers = points[runs].mean(axis=1)
+    reach = (np.linalg.norm(points[runs] - centers[:, None], axis=-1) + radii[runs]).max(axis=1)
     thinnest = radii[runs].min(axis=1)
     one, other = np.triu_indices(len(runs))
-    apart = along[runs[other, -1]] - along[runs[one, 0]]
-    may = np.flatnonzero(apart >= math.pi * np.maximum(thinnest[one], thinnest[other]))
+    far = places.along[runs[other, -1]] - places.along[runs[one, 0]] >= math.pi * np.maximum(
+        thinnest[one], thinnest[other]
+    )
+    turned = places.turned[runs[other, -1]] - places.turned[runs[one, 0]] >= 0.5 * math.pi
+    stepped = places.runs[runs[other, -1]] != places.runs[runs[one, 0]]
+    may = np.flatnonzero(far | (turned & stepped))
     one, other = one[may], other[may]
     low = np.linalg.norm(centers[one] - centers[other], axis=1) - reach[one] - reach[other]
     order = np.argsort(low)

@@ -47,10 +47,20 @@ def _steps(grid: Grid, points: Floats) -> Floats:
 
 
 def at_most(obstacle: Obstacle, points: Floats) -> Floats:
-    """Upper bound (m,) of the signed distance of points (m, 3): the same, but for a grid of distances."""
+    """Upper bound (m,) of the signed distance of points (m, 3): the same, but for a grid of distances and a function.
+
+    Infinite where what is known bounds nothing.
+    """
     if isinstance(obstacle, Grid) and not obstacle.occupancy:
         return most_to_grid(obstacle, _steps(obstacle, points))
-    return measure(obstacle, points)
+    distance = measure(obstacle, points)
+    return _where_known(obstacle, distance, distance) if isinstance(obstacle, Field) else distance
+
+
+def _where_known(source: Grid | Field, values: Floats, bounds: Floats) -> Floats:
+    """The `bounds` where values are known to be distances, or a place is in the obstacle; else infinite."""
+    known = (values <= 0.0) | (values < source.exact_below)
+    return np.where(known, bounds, np.inf)
 
 
 def to_primitive(obstacle: Primitive, points: Floats) -> Floats:
@@ -179,7 +189,7 @@ def _proved(grid: Grid, points: Floats) -> Floats:
 def most_to_grid(grid: Grid, points: Floats) -> Floats:
     """Least of `value + distance` (m,) over the same corners: no distance function with these samples has more."""
     values, gaps = _corners(grid, points)
-    result: Floats = (values + gaps).min(axis=0)
+    result: Floats = _where_known(grid, values, values + gaps).min(axis=0)
     return result
 
 

@@ -19,13 +19,15 @@ LIMITS = ("length", "bend", "curvature", "actuators")
 
 @dataclass(frozen=True)
 class Capabilities:
-    """What one method handles.
+    """What one method handles; by default that of a method which looks at the tip alone, and at no obstacles.
 
     Targets and tools that it does not handle are refused. Limits and obstacles that it does not handle are those that
     its answers may violate: such an answer is never solved, and `Solution.worst` says what it violates.
 
     Attributes
     ----------
+    source : str
+        Where the method is described.
     direction, rotation : bool
         Whether a target's position may come with a direction of the tangent, with a whole rotation.
     orientation_alone : bool
@@ -42,30 +44,22 @@ class Capabilities:
         Whether it minimises what is preferred among solutions.
     initial : bool
         Whether it begins from an initial configuration.
-    own_starts : bool
-        Whether it has further starts of its own when the first fails.
     routes : bool
         Whether routes through free space may serve it as initial configurations when its own starts fail. Published
         methods are shown as they are.
-    compiled : str
-        Which part is compiled.
-    source : str
-        Where it is described.
     """
 
-    direction: bool
-    rotation: bool
-    orientation_alone: bool
-    elbows: bool
-    tool: bool
-    limits: tuple[str, ...]
-    obstacles: bool
-    preferences: bool
-    initial: bool
-    own_starts: bool
-    routes: bool
-    compiled: str
     source: str
+    direction: bool = True
+    rotation: bool = False
+    orientation_alone: bool = False
+    elbows: bool = False
+    tool: bool = True
+    limits: tuple[str, ...] = ("length", "bend", "curvature")
+    obstacles: bool = False
+    preferences: bool = False
+    initial: bool = True
+    routes: bool = False
 
     @property
     def any_target(self) -> bool:

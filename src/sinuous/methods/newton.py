@@ -10,12 +10,14 @@ from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
-from sinuous.methods.capabilities import Capabilities
-from sinuous.methods.compiled import Compiled, Entry, as_outcomes
-from sinuous.methods.method import Call, Case
+from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options
+from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
-from sinuous.problem.target import Target
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
 
@@ -24,27 +26,38 @@ class Newton(Options):
     """The method `newton`, which has no options."""
 
     method: ClassVar[str] = "newton"
+    capabilities: ClassVar[Capabilities] = Capabilities(
+        source="this library; docs/design.md",
+        rotation=True,
+        orientation_alone=True,
+        elbows=True,
+        limits=LIMITS,
+        obstacles=True,
+        preferences=True,
+        routes=True,
+    )
 
-    def prepare(self, case: Case, capabilities: Capabilities) -> "PreparedNewton":
+    def prepare(self, robot: Robot, scene: Scene, tolerance: Tolerance, preferences: Preferences) -> "PreparedNewton":
         """Prepare the method; see `Options.prepare`."""
-        return PreparedNewton(self.method, capabilities, self.entry(case), case)
+        compiled = self.compiled(robot, scene)
+        return PreparedNewton(self.method, self.capabilities, compiled, robot, scene, tolerance, preferences)
 
-    def entry(self, case: Case) -> Entry:
-        """Return the entry for many problems; see `Options.entry`."""
-        sizes = len(case.robot), len(case.robot.actuation), len(case.scene)
-        return Entry(search_many, lambda targets: workspace_size(*sizes, targets))
+    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
+        """Return the search for many problems; see `Options.compiled`."""
+        sizes = len(robot), len(robot.actuation), len(scene)
+        return Compiled(search_many, lambda targets: workspace_size(*sizes, targets))
 
 
-class PreparedNewton(Compiled):
+class PreparedNewton(Prepared):
     """The method `newton`, prepared. One problem has an entry of its own, and what is solved is then improved.
 
     That entry returns its record as numbers, not in an array: the quickest way out of compiled code.
     """
 
-    def _load(self, case: Case) -> None:
+    def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
-        self._preferences, self._shape = case.preferences, (self._segments, 3)
-        nowhere = Problem.prepared(case.robot, (Target((0.0, 0.0, 0.0)),), case.scene.snapshot(), case.tolerance)
+        self._shape = self._segments, 3
+        nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene, tolerance)
         outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
         if self._preferences:
             outcome.q[:] = 0.0
@@ -55,7 +68,7 @@ class PreparedNewton(Compiled):
         return scene._kernel_group if len(scene) else None
 
     def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
-        """Return what `run` would call; see `Method.build`."""
+        """Return what `run` would call; see `Prepared.build`."""
         return Call(search, self._arguments(problem, initial, budget))
 
     def _arguments(self, problem: Problem, initial: Floats, budget: Budget) -> tuple[Any, ...]:
@@ -64,7 +77,7 @@ class PreparedNewton(Compiled):
         return self._robot, group, self._settings, rows, initial, budget, workspace, best
 
     def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
-        """Solve one problem; see `Method.run`."""
+        """Solve one problem; see `Prepared.run`."""
         arguments = self._arguments(problem, initial, budget)
         outcome = Outcome(arguments[-1], *search(*arguments))
         if self._preferences and outcome.code == SOLVED and not self._preferences.satisfied(outcome.clearance):
@@ -74,7 +87,7 @@ class PreparedNewton(Compiled):
         return outcome
 
     def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
-        """Solve many problems; see `Method.run_many`."""
+        """Solve many problems; see `Prepared.run_many`."""
         super().run_many(scene, rows, initial, budget, answers)
         for i in np.flatnonzero(answers[:, CODE] == SOLVED).tolist() if self._preferences else ():
             outcome = as_outcomes(answers[i : i + 1])[0]

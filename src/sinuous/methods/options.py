@@ -10,12 +10,15 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.methods.capabilities import Capabilities
 from sinuous.reprs import ShortRepr
 
 if TYPE_CHECKING:
-    from sinuous.methods.capabilities import Capabilities
-    from sinuous.methods.compiled import Entry
-    from sinuous.methods.method import Case, Method
+    from sinuous.methods.prepared import Compiled, Prepared
+    from sinuous.problem.preferences import Preferences
+    from sinuous.problem.target import Tolerance
+    from sinuous.robot.robot import Robot
+    from sinuous.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,9 @@ def _read_flag(key: str, text: str) -> bool:
 class Options(ShortRepr):
     """Base of the options of every method: values are checked as they come in.
 
+    A class of options says of its method what it is called (`method`), what it handles (`capabilities`), sets of values
+    that have a name (`presets`), and how it is compiled.
+
     Raises
     ------
     InputError
@@ -99,6 +105,7 @@ class Options(ShortRepr):
     """
 
     method: ClassVar[str] = ""
+    capabilities: ClassVar[Capabilities] = Capabilities("")
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
@@ -137,12 +144,13 @@ class Options(ShortRepr):
         """All values in the order of the fields, as the kernel of the method reads them."""
         return np.array([each.metadata["kind"].encode(getattr(self, each.name)) for each in fields(self)], np.float64)
 
-    def prepare(self, case: "Case", capabilities: "Capabilities") -> "Method":
+    def prepare(self, robot: "Robot", scene: "Scene", tolerance: "Tolerance", preferences: "Preferences") -> "Prepared":
         """Prepare the method for a robot in a scene: compile or load its kernels."""
-        from sinuous.methods.compiled import Compiled  # noqa: PLC0415
+        from sinuous.methods.prepared import Prepared  # noqa: PLC0415
 
-        return Compiled(self.method, capabilities, self.entry(case), case)
+        compiled = self.compiled(robot, scene)
+        return Prepared(self.method, self.capabilities, compiled, robot, scene, tolerance, preferences)
 
-    def entry(self, case: "Case") -> "Entry":
-        """Return the compiled search of the method, and what it needs for this case."""
+    def compiled(self, robot: "Robot", scene: "Scene") -> "Compiled":
+        """Return the compiled search of the method, and what it needs for this robot and scene."""
         raise NotImplementedError

@@ -21,6 +21,9 @@ ROUNDED = 1e-14
 KEPT = 0.5
 """Share of the proved clearance that rounding a corner leaves."""
 
+NOTHING = 1e-12
+"""A straight piece between two blends is left out where it is no longer, of its leg: the rounding of its length."""
+
 SHORT = 1e-6
 """A corner is not rounded where that would take less than so great a share of a step."""
 
@@ -75,7 +78,7 @@ def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
     moves = np.diff(q, axis=0)
     sizes = _reach(moves, levers)
     moving = sizes > 0.0
-    free = steps_margins(robot, steps)
+    free = steps_margins(robot, q, steps)
     # Where nothing is proved, no clearance has to be kept.
     allowed = np.clip(np.where(steps.proved, 0.5 * free, np.inf), ROUNDED * levers[0], STRAIGHT * levers[0])
     first = np.flatnonzero(moving)[_leg_starts(moves[moving], sizes[moving], allowed[moving], levers)]
@@ -115,16 +118,21 @@ def _leg_end(units: Floats, sizes: Floats, allowed: Floats, levers: Floats) -> i
     return count
 
 
-def steps_margins(robot: Robot, steps: Steps) -> Floats:
+def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
     """How far places of the body may leave each step (m,) and still be clear of obstacles and of the body itself.
 
     Where all places move by m at most, clearances shrink by m, and gaps of the body by 2 m. Where segments stretch,
     which places are pi radii apart along the body changes too, by m at most, and with it the gap: 3 m in all. With
-    several radii that holds for fixed lengths alone.
+    several radii any move may change which places concern each other, unless the body turns by less than a quarter turn
+    at both knots, of q (m + 1, n, 3): then it does so wherever it may get to, and no two places do.
     """
-    stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
-    shares = 3.0 if len(set(robot.radii)) == 1 else np.inf
-    own = np.where(np.isinf(steps.self_clearances), np.inf, steps.self_clearances / (shares if stretching else 2.0))
+    if len(set(robot.radii)) == 1:
+        stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
+        own = steps.self_clearances / (3.0 if stretching else 2.0)
+    else:
+        turned = np.hypot(q[..., 0], q[..., 1]).sum(axis=1)
+        never = not robot.avoids_itself or np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi
+        own = np.where(never, np.inf, 0.0)
     margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.clearances, own), 0.0)
     return margins
 
@@ -154,7 +162,7 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
     pieces, lengths, stops = [], [], [True]
     for i, slope in enumerate(slopes):
         rest = legs.sizes[i] - arms[i] - arms[i + 1]
-        if rest > SHORT * legs.sizes[i]:
+        if rest > NOTHING * legs.sizes[i]:
             pieces.append([legs.corners[i] + arms[i] * slope, slope, np.zeros_like(slope)])
             lengths.append(rest)
             stops.append(bool(arms[i + 1] == 0.0))

@@ -19,7 +19,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
 from sinuous.solving.options import SolveArguments
-from sinuous.solving.solver import OneSolve, Solver
+from sinuous.solving.solver import Solver
 
 
 class Job(ProblemFile):
@@ -41,7 +41,7 @@ class Job(ProblemFile):
             When it speaks of a path, or an option is not what it should be.
         """
         self._refuse("path", "goal")
-        return OneSolve(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
+        return Solver.once(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
 
     def track(self, **options: Unpack[SolveArguments]) -> Motion:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`.

@@ -18,7 +18,7 @@ from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.report import Report
 from sinuous.motion.times import even_times
-from sinuous.notebook import Shown
+from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
@@ -43,7 +43,7 @@ Between = Literal["proved", "unproved"]
 """What is known of the motion between knots: all of it is proved clear, or some step is not."""
 
 
-class Motion(Shown, Frozen):
+class Motion(NotebookMixin, Frozen):
     """Configurations at times, linear in q from each to the next; frozen.
 
     `track` and `plan` return one. Made of configurations from elsewhere, it proves what there is to prove.

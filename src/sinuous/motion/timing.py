@@ -94,12 +94,14 @@ def scale_blended(robot: Robot, path: BlendedPath, rates: Spread, accelerations:
     unit = float(np.median(np.where(np.isinf(fastest), np.sqrt(gains * path.lengths[grid.piece]), fastest)))
     steep = STEEP * unit**2 / path.lengths[grid.piece]
     curved = path.pieces[grid.piece, 2].any(axis=(1, 2))
-    own = np.where(curved, steep, np.minimum(gains, steep)) / unit**2
-    rows = _rows(robot, path, grid, accelerations, curved, unit)
+    # toppra has tolerances that are absolute: it sees a path of length 1 and a median speed of 1.
+    faster = unit**2 / grid.points[-1]
+    own = np.where(curved, steep, np.minimum(gains, steep)) / faster
+    rows = _rows(robot, path, grid, accelerations, curved) * [faster, unit**2]
     limits = _Limits(grid, np.minimum(fastest / unit, STEEP), own, rows)
-    acceleration, speed = _solved(grid, limits)
+    acceleration, speed = _solved(grid.points / grid.points[-1], limits)
     duration = 2.0 * grid.steps / (unit * (speed[1:] + speed[:-1]))
-    phases = np.stack([duration, grid.s, unit * speed[:-1], unit**2 * acceleration], axis=1)
+    phases = np.stack([duration, grid.s, unit * speed[:-1], faster * acceleration], axis=1)
     return Scaling(grid.piece, phases)
 
 
@@ -118,16 +120,16 @@ class _Grid:
         self.points = np.concatenate([[0.0], np.cumsum(self.steps)])
 
 
-def _rows(robot: Robot, path: BlendedPath, grid: _Grid, spread: Spread, curved: np.ndarray, unit: float) -> Floats:
-    """Limits of acceleration (M, r, 2) at both ends of curved intervals: what multiplies u and x is at most 1.
+def _rows(robot: Robot, path: BlendedPath, grid: _Grid, spread: Spread, curved: np.ndarray) -> Floats:
+    """Limits of acceleration (M, r, 2) at both ends of curved intervals: a row times (u, x) is at most 1.
 
-    u is the acceleration of s and x its speed squared, in units in which the median speed is 1.
+    u is the acceleration of s and x its speed squared.
     """
     turn = path.at(grid.piece, grid.s, 2)
     begin, end = (path.at(grid.piece, s, 1) for s in (grid.s, grid.s + grid.steps))
     later = end + 2.0 * grid.steps[:, None, None] * turn  # x at the end is x + 2 steps u
     both = [np.stack([of_u, turn], axis=-1) for of_u in (begin, later)]
-    rows = np.concatenate([_facets(robot, spread, each) for each in both], axis=1) * unit**2
+    rows = np.concatenate([_facets(robot, spread, each) for each in both], axis=1)
     rows[~curved] = 0.0
     return rows
 
@@ -156,8 +158,8 @@ class _Limits:
         self.u = np.stack([-gains, gains], axis=1)
 
 
-def _solved(grid: _Grid, limits: _Limits) -> tuple[Floats, Floats]:
-    """Accelerations (M,) and speeds (M + 1,) of s, by toppra."""
+def _solved(points: Floats, limits: _Limits) -> tuple[Floats, Floats]:
+    """Accelerations (M,) and speeds (M + 1,) of s on a grid of points (M + 1,), by toppra."""
     try:
         from toppra import SimplePath  # noqa: PLC0415
         from toppra.algorithm import TOPPRA  # noqa: PLC0415
@@ -177,8 +179,8 @@ def _solved(grid: _Grid, limits: _Limits) -> tuple[Floats, Floats]:
 
     constraint = Given()
     constraint.identical = True
-    line = SimplePath(np.array([0.0, grid.points[-1]]), np.array([0.0, 1.0]))
-    found = TOPPRA([constraint], line, gridpoints=grid.points, solver_wrapper="seidel")
+    line = SimplePath(points[[0, -1]], np.array([0.0, 1.0]))
+    found = TOPPRA([constraint], line, gridpoints=points, solver_wrapper="seidel")
     acceleration, speed, _ = found.compute_parameterization(0.0, 0.0)
     if speed is None or not np.isfinite(speed).all():
         raise RuntimeError("toppra found no timing")

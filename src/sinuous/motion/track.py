@@ -8,11 +8,10 @@ from sinuous.arguments import Number, Shortest, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
-from sinuous.motion.following.room import Room
-from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
 from sinuous.motion.report import MOST_WAYPOINTS
 from sinuous.motion.times import Timetable
+from sinuous.motion.tracker import Tracker
 from sinuous.problem.asked import read_asked
 from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences
@@ -25,6 +24,9 @@ from sinuous.solving.solver import Initial, Solver
 
 ROOM = 0.02
 """Clearance that is wished for by default, in mean lengths of a segment."""
+
+HALF = 0.5
+"""Share of the wished clearance with which a robot on its way stays as it is."""
 
 SHORTEST: tuple[Shortest, ...] = ("configuration", "actuators")
 """What a motion may be shortest in."""
@@ -125,6 +127,18 @@ def tracker_of(
     timetable = timetable_of(place, times, waypoints, start is not None)
     solver = Solver(robot, place if timetable is None else timetable.live, **options)
     return Tracker(solver, start, read_deviation(solver, deviation), timetable)
+
+
+class Room(Preferences):
+    """A clearance that is wished for on the way: a robot that has half of it goes on as it is.
+
+    It is there for the steps, which are then proved sooner. To strive for the last of it at every waypoint would take
+    longer than the steps do.
+    """
+
+    def satisfied(self, clearance: float) -> bool:
+        """Say whether a solution with this clearance is left as it is."""
+        return super().satisfied(clearance / HALF)
 
 
 def timetable_of(scene: Scene, times: Floats | None, waypoints: int, started: bool) -> Timetable | None:

@@ -1,20 +1,21 @@
 """Diagrams of answers: clearance, actuators, bends and lengths, and the time of every waypoint."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
+from sinuous.display.clearances import clearances, lengths_along
+from sinuous.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
 from sinuous.errors import InputError
+from sinuous.methods import registry
 from sinuous.motion.motion import Motion
-from sinuous.pictures.convergence import counts_iterations, errors
 from sinuous.pictures.files import need_matplotlib
-from sinuous.pictures.style import ARMS, CURVES, GRID, INK, PALE, SMALL, TARGET, UNSOLVED, tidy
-from sinuous.robot.robot import Robot
-from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
+from sinuous.solving.solver import SolvesAgain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,10 +23,13 @@ if TYPE_CHECKING:
 Kind = Literal["clearance", "convergence", "clearance map", "actuators", "bends", "lengths", "times"]
 
 ALONG = 40
-"""Places of a segment."""
+"""Places of a segment whose clearance is drawn."""
 
 MOMENTS = 400
-"""Of a motion."""
+"""Times of a motion, beside those of its knots, at which its clearance is drawn."""
+
+MOST_ITERATIONS = 400
+"""Iterations whose errors are drawn."""
 
 MOST_NAMED = 12
 """Curves that a legend has a name for."""
@@ -75,35 +79,12 @@ def diagrams_of(answer: Solution | Motion) -> list[str]:
     place = answer.problem if isinstance(answer, Solution) else answer
     near = ["clearance"] if len(place.scene) else []
     if isinstance(answer, Solution):
-        return [*near, *(["convergence"] if counts_iterations(answer) else [])]
+        return [*near, *(["convergence"] if _counts_iterations(answer) else [])]
     times = ["times"] if answer.solutions else []
     if len(answer.q) < 2:
         return times
     driven = ["actuators"] if answer.robot.actuators else []
     return [*near, *(["clearance map"] if near else []), *driven, "bends", "lengths", *times]
-
-
-def clearances(robot: Robot, scene: Snapshot, q: Floats, times: Floats | None = None) -> tuple[Floats, Floats]:
-    """Distances (..., m) of the surface of the body from obstacles in configurations (..., n, 3), and the places (m,).
-
-    Places are numbers of segments, 0 at the base and n at the tip. Those within the mount are infinite. Where obstacles
-    move, configurations (k, n, 3) are those at `times` (k,).
-    """
-    places = np.linspace(0.0, len(robot), len(robot) * ALONG + 1)
-    radii = np.array(robot.radii)[np.minimum(places.astype(np.int64), len(robot) - 1)]
-    body = robot.backbone(q, ALONG)
-    if scene.moves and times is not None:
-        distances = np.stack([scene.at(t).distance(own) for t, own in zip(times.tolist(), body, strict=True)])
-    else:
-        distances = scene.distance(body)
-    clearance = distances - radii
-    return np.where(_along(q) < robot.mount, np.inf, clearance), places
-
-
-def _along(q: Floats) -> Floats:
-    """Length of backbone (..., m) from the base to each place."""
-    steps = np.repeat(q[..., 2] / ALONG, ALONG, axis=-1)
-    return np.concatenate([np.zeros((*steps.shape[:-1], 1)), np.cumsum(steps, axis=-1)], axis=-1)
 
 
 def _moments(motion: Motion) -> tuple[Floats, Floats]:
@@ -118,7 +99,7 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
         _draw_along(axes, answer)
         return
     moments, q = _moments(answer)
-    least = clearances(answer.robot, answer.scene, q, moments)[0].min(axis=-1)
+    least = clearances(answer.robot, answer.scene, q, ALONG, moments).min(axis=-1)
     axes.plot(moments, least, color=CURVES[0], linewidth=1.8)
     _mark_least(axes, moments, least)
     _limit(axes, least)
@@ -133,12 +114,12 @@ def _draw_clearance(axes: Any, answer: Solution | Motion) -> None:
 def _draw_along(axes: Any, solution: Solution) -> None:
     """Draw clearance along the body, under the colours that its segments have in pictures."""
     problem = solution.problem
-    clearance, _ = clearances(problem.robot, problem.scene, solution.q)
-    along = _along(solution.q)
-    tones = ARMS[0] if solution.solved else UNSOLVED
+    clearance = clearances(problem.robot, problem.scene, solution.q, ALONG)
+    along = lengths_along(solution.q, ALONG)
+    colours = tones(solution.solved)
     for k in range(len(problem.robot)):
         part = slice(k * ALONG, (k + 1) * ALONG + 1)
-        axes.plot(along[part], clearance[part], color=tones[k % 2], linewidth=2.6, solid_capstyle="butt")
+        axes.plot(along[part], clearance[part], color=colours[k % 2], linewidth=2.6, solid_capstyle="butt")
         axes.axvline(along[part][-1], color=GRID, linewidth=0.8, zorder=0)
     _mark_least(axes, along, clearance)
     _limit(axes, clearance)
@@ -147,7 +128,7 @@ def _draw_along(axes: Any, solution: Solution) -> None:
 
 def _draw_convergence(axes: Any, answer: Solution | Motion) -> None:
     assert isinstance(answer, Solution)
-    position, angle = errors(answer)
+    position, angle = _errors(answer)
     tolerance = answer.problem.tolerance
     wanted = (("position, length unit", position, tolerance.position), ("angle, rad", angle, tolerance.angle))
     for colour, (name, values, least) in zip(CURVES, wanted, strict=False):
@@ -159,6 +140,52 @@ def _draw_convergence(axes: Any, answer: Solution | Motion) -> None:
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)
     tidy(axes, f"errors of {answer.method}; dashed: tolerance", x="iteration", y="error")
+
+
+def _counts_iterations(solution: Solution) -> bool:
+    """Whether its method can be stopped after any number of iterations, and it is known with which options it ran."""
+    return isinstance(solution._resolver, SolvesAgain) and hasattr(_options(solution._resolver), "iterations")
+
+
+def _errors(solution: Solution) -> tuple[Floats, Floats]:
+    """Errors in position and angle (k,) of the best configuration after 1, 2, ... iterations from the first start.
+
+    The problem is solved again and again, each time with one iteration more; NaN where no target asks for it.
+    """
+    again = solution._resolver
+    assert isinstance(again, SolvesAgain)
+    options, given = _options(again), solution._given.reshape(-1, *solution.q.shape)
+    found: list[tuple[float, float]] = []
+    for count in range(1, min(options.iterations, MOST_ITERATIONS) + 1):
+        method = replace(options, iterations=count)
+        one = again.solve(solution.problem, given[0] if len(given) else None, method=method, max_starts=1, routes=False)
+        found.append((_known(one.position_error), _known(one.angle_error)))
+        if one.solved or one.iterations < count:
+            break
+    position, angle = np.array(found).T
+    return position, angle
+
+
+def _options(again: SolvesAgain) -> Any:
+    """Return the options of the method, also where it was given by its name."""
+    method = again.options.method
+    return registry.options_class(method)() if isinstance(method, str) else method
+
+
+def _known(error: float | None) -> float:
+    return np.nan if error is None else error
+
+
+def tidy(axes: Any, title: str, *, x: str, y: str) -> None:
+    """Give the axes of a diagram a title, labels with units, a pale grid and few lines."""
+    axes.set_title(title, fontsize=TITLE, color=INK, loc="left")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(LINE)
+    axes.tick_params(which="both", color=LINE, labelcolor=PALE, labelsize=SMALL)
+    axes.set_xlabel(x, color=PALE, fontsize=TEXT)
+    axes.set_ylabel(y, color=PALE, fontsize=TEXT)
+    axes.grid(visible=True, color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
 
 
 def _mark_least(axes: Any, x: Floats, clearance: Floats) -> None:
@@ -190,7 +217,8 @@ def _limit(axes: Any, clearance: Floats) -> None:
 def _draw_map(axes: Any, answer: Solution | Motion) -> None:
     assert isinstance(answer, Motion)
     moments, q = _moments(answer)
-    clearance, places = clearances(answer.robot, answer.scene, q, moments)
+    clearance = clearances(answer.robot, answer.scene, q, ALONG, moments)
+    places = np.linspace(0.0, len(answer.robot), clearance.shape[-1])
     known = np.where(np.isfinite(clearance), clearance, np.nan)
     most = float(np.nanquantile(known, 0.9))
     drawn = axes.pcolormesh(
@@ -248,7 +276,7 @@ def _draw_times(axes: Any, answer: Solution | Motion) -> None:
     times = 1e3 * np.array([solution.seconds for solution in answer.solutions])
     solved = np.array([solution.solved for solution in answer.solutions])
     number = np.arange(1, len(times) + 1)
-    axes.plot(number[solved], times[solved], "o", color=ARMS[0][0], markersize=3.2, label="solved")
+    axes.plot(number[solved], times[solved], "o", color=CURVES[0], markersize=3.2, label="solved")
     if not solved.all():
         axes.plot(number[~solved], times[~solved], "x", color=TARGET, markersize=5, label="not solved")
         axes.legend(frameon=False, fontsize=SMALL, labelcolor=PALE)

@@ -1,8 +1,6 @@
 """Files that pictures go into: which there are, and that they can be written."""
 
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from sinuous.errors import InputError
@@ -44,13 +42,3 @@ def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) ->
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise InputError(key, "needs the program ffmpeg", str(file), "ffmpeg installed, or a name that ends in .gif")
-
-
-@contextmanager
-def written(file: Path) -> Iterator[None]:
-    """Say in a line when a file cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        problem = f"cannot be written: {error.strerror or error}"
-        raise InputError("path", problem, str(file), "a file that can be written") from None

@@ -2,15 +2,18 @@
 
 import base64
 import io
-from collections.abc import Mapping
+from collections import Counter
 from html import escape
 from typing import Any
 
+from sinuous.display.captions import rows_of
+from sinuous.display.contents import gather
 from sinuous.motion.motion import Motion
+from sinuous.pictures.plot import still
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
-from sinuous.words import duration
+from sinuous.words import span
 
 AREA, DPI = 3.2, 90.0
 """Longer side of the picture, in inches, and its pixels in one."""
@@ -35,18 +38,9 @@ def _picture(noun: Any) -> str:
         import matplotlib as _  # noqa: F401, PLC0415
     except ImportError:
         return ""
-    from sinuous.pictures.contents import gather  # noqa: PLC0415
-    from sinuous.pictures.plot import draw_contents, new_axes, new_figure, room_of, sizes  # noqa: PLC0415
-    from sinuous.pictures.shapes.stage import best_view, fill, stage_of  # noqa: PLC0415
-
     if isinstance(noun, Scene) and not len(noun):
         return ""
-    contents = gather([noun])
-    stage, view = stage_of(contents), best_view(contents)
-    figure = new_figure(**sizes(stage, view, AREA) | {"dpi": DPI})
-    axes = new_axes(figure)
-    draw_contents(axes, contents, stage, view)
-    fill(axes, stage, room_of(figure, head=0.0))
+    figure = still(gather([noun]), AREA, DPI, head=0.0)
     file = io.BytesIO()
     figure.savefig(file, format="png")
     text = base64.b64encode(file.getvalue()).decode()
@@ -59,63 +53,22 @@ def _caption(noun: Any) -> str:
     return f"Robot {noun.name}" if isinstance(noun, Robot) and noun.name else type(noun).__name__
 
 
-def _rows(noun: Any) -> Mapping[str, str]:
-    if isinstance(noun, Solution):
-        return _of_solution(noun)
-    if isinstance(noun, Motion):
-        return _of_motion(noun)
+def _rows(noun: Any) -> dict[str, str]:
+    if isinstance(noun, Solution | Motion):
+        return rows_of(noun)
     return _of_robot(noun) if isinstance(noun, Robot) else _of_scene(noun)
-
-
-def _of_solution(solution: Solution) -> dict[str, str]:
-    numbers = {
-        "position error": solution.position_error,
-        "angle error": solution.angle_error,
-        "clearance": solution.clearance,
-        "self-clearance": solution.self_clearance,
-    }
-    rows = {} if solution.solved else {"because": solution.sentence}
-    if solution.worst is not None:
-        rows["worst"] = str(solution.worst)
-    rows |= {key: f"{value:.3g}" for key, value in numbers.items() if value is not None}
-    starts = "1 start" if solution.starts == 1 else f"{solution.starts} starts"
-    rows["effort"] = f"{solution.iterations} iterations, {starts}, {duration(solution.seconds)}"
-    return rows
-
-
-def _of_motion(motion: Motion) -> dict[str, str]:
-    rows = {}
-    if motion.solutions:
-        solved = sum(solution.solved for solution in motion.solutions)
-        rows["waypoints"] = f"{solved} of {len(motion.solutions) + motion.remaining} solved"
-    if motion.worst is not None:
-        rows["worst"] = str(motion.worst)
-    if len(motion.q) > 1:
-        rows["between"] = f"{motion.between} clear" if motion.between == "proved" else motion.between
-        rows["time"] = f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots"
-    if motion.clearance is not None:
-        rows["clearance"] = f"{motion.clearance:.3g}"
-    bend, length = motion.largest_step
-    rows["largest step"] = f"{bend:.3g} rad, {length:.3g} of length"
-    rows["effort"] = duration(motion.seconds)
-    return rows
 
 
 def _of_robot(robot: Robot) -> dict[str, str]:
     low, high = (sum(segment.length[i] for segment in robot.segments) for i in (0, 1))
-    thin, thick = min(robot.radii), max(robot.radii)
     rows = {
         "segments": str(len(robot)),
-        "length": f"{low:g}" if low == high else f"{low:g} to {high:g}",
-        "radius": f"{thin:g}" if thin == thick else f"{thin:g} to {thick:g}",
+        "length": span((low, high)),
+        "radius": span((min(robot.radii), max(robot.radii))),
     }
-    if robot.actuators:
-        rows["actuators"] = str(len(robot.actuators))
-    return rows
+    return rows | ({"actuators": str(len(robot.actuators))} if robot.actuators else {})
 
 
 def _of_scene(scene: Scene) -> dict[str, str]:
-    kinds: dict[str, int] = {}
-    for obstacle in scene.obstacles:
-        kinds[obstacle.kind.replace("_", " ")] = kinds.get(obstacle.kind.replace("_", " "), 0) + 1
+    kinds = Counter(obstacle.kind.replace("_", " ") for obstacle in scene.obstacles)
     return {"obstacles": str(len(scene)), **{kind: str(count) for kind, count in kinds.items()}}

@@ -3,13 +3,15 @@
 from pathlib import Path
 from typing import Any
 
+from sinuous.display.bounds import best_view
+from sinuous.display.contents import Contents, Things, gather
 from sinuous.motion.motion import Motion
 from sinuous.pictures.animate import animate
-from sinuous.pictures.contents import Contents, Things, gather
 from sinuous.pictures.diagrams import Kind, diagram, diagrams_of
-from sinuous.pictures.files import MOVIES, check_picture, written
-from sinuous.pictures.plot import draw_contents, draw_head, new_axes, new_figure, room_of, sizes
-from sinuous.pictures.shapes.stage import best_view, fill, stage_of
+from sinuous.pictures.files import MOVIES, check_picture
+from sinuous.pictures.plot import draw_in, still
+from sinuous.pictures.space import axes_box, new_figure, room_of, sizes
+from sinuous.writing.documents import written
 
 SHOWN: tuple[Kind, ...] = ("times", "clearance", "actuators")
 """Diagrams beside a motion."""
@@ -40,37 +42,24 @@ def write_picture(path: str | Path, *things: Things) -> None:
     if file.suffix.lower().lstrip(".") in MOVIES:
         animate(*things, path=file, view=best_view(contents))
         return
-    with written(file):
+    with written(file, "path"):
         (_with_diagrams(contents) if contents.moving else still(contents)).savefig(file)
-
-
-def still(contents: Contents, **size: float) -> Any:
-    """Return a figure of all that there is; `size` as for `sizes`."""
-    stage, view = stage_of(contents), best_view(contents)
-    figure = new_figure(**sizes(stage, view, **size))
-    axes, room = new_axes(figure), room_of(figure)
-    draw_contents(axes, contents, stage, view)
-    draw_head(figure, contents, room)
-    fill(axes, stage, room)
-    return figure
 
 
 def _with_diagrams(contents: Contents) -> Any:
     """Return a figure with the first motion at the left and its diagrams at the right."""
-    stage, view = stage_of(contents), best_view(contents)
-    track = next(answer for answer in contents.answers if isinstance(answer, Motion))
-    shown = [kind for kind in SHOWN if kind in diagrams_of(track)]
-    width, height = sizes(stage, view)["figsize"]
+    box, view = axes_box(contents), best_view(contents)
+    motion = next(answer for answer in contents.answers if isinstance(answer, Motion))
+    shown = [kind for kind in SHOWN if kind in diagrams_of(motion)]
+    width, height = sizes(box, view)["figsize"]
     height = max(height, DIAGRAM[1] * len(shown))
     figure = new_figure(figsize=(width + DIAGRAM[0], height), dpi=150)
-    axes, room = new_axes(figure), room_of(figure)
+    room = room_of(figure)
     room[1, 0] = width * figure.dpi
-    draw_contents(axes, contents, stage, view)
-    draw_head(figure, contents, room)
-    fill(axes, stage, room)
+    draw_in(figure, contents, box, view, room)
     left, right = width + 0.75, width + DIAGRAM[0] - (1.0 if "actuators" in shown else 0.15)
     sides = {"left": left / figure.get_figwidth(), "right": right / figure.get_figwidth()}
     grid = figure.add_gridspec(len(shown), 1, top=1.0 - 0.4 / height, bottom=0.5 / height, hspace=0.55, **sides)
     for k, kind in enumerate(shown):
-        diagram(track, kind, ax=figure.add_subplot(grid[k, 0]))
+        diagram(motion, kind, ax=figure.add_subplot(grid[k, 0]))
     return figure

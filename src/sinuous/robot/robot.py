@@ -13,7 +13,7 @@ from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack,
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.notebook import Shown
+from sinuous.notebook import NotebookMixin
 from sinuous.poses import as_pose
 from sinuous.reprs import call, text
 from sinuous.robot import limits
@@ -53,7 +53,7 @@ class RobotArguments(WholeArguments, total=False):
     radius: Number | None
 
 
-class Robot(Shown, Frozen):
+class Robot(NotebookMixin, Frozen):
     """A continuum robot: segments from base to tip, where it stands, and what it carries.
 
     A configuration `q` is an array (..., n, 3) with `bend_x`, `bend_y` (rad) and `length` of every segment.
@@ -71,9 +71,10 @@ class Robot(Shown, Frozen):
     tool : array_like (4, 4), optional
         Pose of the tool in the frame of the tip. Targets of the tip mean the tool; the tool has no body.
     self_collision : str
-        `avoid`: two places of the backbone whose distance along it is at least pi times the larger of their radii are
-        farther apart than the sum of their radii, and no segment bends more tightly than with the curvature
-        1 / radius. `allow`: the body may run through itself.
+        `avoid`: two places of the backbone are farther apart than the sum of their radii, unless they are neighbours
+        along it, and no segment bends more tightly than with the curvature 1 / radius. Neighbours are, where the radius
+        is the same between them, places nearer along the body than pi radii, and where it changes, places each of which
+        lies ahead of the other. `allow`: the body may run through itself.
     actuators : Actuators, optional
         Actuators beside the tendons and chambers of the segments.
     name : str, optional

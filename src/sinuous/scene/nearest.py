@@ -54,7 +54,7 @@ def _least(points: Floats, radii: Floats, scene: Snapshot, above: bool) -> Neare
     least, place, which = distances.least_gap(rows[others], store, *plain, above)
     best = least, place, int(others[which]) if which >= 0 else -1
     for i, field in fields.items():
-        gaps = evaluate(field.function, points) - radii
+        gaps = (field.at_most(points) if above else evaluate(field.function, points)) - radii
         if gaps.min(initial=math.inf) < best[0]:
             best = float(gaps.min()), int(gaps.argmin()), i
     return Nearest(best[0], best[1], scene.name(best[2])) if best[2] >= 0 else Nearest(math.inf, None, None)

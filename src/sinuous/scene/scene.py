@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sinuous.arguments import Number, Orientation, Rows, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.notebook import Shown
+from sinuous.notebook import NotebookMixin
 from sinuous.poses import pose
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.courses.moved import moved
@@ -23,7 +23,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.writing.documents import write_document
 
 
-class Scene(Shown):
+class Scene(NotebookMixin):
     """A union of obstacles. Distances are positive outside, negative inside, in the length unit.
 
     Where obstacles are `Moving`, there are distances and solutions `at` a time only. `track`, `plan` and `Motion` look
@@ -106,7 +106,7 @@ class Scene(Shown):
 
     @property
     def table(self) -> Floats:
-        """Rows (m, 32) for the kernels, read-only."""
+        """Rows (m, 33) for the kernels, read-only."""
         return self._snapshot.table
 
     @property

@@ -183,7 +183,7 @@ class Snapshot(Frozen):
 
     @property
     def table(self) -> Floats:
-        """Rows (m, 32) for the kernels, read-only."""
+        """Rows (m, 33) for the kernels, read-only."""
         rows: Floats = packing.scene_parts(self.group)[0]
         return rows
 
@@ -242,7 +242,7 @@ def _ask_field(
 ) -> None:
     """Put in the distance to a field where it is the nearest obstacle."""
     own = evaluate(field.function, points)
-    np.minimum(above, own, out=above)
+    np.minimum(above, field.at_most(points), out=above)
     nearer = own < values
     values[nearer], which[nearer] = own[nearer], index
     step = DIFFERENCE * field.spacing

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.measures.body import backbone_places, concerned
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 
@@ -150,14 +151,14 @@ def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
     count = SELF_PLACES // len(robot)
     along = np.tile(np.linspace(0.0, 1.0, count + 1), len(robot))
     segments = np.repeat(np.arange(len(robot)), count + 1)
-    starts = np.concatenate([robot.base[None], robot.forward(q)[:-1]])
-    points, radii = _points(starts[segments], q[segments], along), np.array(robot.radii)[segments]
-    reached = (np.cumsum(q[:, 2]) - q[:, 2])[segments] + along * q[segments, 2]
+    places = backbone_places(robot, q, np.concatenate([robot.base[None], robot.forward(q)]), count)
+    points, radii = places.points, places.radii
     gaps = cdist(points, points) - radii[:, None] - radii
-    concerned = reached - reached[:, None] >= np.pi * np.maximum(radii[:, None], radii)
+    order = np.arange(len(points))
+    beyond = concerned(places, order[:, None], order[None]) & (order[:, None] < order)
     found = []
-    for a, b in {(segments[i], segments[j]) for i, j in np.argwhere(concerned & (gaps <= TOUCHING * unit))}:
-        own = np.where(concerned & (segments[:, None] == a) & (segments == b), gaps, np.inf)
+    for a, b in {(segments[i], segments[j]) for i, j in np.argwhere(beyond & (gaps <= TOUCHING * unit))}:
+        own = np.where(beyond & (segments[:, None] == a) & (segments == b), gaps, np.inf)
         i, j = np.unravel_index(own.argmin(), own.shape)
         apart = points[j] - points[i]
         away = apart / max(float(np.linalg.norm(apart)), 1e-300)

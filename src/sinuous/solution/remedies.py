@@ -120,10 +120,10 @@ def change_method(trials: Trials, case: Case) -> Iterator[Remedy]:
 def search_longer(trials: Trials, case: Case) -> Iterator[Remedy]:
     """Yield a longer budget, or more starts, where either ran out."""
     starts, seconds = case.resolver.max_starts, case.resolver.seconds
-    if case.status is Status.TIME_LIMIT:
+    if case.status is Status.TIME_LIMIT or starts is None:
         longer = max(2.0 * seconds, 1e-3)
         while longer <= trials.left:
-            if trials.whole(case.problem, time=longer) is not None:
+            if trials.whole(case.problem, time=longer, max_starts=starts) is not None:
                 yield Remedy("time", seconds, longer)
                 return
             longer *= 2.0

@@ -41,8 +41,8 @@ class ReSolver(Protocol):
         ...
 
     @property
-    def max_starts(self) -> int:
-        """Most starts of a solve."""
+    def max_starts(self) -> int | None:
+        """Most starts of a solve; `None`: as many as the time allows."""
         ...
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
@@ -60,7 +60,7 @@ class LoadedResult:
     method: str
     seed: int
     seconds: float = 0.0
-    max_starts: int = 0
+    max_starts: int | None = 0
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Refuse: see the class."""

@@ -12,7 +12,7 @@ from sinuous.arguments import Number, StartKind
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOURCES, Outcome
-from sinuous.notebook import Shown
+from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
@@ -32,7 +32,7 @@ _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET
 """Statuses of which clearance is the reason."""
 
 
-class Solution(Shown):
+class Solution(NotebookMixin):
     """What a solve found; frozen. On failure it holds the best configuration found.
 
     With the method `newton` that one keeps all limits; other methods may violate some, and `worst` says which.

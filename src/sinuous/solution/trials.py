@@ -16,6 +16,9 @@ from sinuous.solution.resolver import Found, ReSolver
 from sinuous.solution.status import Status
 from sinuous.words import rounded_up
 
+TRIAL_STARTS = 1000
+"""Most starts of a trial, where the user gave no bound."""
+
 QUICK_STARTS = 24
 """Starts of a trial that only looks whether a change may do."""
 
@@ -127,11 +130,17 @@ class Trials:
     def quick(self, problem: Problem, initial: Floats | None = None) -> Found | None:
         """Return a solution from a configuration, by default the best of the case, or from a few starts."""
         near = self._case.q if initial is None else initial
-        return self._solved(problem, near, routes=False, max_starts=min(QUICK_STARTS, self._case.resolver.max_starts))
+        return self._solved(problem, near, routes=False, max_starts=min(QUICK_STARTS, self._most_starts))
 
     def whole(self, problem: Problem, **options: Any) -> Found | None:
         """Return a solution that the whole search finds, begun as the user began it."""
-        return self._solved(problem, self._case.given, **options)
+        return self._solved(problem, self._case.given, **{"max_starts": self._most_starts, **options})
+
+    @property
+    def _most_starts(self) -> int:
+        """Most starts of a trial: a search without a bound would take all the time that is left for others."""
+        own = self._case.resolver.max_starts
+        return TRIAL_STARTS if own is None else own
 
     def _solved(self, problem: Problem, initial: Floats | None, **options: Any) -> Found | None:
         left = self.left

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+from sinuous.kernels.tables import ROUNDOFF
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
@@ -37,7 +38,8 @@ def base_blocked(robot: Robot, scene: Snapshot) -> bool:
         else:
             return False
     leaves = robot.base[:3, 3] + robot.mount * robot.base[:3, 2]
-    return bool(scene.at_most(leaves) + sway(robot.mount, ramps) < radius - ROUNDING * robot.mean_length)
+    rounding = ROUNDING * robot.mean_length + float(scene.table[:, ROUNDOFF].max())
+    return bool(scene.at_most(leaves) + sway(robot.mount, ramps) < radius - rounding)
 
 
 def sway(mount: float, ramps: Sequence[Ramp]) -> float:

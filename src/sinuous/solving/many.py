@@ -1,7 +1,7 @@
 """Many independent targets: chunks of them go to compiled code in all threads, what is left goes on one by one."""
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -9,23 +9,23 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import CODE, TARGET_WIDTH, Budget, Outcome, answer_size
-from sinuous.methods.compiled import as_outcomes
-from sinuous.methods.method import Method
+from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
+from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Beyond, Questions, Solutions
 from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
 
-if TYPE_CHECKING:
-    from sinuous.solution.resolver import ReSolver
-
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
 
-FREE, AMONG_OBSTACLES = 64, 4
-"""Fewest problems that are handed over in one call, if there are so many: a call costs as much as three free solves."""
+FREE = 64
+"""Fewest problems of one call without obstacles, if there are so many: a call costs as much as three such solves."""
+
+AMONG_OBSTACLES = 4
+"""Fewest problems of one call among obstacles, if there are so many."""
 
 PARTS = 4
 """Chunks a worker, where there are enough problems: some take a thousand times as long as others."""
@@ -45,13 +45,13 @@ class Many:
     Parameters
     ----------
     questions : Questions
-    method : Method
+    method : Prepared
     workers : int
         Most threads.
     advance : callable
     """
 
-    def __init__(self, questions: Questions, method: Method, workers: int, advance: Advance) -> None:
+    def __init__(self, questions: Questions, method: Prepared, workers: int, advance: Advance) -> None:
         self._questions, self._method = questions, method
         self._workers, self._advance = workers, advance
         self._answers = np.empty((len(questions.asked), answer_size(len(questions.robot))))
@@ -93,9 +93,9 @@ class Many:
 
         Crew(one, self._workers).share(_undecided(self._answers), alone=0.0)
 
-    def solutions(self, again: "ReSolver") -> Solutions:
+    def solutions(self, resolver: ReSolver) -> Solutions:
         """Return what was found."""
-        return Solutions(self._questions, self._answers, again, self._beyond)
+        return Solutions(self._questions, self._answers, resolver, self._beyond)
 
 
 def _undecided(answers: Floats) -> list[int]:

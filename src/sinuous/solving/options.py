@@ -10,13 +10,13 @@ from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
-from sinuous.solving.strategy import read_without
+from sinuous.solving.attempts import read_without
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
 
-MAX_STARTS = 1000
-"""Default for the most starts of a solve."""
+UNBOUNDED = 2**62
+"""Most starts of a solve where the user gives no bound: more than any time suffices for."""
 
 
 class SolveArguments(TypedDict, total=False):
@@ -26,7 +26,7 @@ class SolveArguments(TypedDict, total=False):
     method: registry.Choice
     prefer: Preferences | None
     time: Number
-    max_starts: Whole
+    max_starts: Whole | None
     seed: Whole
     routes: Truth
     without: str | Sequence[str]
@@ -46,15 +46,15 @@ class SolveOptions:
         What to like better among solutions.
     time : float
         Budget of one solve over all its starts, in seconds.
-    max_starts : int
-        Most starts of one solve.
+    max_starts : int, optional
+        Most starts of one solve; by default as many as the time allows.
     seed : int
         Of the scattered starts; the same seed gives the same answer, unless the time runs out.
     routes : bool
         Whether to search for routes through free space when the first starts fail; only for methods that take routes
         (see `Capabilities.routes`).
     without : str or sequence of str
-        Attempts that are switched off, by the names in `sinuous.solving.strategy.ATTEMPTS`: to see what they bring.
+        Attempts that are switched off, by the names in `sinuous.solving.attempts.ATTEMPTS`: to see what they bring.
 
     Raises
     ------
@@ -66,13 +66,13 @@ class SolveOptions:
     method: registry.Choice = "newton"
     prefer: Preferences = field(default_factory=Preferences)
     time: float = TIME
-    max_starts: int = MAX_STARTS
+    max_starts: int | None = None
     seed: int = 0
     routes: bool = True
     without: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        prefer = Preferences() if self.prefer is None else self.prefer
+        prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
         if not isinstance(prefer, Preferences):
             raise InputError("prefer", "", prefer, "Preferences")
         registry.name_of(self.method)
@@ -80,13 +80,18 @@ class SolveOptions:
             "tolerance": as_tolerance(self.tolerance),
             "prefer": prefer,
             "time": checks.number("time", self.time, low=0.0),
-            "max_starts": checks.integer("max_starts", self.max_starts, 1, 10**9),
+            "max_starts": None if most is None else checks.integer("max_starts", most, 1, 10**9),
             "seed": checks.integer("seed", self.seed, 0, 2**31 - 1),
             "routes": checks.truth("routes", self.routes),
             "without": read_without(self.without),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
+
+    @property
+    def most_starts(self) -> int:
+        """Most starts of one solve, as a number."""
+        return UNBOUNDED if self.max_starts is None else self.max_starts
 
     @classmethod
     def of(cls, given: Mapping[str, Any]) -> "SolveOptions":

@@ -4,11 +4,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from time import monotonic
 
-import numpy as np
-
-from sinuous.checks import Floats
-from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, OUT_OF_REACH, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
+from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
+from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.starts import Batch
+
+ENOUGH = 1000
+"""Starts of a search that the user does not bound, after which its end says what the best found lacks: before that it
+says that there was no more time."""
 
 UNDECIDED = (FAILED, UNPROVED)
 """How a call ends after which a search goes on."""
@@ -94,7 +96,7 @@ class Search(ABC):
                     found = found._replace(source=ROUTE, route=part.routes[found.starts - 1] if solved else None)
                 self.take(found)
                 if found.starts == 0:  # the method has no more of its own
-                    break
+                    return
 
 
 class FirstSolved(Search):
@@ -104,20 +106,23 @@ class FirstSolved(Search):
     ----------
     first : Outcome
         Of the first call, whose seconds are off the budget.
-    max_starts, seconds, clock
+    max_starts : int, optional
+        Most starts; by default as many as the time allows.
+    seconds, clock
         See `Search`.
     """
 
-    def __init__(self, first: Outcome, max_starts: int, seconds: float, clock: Clock = monotonic) -> None:
-        super().__init__(max_starts, seconds, clock)
+    def __init__(self, first: Outcome, max_starts: int | None, seconds: float, clock: Clock = monotonic) -> None:
+        super().__init__(UNBOUNDED if max_starts is None else max_starts, seconds, clock)
         self._began -= first.seconds
-        self._best = first
+        self._best, self._late, self._enough = first, False, ENOUGH if max_starts is None else max_starts
         self.take(first)
 
     @property
     def open(self) -> bool:
         """Whether nothing is decided yet, and starts and time are left."""
-        return self._best.code in UNDECIDED and self.starts_left > 0 and self.seconds_left > 0.0
+        undecided = self._best.code in UNDECIDED and not self._late
+        return undecided and self.starts_left > 0 and self.seconds_left > 0.0
 
     def chunk(self) -> int:
         """As many as before."""
@@ -125,10 +130,10 @@ class FirstSolved(Search):
 
     def keep(self, found: Outcome) -> None:
         """Keep it if it is better: solved, or met as far as could be seen, or nearer to that."""
+        if found.code == LATE:
+            self._late, found = True, found._replace(code=FAILED)
         if _rank(found) < _rank(self._best):
             self._best = found
-        elif found.code == LATE and self._best.code == FAILED:
-            self._best = self._best._replace(code=LATE)
 
     def close(self, cell: float) -> None:
         """End it: no route leads to the target."""
@@ -138,78 +143,11 @@ class FirstSolved(Search):
     def outcome(self) -> Outcome:
         """The best of all, with the effort of all."""
         best = self._best
-        if best.code == FAILED and self.seconds_left <= 0.0:
+        if best.code == FAILED and (self._late or self.seconds_left <= 0.0) and self._starts < self._enough:
             best = best._replace(code=LATE)
         return best._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
-
-
-def _apart(shapes: Floats, shape: Floats) -> Floats:
-    """Largest distance (m,) between counterparts of shapes (m, k, 3) and one shape (k, 3)."""
-    distances: Floats = np.linalg.norm(shapes - shape, axis=-1).max(axis=-1)
-    return distances
 
 
 def _rank(outcome: Outcome) -> tuple[int, float]:
     """What is smaller is better. A start that met everything but the proof is better than one that did not."""
     return {SOLVED: 0, UNPROVED: 1}.get(outcome.code, 2), outcome.merit
-
-
-class Distinct(Search):
-    """Follows every start to its own solution, and stops when so many distinct ones are found, or none can be.
-
-    Parameters
-    ----------
-    count : int
-        Distinct solutions to find.
-    apart : float
-        Two solutions are the same when no point of the backbone is farther from its counterpart, in the length unit.
-    shape : callable
-        Points (k, 3) of the backbone of a configuration (n, 3).
-    max_starts, seconds, clock
-        See `Search`.
-
-    Attributes
-    ----------
-    found : list of Outcome
-        Distinct, all solved, in the order in which they were found; each with the effort until then.
-    """
-
-    def __init__(
-        self,
-        count: int,
-        apart: float,
-        shape: Callable[[Floats], Floats],
-        max_starts: int,
-        seconds: float,
-        clock: Clock = monotonic,
-    ) -> None:
-        super().__init__(max_starts, seconds, clock)
-        self._count, self._apart, self._shape = count, apart, shape
-        self._shapes: list[Floats] = []
-        self._impossible = False
-        self.found: list[Outcome] = []
-
-    @property
-    def open(self) -> bool:
-        """Whether solutions are missing and possible, and starts and time are left."""
-        wanted = len(self.found) < self._count and not self._impossible
-        return wanted and self.starts_left > 0 and self.seconds_left > 0.0
-
-    def chunk(self) -> int:
-        """One: a call ends with its first solution."""
-        return 1
-
-    def keep(self, found: Outcome) -> None:
-        """Keep a solution that differs from all before."""
-        self._impossible = found.code >= OUT_OF_REACH
-        if found.code != SOLVED:
-            return
-        shape = self._shape(found.q)
-        if not self._shapes or (_apart(np.array(self._shapes), shape) > self._apart).all():
-            self._shapes.append(shape)
-            found = found._replace(starts=self._starts, iterations=self._iterations, seconds=self.seconds_used)
-            self.found.append(found)
-
-    def close(self, cell: float) -> None:
-        """End it: no route leads to the target, so there are no more solutions."""
-        self._impossible = True

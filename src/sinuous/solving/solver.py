@@ -1,43 +1,42 @@
 """A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
 import time as clock
-from collections.abc import Iterable
-from functools import partial
-from typing import Any, ClassVar, Self, Unpack
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self, Unpack
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Whole
+from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
-from sinuous.methods.method import Call
+from sinuous.methods.prepared import Call
 from sinuous.problem.asked import read_asked
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.progress import ProgressBar
 from sinuous.reprs import call, text
-from sinuous.robot.rates import Changes
+from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Questions, Solutions
-from sinuous.solving.again import Again
+from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
-from sinuous.solving.routing.searches import Searches
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
-from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted
-from sinuous.solving.starts import Batch, Question, Scattered
-from sinuous.solving.strategy import Passages, Strategy, opening_starts
-from sinuous.solving.thinner import Thinner
-from sinuous.solving.velocity.stepping import Stepping
+from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
+from sinuous.solving.starts import Batch, Question
+from sinuous.solving.strategy import Strategy
+from sinuous.solving.velocity.stepping import ControlLoop
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
@@ -46,7 +45,7 @@ Initials = Solution | HasArray | Iterable[Solution | Entry]
 """What many solves may begin from: one for all, or one for each."""
 
 
-class Solver(Stepping):
+class Solver:
     """A robot in a scene, prepared once for many targets; safe to share between threads.
 
     Parameters
@@ -69,20 +68,18 @@ class Solver(Stepping):
         When an argument is not what it should be.
     """
 
-    _ahead: ClassVar[bool] = True
-    """Whether the search for routes is compiled, or loaded, before the first solve."""
-
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> None:
-        if not isinstance(robot, Robot):
-            raise InputError("robot", "", robot, "a Robot")
-        place, chosen = as_scene(scene), SolveOptions.of(options)
-        check_sizes(robot, place)
-        warn_of(suspicions(robot, place.snapshot()))
-        self._prepare(robot, place, chosen)
+        self._prepare(*_checked(robot, scene, options))
+        self._strategy.load()
+
+    @classmethod
+    def once(cls, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> Self:
+        """Prepare a solver for one question: what routes need is compiled, or loaded, where the first starts fail."""
+        return cls.prepared(*_checked(robot, scene, options))
 
     @classmethod
     def prepared(cls, robot: Robot, scene: Scene, options: SolveOptions) -> Self:
-        """Prepare one of what was checked before; nothing is warned of twice."""
+        """Prepare a solver, as `once` does, of what was checked before; nothing is warned of twice."""
         solver = object.__new__(cls)
         solver._prepare(robot, scene, options)
         return solver
@@ -93,12 +90,8 @@ class Solver(Stepping):
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
-        takes_routes = registry.capabilities(chosen.method).routes and len(self.scene) > 0
-        self._searches = Searches(robot, self.scene, self.tolerance) if chosen.routes and takes_routes else None
-        if self._searches is not None and self._ahead:
-            self._searches.load()
-        self._thinner = Thinner(robot, chosen, OneSolve.prepared)
-        self._again = Again(OneSolve.prepared, chosen)
+        self._strategy = Strategy(robot, scene, self.tolerance, chosen, Solver.prepared)
+        self._resolver = SolvesAgain(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
         self._no_initial: Floats = np.empty((0, *self._shape))
@@ -151,10 +144,10 @@ class Solver(Stepping):
             budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
         outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
         if outcome.code != SOLVED:
-            if self._searches is not None and outcome.code in UNDECIDED:
-                began += self._searches.load()  # compiling is no solving
+            if outcome.code in UNDECIDED:
+                began += self._strategy.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given)
+        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
@@ -162,8 +155,8 @@ class Solver(Stepping):
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
         began = clock.perf_counter()
-        outcome = self._within(problem, given[0], within, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._again, given, within=within)
+        outcome = self._control.within(problem, given[0], within, budget[3])
+        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given, within=within)
 
     def loaded(
         self,
@@ -174,7 +167,7 @@ class Solver(Stepping):
         route_class: RouteClass | None = None,
     ) -> Solution:
         """Return the solution that this solver found before with this outcome, in so many seconds."""
-        return Solution(self._problem(target)[0], outcome, seconds, self._again, self._given(initial), route_class)
+        return Solution(self._problem(target)[0], outcome, seconds, self._resolver, self._given(initial), route_class)
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
@@ -194,6 +187,7 @@ class Solver(Stepping):
         """Solve independent targets, as `solve` does one by one, on all cores.
 
         Whatever the number of workers, each answer is that of `solve`, to the last bit, unless its time runs out.
+        A target that is not solved, and not proved impossible, takes all of its time unless `max_starts` bounds it.
 
         Parameters
         ----------
@@ -237,7 +231,7 @@ class Solver(Stepping):
             if blocked:
                 many.decide(BASE_BLOCKED)
             many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
-        return many.solutions(self._again)
+        return many.solutions(self._resolver)
 
     def solve_all(
         self,
@@ -259,9 +253,9 @@ class Solver(Stepping):
         counterpart than `apart`.
 
         The search ends with the starts, the time, a proof that there is no solution, or `CANDIDATES * count` distinct
-        solutions (by route: of `count` classes); by route also after `PATIENCE` starts that brought no class after the
-        first. The order: less bending first (sum of squared bends); with an initial configuration, less distance to it
-        (bends in rad, lengths relative to the mean length of a segment).
+        solutions (by route: of `count` classes); and after 1000 starts in a row that brought no new shape after the
+        first, or by route 400 that brought no new class. The order: less bending first (sum of squared bends); with an
+        initial configuration, less distance to it (bends in rad, lengths relative to the mean length of a segment).
 
         Parameters
         ----------
@@ -290,19 +284,68 @@ class Solver(Stepping):
             checks.integer("count", count, 1, 10_000),
             checks.number("apart", apart, low=0.0) * self.robot.mean_length,
             (BY_ROUTE if len(self.scene) else BY_SHAPE) if by is None else checks.choice("by", by, KINDS),
-            self.options.max_starts,
+            self.options.most_starts,
             self.options.time if time is None else checks.number("time", time, low=0.0),
         )
         (problem, blocked), given = self._problem(target), self._given(initial)
         if blocked:
             return []
-        several = Several(problem, wanted, partial(self._dislike, reference=None if initial is None else given[0]))
+        several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
-        several.search.pursue(several.batches(self._strategy, self._searches, question), self._follow(problem, given))
+        several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
         return [
-            Solution(problem, outcome, outcome.seconds, self._again, given, route_class)
+            Solution(problem, outcome, outcome.seconds, self._resolver, given, route_class)
             for outcome, route_class in several.best()
         ]
+
+    def step(
+        self,
+        q: Solution | Step | Rows,
+        twist: Vector | None = None,
+        dt: Number | None = None,
+        *,
+        target: Targets | None = None,
+        rates: Rates | None = None,
+        clearance: Number | None = None,
+        velocity: Rows | None = None,
+    ) -> Step:
+        """Go on from a configuration with a twist of the tip, or towards a target, for one tick of a control loop.
+
+        The damped least-squares step within limits, rates, obstacles and the body itself, for the scene as it is now.
+        It is the exact one of the Jacobian, by the least motion, but near singular shapes, where nothing moves by more
+        than 100 times the motion that is asked for (rad, and mean lengths of the robot). Limits and rates are kept to
+        the last digit. The motion from `q`, linear in q, is proved clear, or is as long as that is proved; only a start
+        that is in contact already goes on without a proof, and then no gap becomes smaller.
+
+        Parameters
+        ----------
+        q : Solution, Step or array_like (n, 3)
+            Where the robot is. A limit that is exceeded there is not exceeded further.
+        twist : array_like (6,) or (3,)
+            Of the tool, in world axes, per second: `(omega, v)`, the angular velocity and then the velocity of its
+            origin, as in `Robot.jacobian`; or the velocity alone, and the orientation is free.
+        dt : float
+            Seconds.
+        target : Target or list of Target
+            To go to instead: all the way in this tick where nothing holds it back.
+        rates : Rates, optional
+        clearance : float, optional
+            The body is pushed away from obstacles until it has this clearance, before anything else that is asked for.
+            By default that of `prefer`, or just more than none.
+        velocity : array_like (n, 3), optional
+            Of the tick before: what an acceleration starts from. Limits, rates and obstacles come first.
+
+        Returns
+        -------
+        Step
+
+        Raises
+        ------
+        InputError
+            When an argument is not what it should be.
+        """
+        own: Step = self._control.step(q, twist, dt, target=target, rates=rates, clearance=clearance, velocity=velocity)
+        return own
 
     def __repr__(self) -> str:
         parts = f"{len(self.robot)} segments", f"{len(self.scene)} obstacles", f"method={text(self.method)}"
@@ -310,6 +353,10 @@ class Solver(Stepping):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self).prepared, (self.robot, self.scene, self.options)
+
+    @cached_property
+    def _control(self) -> ControlLoop:
+        return ControlLoop(self.robot, self.scene, self.options, self.tolerance)
 
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
@@ -326,7 +373,7 @@ class Solver(Stepping):
 
     def _budget(self, given: int, time: Number) -> Budget:
         """What the first call may spend, after so many initial configurations."""
-        return 0, self._opening(given), self.options.seed, checks.number("time", time, low=0.0)
+        return 0, self._strategy.opening_starts(given), self.options.seed, checks.number("time", time, low=0.0)
 
     def _look(self, problem: Problem, given: Floats) -> Outcome:
         """Look at one start, so that errors are known, where the base is blocked."""
@@ -338,20 +385,12 @@ class Solver(Stepping):
 
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
+        if first.code in UNDECIDED:
+            self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
-        strategy = self._strategy(Question(problem, given, lambda: search.seconds_left))
-        search.pursue(strategy.batches(), self._follow(problem, given))
+        batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
+        search.pursue(batches, self._follow(problem, given))
         return search.outcome
-
-    def _opening(self, given: int) -> int:
-        """How many starts the method makes by itself in the first call, after so many initial configurations."""
-        return opening_starts(self.options.max_starts, given, self._searches is not None)
-
-    def _strategy(self, question: Question, passages: Passages | None = None) -> Strategy:
-        """What is tried for a question after the first call."""
-        given = len(question.initial)
-        scattered = Scattered(self._opening(given), self.options.max_starts - given)
-        return Strategy(question, scattered, self._searches, self.options.without, self._thinner.begun, passages)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""
@@ -362,14 +401,6 @@ class Solver(Stepping):
             return self._prepared.run(problem, batch.initial, budget, reference)
 
         return follow
-
-    def _dislike(self, found: list[Floats], reference: Floats | None) -> Floats:
-        """By what `solve_all` orders: a number (m,) for each of m configurations (n, 3)."""
-        q = np.array(found).reshape(-1, len(self.robot), 3)
-        if reference is None:
-            return np.asarray((q[..., :2] ** 2).sum(axis=(1, 2)))
-        units = 1.0, 1.0, self.robot.mean_length / len(self.robot)
-        return np.asarray((((q - reference) / units) ** 2).sum(axis=(1, 2)))
 
     def configuration(self, key: str, initial: Initial) -> Floats:
         """Check what is called `key`: a solution, or a configuration (n, 3) of this robot; return the configuration."""
@@ -383,7 +414,78 @@ class Solver(Stepping):
         return self.configuration("initial", initial).reshape(1, len(self.robot), 3).copy()
 
 
-class OneSolve(Solver):
-    """A solver for one question: the search for routes is compiled, or loaded, only where the first starts fail."""
+def solve(
+    robot: Robot,
+    target: Targets,
+    scene: SceneLike | None = None,
+    *,
+    initial: Initial | None = None,
+    **options: Unpack[SolveArguments],
+) -> Solution:
+    """Find a configuration of `robot` that meets `target` in `scene`; parameters as for `Solver` and `Solver.solve`."""
+    return Solver.once(robot, scene, **options).solve(target, initial)
 
-    _ahead = False
+
+def solve_all(
+    robot: Robot,
+    target: Targets,
+    scene: SceneLike | None = None,
+    *,
+    initial: Initial | None = None,
+    count: Whole = 8,
+    apart: Number = 0.02,
+    by: Kind | None = None,
+    **options: Unpack[SolveArguments],
+) -> list[Solution]:
+    """Find several solutions, ranked: by route or by shape; parameters as for `Solver` and `Solver.solve_all`."""
+    return Solver(robot, scene, **options).solve_all(target, initial, count=count, apart=apart, by=by)
+
+
+@dataclass(frozen=True)
+class SolvesAgain:
+    """The options of a solver, kept by its solutions, so that they can solve again; see `sinuous.solution.resolver`.
+
+    Attributes
+    ----------
+    options : SolveOptions
+    """
+
+    options: SolveOptions
+
+    @property
+    def method(self) -> str:
+        """Name of the method."""
+        return registry.name_of(self.options.method)
+
+    @property
+    def seed(self) -> int:
+        """Of the scattered starts."""
+        return self.options.seed
+
+    @property
+    def seconds(self) -> float:
+        """Budget of a solve."""
+        return self.options.time
+
+    @property
+    def max_starts(self) -> int | None:
+        """Most starts of a solve; `None`: as many as the time allows."""
+        return self.options.max_starts
+
+    def solve(
+        self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any
+    ) -> Solution:
+        """Solve a problem; `options` replace those of the earlier solve."""
+        chosen = replace(self.options, tolerance=problem.tolerance, **options)
+        solver = Solver.prepared(problem.robot, Scene.of(problem.scene), chosen)
+        return solver.solve(problem.targets, initial, within=within)
+
+
+def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) -> tuple[Robot, Scene, SolveOptions]:
+    """Check what a solver is made of, and warn of what looks wrong."""
+    if not isinstance(robot, Robot):
+        raise InputError("robot", "", robot, "a Robot")
+    place, chosen = as_scene(scene), SolveOptions.of(options)
+    check_sizes(robot, place)
+    warn_of(suspicions(robot, place.snapshot()))
+    return robot, place, chosen

@@ -98,6 +98,6 @@ class Scattered:
         self._next = min(self._last, first + count)
         return Batch(self.name, question.initial[:0], (first, self._next))
 
-    def rest(self, question: Question) -> Batch:
-        """Return all that are left."""
-        return self.take(question, self._last - self._next)
+    def go_back(self, number: int) -> None:
+        """Let this number be the next one: those after it were taken, and not followed."""
+        self._next = number

@@ -18,41 +18,25 @@ The figures were set on the places of `python -m benchmarks clutter`; with each 
 for most.
 """
 
-import heapq
-from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
-from itertools import count
-from typing import NamedTuple
 
-import numpy as np
-
-from sinuous.errors import InputError
+from sinuous.checks import Floats
 from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, SOURCES
-from sinuous.solving.routing.candidates import EDGES, SIDE_TUBES, Candidate, Candidates, along
+from sinuous.methods import registry
+from sinuous.problem.target import Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+from sinuous.solving.attempts import EDGES, SCATTERED, SIDE_TUBES, Attempts
+from sinuous.solving.classes.passages import Passages
+from sinuous.solving.options import SolveOptions
+from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.elbows.threading import Elbows
 from sinuous.solving.routing.ends.ends import Ends
-from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import SIDES, Searches
+from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam
+from sinuous.solving.routing.searches import CELLS, SIDES, Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
-
-ATTEMPTS = {
-    "scattered": "starts scattered over all shapes, beyond those of the first call",
-    "base_tube": "chains laid along the tube that the base lies in",
-    EDGES: "a route around edges",
-    SIDE_TUBES: "a route through tubes that open beside edges",
-    "cells": "routes over the cells of a grid, coarse and then fine ones",
-    "laid": "chains laid along routes",
-    "grown": "chains grown along routes, from either end",
-    "gates": "chains through the narrowest place of a route, part by part",
-    "lengthened": "routes that are too short for the robot, made longer",
-    "ends": "chains of which either end is laid along the tube that it lies in",
-    "elbows": "chains through the tube that an elbow lies in",
-    "thinner": "thinner bodies, which are solved and then grow",
-    "passages": "for `solve_all`: routes through passages that no solution leads through yet",
-}
-"""All attempts, by the names with which they are switched off, and what each makes."""
+from sinuous.solving.thinner import Prepare, Thinner
 
 OPENING = 3
 """Starts of the first call among obstacles: most that suffice are among the first, and routes are known as soon."""
@@ -73,9 +57,6 @@ enclose the base, and where nothing has edges (plates, shelf)."""
 
 CELLS_A_START = 250
 """Cells that a search looks at in the time of one scattered start (halls, doors)."""
-
-COST_OF_A_CHAIN = 1
-"""Cost of a start that is given, beside what its attempt costs."""
 
 AFTER_EDGES = 14
 """Price of the first search over cells, where a route around edges is known: what is tried along that comes before (two
@@ -102,10 +83,13 @@ ALTERNATIVES = 4
 BETWEEN = 3.0
 """Edge of the coarse cells, in edges of the fine ones, from which on cells of twice the finest come between them."""
 
-GROWN_PRICES = {ONE: 4, SOME: 5, FEW: 9, MANY: 100}
+GROWN_COSTS = {ONE: 4, SOME: 5, FEW: 9, MANY: 100}
 """By beam, the cost of growing chains along a route, from either end (pipes, ducts)."""
 
-GATES_PRICES = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
+WIDEST = 1024
+"""Widest beam: beams double as long as there is time (5 MB of memory for a robot of 20 segments)."""
+
+GATES_COSTS = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
 """By beam, the cost of chains through the gates at the first place of a passage, part after part (doors, cells)."""
 
 GATES_LATER = (1.0, 1.5, 3.0)
@@ -120,7 +104,7 @@ GATES_GLANCE_BLIND = 4
 GROWN_ROUTES = 2
 """Routes of one search along which chains are grown; chains are led through the gates of the first one alone."""
 
-LENGTHENED_PRICES = (15, 15, 25, 25, 50, 50, 50, 50)
+LENGTHENED_COSTS = (15, 15, 25, 25, 50, 50, 50, 50)
 """By side, the cost of making a route longer (drum, shelf)."""
 
 ENDS_PRICES = {GLANCE: 5, ONE: 6, SOME: 12, FEW: 20, MANY: 110}
@@ -138,7 +122,7 @@ ELBOWS_FROM_INSIDE = 1
 """Price of the first of them where the base stands among walls: the first chain along a route out of there often leads
 through the tube of the elbow, too (box duct)."""
 
-ENDS_COST = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
+ENDS_COSTS = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
 """By beam, the cost of chains whose ends lie in tubes, and of those through the tube of an elbow."""
 
 THINNER_PRICES = {0.7: 9, 0.5: 20}
@@ -150,70 +134,95 @@ THINNER_COST = 20
 AT_ONCE = 0
 """Price of what comes first."""
 
-PASSAGES = -1
-"""Price of routes through other passages, where several solutions are wanted: before everything else."""
+PASSAGES = -10
+"""Price of routes through other passages, where several solutions are wanted: before everything else. A search after
+none was found with larger cells is dearer by 1 for each step."""
 
-Passages = Callable[[Question], Iterator[Batch]]
-"""From a question to starts along routes through other passages."""
+PASSAGES_SEARCHES = 96
+"""Most searches for routes through other passages."""
+
+PASSAGES_CELLS_A_START = 1000
+"""Cells that such a search looks at for each scattered start of its cost: more than elsewhere, because routes find more
+classes than scattered starts do."""
+
+MakePassages = Callable[[Question, Floats], Passages]
+"""From a question and what routes have to keep (28,) to the passages of its routes."""
 
 Grow = Callable[[Question, float], Iterator[Batch]]
 """From a question and a share of the radii to a configuration of a body that has grown from there."""
 
 
-def opening_starts(most: int, given: int, routes: bool) -> int:
-    """How many starts the method makes by itself in the first call, after so many initial configurations."""
-    return max(0, min(most, OPENING if routes else OPENING_ALONE) - given)
+class Strategy:
+    """What a solver tries, prepared once for a robot and a scene; safe to share between threads.
 
-
-def opening(question: Question, most: int, routes: bool) -> Batch:
-    """Return the starts of the first call."""
-    return Batch(SOURCES[GIVEN], question.initial, (0, opening_starts(most, len(question.initial), routes)))
-
-
-def read_without(names: object) -> tuple[str, ...]:
-    """Check names of attempts that are to be switched off.
-
-    Raises
-    ------
-    InputError
-        Where one is not known.
-    """
-    listed = (names,) if isinstance(names, str) else names
-    expected = "names of attempts: " + ", ".join(ATTEMPTS)
-    if not isinstance(listed, list | tuple | set | frozenset):
-        raise InputError("without", "", names, expected)
-    for name in listed:
-        if not isinstance(name, str) or name not in ATTEMPTS:
-            raise InputError("without", "is not known", name, expected)
-    return tuple(name for name in ATTEMPTS if name in listed)
-
-
-class Attempt(NamedTuple):
-    """Something to be tried: smaller comes first.
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+    tolerance : Tolerance
+    options : SolveOptions
+    prepare : callable
+        Makes a solver of a robot, a scene and options: for thinner bodies.
 
     Attributes
     ----------
-    price : float
-        Of all attempts the one with the least price comes next.
-    number : int
-        Of those with the same price, the one that was added first.
-    name : str
-        One of `ATTEMPTS`.
-    cost : float
-        What is put down in the ledger when it yields its first batch: without any there was nothing to do.
-    make : callable
-        Makes the starts.
+    searches : Searches or None
+        What finds routes, where they are searched for.
     """
 
-    price: float
-    number: int
-    name: str
-    cost: float
-    make: Callable[[], Iterator[Batch]]
+    def __init__(
+        self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions, prepare: Prepare
+    ) -> None:
+        takes_routes = registry.capabilities(options.method).routes and len(scene) > 0
+        self.searches = Searches(robot, scene, tolerance) if options.routes and takes_routes else None
+        self._options, self._thinner = options, Thinner(robot, options, prepare)
+
+    def load(self) -> float:
+        """Compile what routes need, or load it, where that is not done yet; return the seconds it took."""
+        return 0.0 if self.searches is None else self.searches.load()
+
+    def opening_starts(self, given: int) -> int:
+        """How many starts the method makes by itself in the first call, after so many initial configurations."""
+        most = OPENING_ALONE if self.searches is None else OPENING
+        return max(0, min(self._options.most_starts, most) - given)
+
+    def opening(self, question: Question) -> Batch:
+        """Return the starts of the first call."""
+        return Batch(SOURCES[GIVEN], question.initial, (0, self.opening_starts(len(question.initial))))
+
+    def scattered(self, question: Question) -> Scattered:
+        """Return the scattered starts that follow those of the first call."""
+        given = len(question.initial)
+        return Scattered(self.opening_starts(given), self._options.most_starts - given)
+
+    def batches(
+        self, question: Question, scattered: Scattered | None = None, passages: MakePassages | None = None
+    ) -> Iterator[Batch]:
+        """Yield all starts after the first call; an attempt works only when its next batch is asked for.
+
+        Parameters
+        ----------
+        question : Question
+        scattered : Scattered, optional
+            Those to go on with, where some of them were followed already.
+        passages : callable, optional
+            What knows other passages: where several solutions are wanted, routes through these come before all others.
+        """
+        left = self.scattered(question) if scattered is None else scattered
+        without, grow = self._options.without, self._thinner.begun
+        return attempts_of(question, left, self.searches, without=without, grow=grow, passages=passages).batches()
 
 
-class Strategy:
-    """All that is tried for one question after the first call, in the order of prices.
+def attempts_of(
+    question: Question,
+    scattered: Scattered,
+    searches: Searches | None,
+    *,
+    without: Collection[str] = (),
+    grow: Grow | None = None,
+    passages: MakePassages | None = None,
+) -> Attempts:
+    """Return the queue of all that is tried for a question.
 
     Parameters
     ----------
@@ -227,95 +236,95 @@ class Strategy:
     grow : callable, optional
         Grows thinner bodies.
     passages : callable, optional
-        From the question to starts along routes through other passages.
+        See `Strategy.batches`.
+    """
+    balls = searches is not None and searches.only_balls(question.problem)
+    attempts = Attempts(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
+    query = None if searches is None else searches.query(question.problem)
+    if searches is not None and query is not None:
+        RouteAttempts(attempts, searches, question, query, grow, passages)
+    return attempts
 
-    Attributes
+
+class RouteAttempts:
+    """What is tried along routes for one question: it adds attempts, and these add others.
+
+    Parameters
     ----------
-    ledger : dict of str to float
-        What each attempt has cost so far, by its name.
+    attempts : Attempts
+        Where they are added.
+    searches : Searches
+    question : Question
+    query : ndarray (28,)
+        What routes have to keep.
+    grow : callable, optional
+        Grows thinner bodies.
+    passages : callable, optional
+        See `Strategy.batches`.
     """
 
     def __init__(
         self,
+        attempts: Attempts,
+        searches: Searches,
         question: Question,
-        scattered: Scattered,
-        searches: Searches | None = None,
-        without: Collection[str] = (),
+        query: Floats,
         grow: Grow | None = None,
-        passages: Passages | None = None,
+        passages: MakePassages | None = None,
     ) -> None:
-        self._question, self._scattered, self._without = question, scattered, frozenset(without)
-        self._queue: list[Attempt] = []
-        self._numbers = count()
-        self.ledger: defaultdict[str, float] = defaultdict(float)
-        self._share = SHARE
-        query = None if searches is None else searches.query(question.problem)
-        if searches is not None and query is not None:
-            if searches.only_balls(question.problem):
-                self._share = SHARE_AMONG_BALLS
-            self._searches, self._grow = searches, grow
-            if passages is not None:
-                self._add_next(passages(question))
-            between = next((plan for _, plan in plans_of(searches) if plan.between), None)
-            self._candidates = Candidates(searches, question, query, between, self._without)
-            self._add_first()
+        self._attempts, self._searches, self._question = attempts, searches, question
+        self._plans = plans_of(searches)
+        between = next((plan for _, plan in self._plans if plan.between), None)
+        self._candidates = Candidates(searches, question, query, between, attempts.without)
+        self._passes = 0
+        if passages is not None:
+            self._add_passage(passages(question, query), frozenset(), 0)
+        self._add_first(grow)
 
-    def add(self, name: str, price: float, make: Callable[[], Iterator[Batch]], cost: float | None = None) -> None:
-        """Add an attempt, unless it is switched off; its cost is its price where nothing else is said."""
-        if name not in self._without:
-            cost = price if cost is None else cost
-            heapq.heappush(self._queue, Attempt(price, next(self._numbers), name, cost, make))
-
-    def batches(self) -> Iterator[Batch]:
-        """Yield starts; an attempt works only when its next batch is asked for."""
-        while self._queue and self._question.seconds_left() > 0.0:
-            attempt = self._next()
-            for number, batch in enumerate(attempt.make()):
-                yield batch
-                cost = batch.cost + COST_OF_A_CHAIN * len(batch.initial) + (attempt.cost if number == 0 else 0.0)
-                self.ledger[attempt.name] += cost + batch.own[1] - batch.own[0]
-            yield from self._owed()
-        if "scattered" not in self._without:
-            yield self._scattered.rest(self._question)
-
-    def _next(self) -> Attempt:
-        return heapq.heappop(self._queue)
-
-    def _owed(self) -> Iterator[Batch]:
-        """Yield as many scattered starts as are due for what other attempts have cost."""
-        others = sum(cost for name, cost in self.ledger.items() if name != "scattered")
-        due = int(self._share * others - self.ledger["scattered"])
-        if due > 0 and "scattered" not in self._without:
-            self.ledger["scattered"] += due
-            yield self._scattered.take(self._question, due)
-
-    def _add_first(self) -> None:
+    def _add_first(self, grow: Grow | None) -> None:
         """Add what needs no route, and what finds routes."""
         one = not self._question.several
         if one:
             self._add_tubes_of_ends()
-            self.add("base_tube", AT_ONCE, self._candidates.in_tube)
-        self.add("scattered", AT_ONCE, self._scattered_first, cost=0)
+            self._attempts.add("base_tube", AT_ONCE, self._candidates.in_tube)
+        self._attempts.add(SCATTERED, AT_ONCE, self._scattered_first, cost=0)
         for name, find in (
             (EDGES, self._candidates.around_edges),
             (SIDE_TUBES, self._candidates.through_side_tubes),
         ):
-            self.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
-        self.add("cells", AT_ONCE, partial(self._search, plans_of(self._searches), True), cost=0)
-        if one and self._grow is not None:
+            self._attempts.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
+        self._attempts.add("cells", AT_ONCE, partial(self._search, self._plans, True), cost=0)
+        if one and grow is not None:
             for share, price in THINNER_PRICES.items():
-                self.add("thinner", price, partial(self._thinner, share, price), THINNER_COST)
+                self._attempts.add("thinner", price, partial(self._thinner, grow, share, price), THINNER_COST)
 
-    def _add_next(self, passages: Iterator[Batch]) -> None:
-        """Add the next of the routes through other passages, if there is one."""
+    def _add_passage(
+        self, passages: Passages, closed: frozenset[int], step: int, again: bool = False, later: bool = False
+    ) -> None:
+        """Add a search for a route while some passages are closed; `later`: there probably is none."""
+        if step < len(self._searches.single_plans):
+            make = partial(self._pass, passages, closed, step, again)
+            self._attempts.add("passages", PASSAGES + (1 + step if later else 0), make, cost=0)
 
-        def following() -> Iterator[Batch]:
-            batch = next(passages, None)
-            if batch is not None:
-                self._add_next(passages)
-                yield batch
+    def _pass(self, passages: Passages, closed: frozenset[int], step: int, again: bool) -> Iterator[Batch]:
+        """Search for a route while some passages are closed; add searches with the passages of that route closed, too.
 
-        self.add("passages", PASSAGES, following, cost=0)
+        `again`: a route was found so already, but no solution along it, so several that differ are searched for.
+        """
+        if self._passes >= PASSAGES_SEARCHES:
+            return
+        self._passes += 1
+        plan = self._searches.single_plans[step]._replace(routes=ALTERNATIVES if again else 1)
+        routes, cells = passages.routes(closed, plan)
+        yield along(self._question.initial[:0], (), cost=cells / PASSAGES_CELLS_A_START)
+        if not routes:
+            self._add_passage(passages, closed, step + 1, again, later=True)
+            return
+        failed = yield from passages.starts(routes)
+        if failed:
+            self._add_passage(passages, closed, step + again, again=True)
+        for more in passages.closing(closed, routes[0]):
+            self._add_passage(passages, more, 0)
 
     def _add_tubes_of_ends(self) -> None:
         """Add chains through tubes that an end, or an elbow, lies in."""
@@ -323,20 +332,19 @@ class Strategy:
         if elbows.possible:
             prices = {**ELBOWS_PRICES, GLANCE: ELBOWS_FROM_INSIDE} if elbows.from_inside else ELBOWS_PRICES
             for beam, price in prices.items():
-                self.add("elbows", price, partial(elbows.chains, beam), ENDS_COST[beam])
+                self._attempts.add("elbows", price, partial(elbows.chains, beam), ENDS_COSTS[beam])
         ends = Ends(self._searches, self._question, self._candidates.query)
         if ends.possible:
-            if ends.near_walls:
-                self.add("ends", ENDS_LOOK, partial(ends.made, None), ENDS_COST[GLANCE])
+            self._attempts.add("ends", ENDS_LOOK, ends.glance, ENDS_COSTS[GLANCE])
             for beam, price in ENDS_PRICES.items():
-                self.add("ends", price, partial(ends.made, beam), ENDS_COST[beam])
+                self._attempts.add("ends", price, partial(ends.made, beam), ENDS_COSTS[beam])
 
     def _scattered_first(self) -> Iterator[Batch]:
         """Scattered starts, where looking for a route takes longer."""
         if not (self._candidates.enclosed or self._searches.edges_first(self._question.problem)):
-            yield self._scattered.take(self._question, SCATTERED_FIRST)
+            yield self._attempts.scatter(SCATTERED_FIRST)
 
-    def _find_one(self, find: Callable[[np.ndarray], np.ndarray | None]) -> Iterator[Batch]:
+    def _find_one(self, find: Callable[[Floats], Floats | None]) -> Iterator[Batch]:
         """Look for a route without cells, unless one is known."""
         route = None if self._candidates.known else find(self._candidates.query)
         if route is not None:
@@ -348,7 +356,7 @@ class Strategy:
         candidates = self._candidates
         if first and candidates.known:
             searches = [(max(price, AFTER_EDGES), plan) for price, plan in searches if plan.routes > 1]
-            self.add("cells", AFTER_EDGES, partial(self._search, searches, False), cost=0)
+            self._attempts.add("cells", AFTER_EDGES, partial(self._search, searches, False), cost=0)
             return
         searches = [(price, plan) for price, plan in searches if not candidates.pointless(plan)]
         if not searches:
@@ -356,13 +364,12 @@ class Strategy:
         (_, plan), *others = searches
         last, found = candidates.over_cells_once(plan)
         closed = last.cell if found.ended == PROVED_CLOSED else None
-        nothing = np.empty((0, *self._question.initial.shape[1:]))
         self._add_routes(found.routes, last.cell == self._searches.fine.cell, last.exact)
         if others:
-            self.add("cells", others[0][0], partial(self._search, others, False), cost=0)
-        yield along(nothing, (), cost=found.cells / CELLS_A_START, closed=closed)
+            self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
+        yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
 
-    def _add_routes(self, routes: list[np.ndarray], finest: bool, exact: bool = False) -> None:
+    def _add_routes(self, routes: list[Floats], finest: bool, exact: bool = False) -> None:
         """Add all that is tried along the routes (K, 3) of one search."""
         if not routes:
             return
@@ -377,27 +384,39 @@ class Strategy:
                 if place == 0 and not self._question.several:
                     self._add_gates(candidate)
             sides = 0 if not finest else len(SIDES) if candidate.rank == 1 or not clear_before else 1
-            for side, cost in zip(SIDES[:sides], LENGTHENED_PRICES, strict=False):
+            for side, cost in zip(SIDES[:sides], LENGTHENED_COSTS, strict=False):
                 self._add_along("lengthened", candidate, cost, partial(self._candidates.lengthened, candidate, side))
-        price = GATES_PRICES[GLANCE] if stowed else AT_ONCE
-        self.add("laid", price, partial(self._candidates.laid, routes), cost=0)
+        price = GATES_COSTS[GLANCE] if stowed else AT_ONCE
+        self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
     def _add_along(
         self, name: str, candidate: Candidate, cost: float, make: Callable[[], Iterator[Batch]], times: float = 1.0
     ) -> None:
-        self.add(name, cost * times * candidate.weight, make, cost)
+        self._attempts.add(name, cost * times * candidate.weight, make, cost)
 
     def _add_grown(self, candidate: Candidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
-            self.add("grown", LAST, partial(self._candidates.grown, candidate, FEW), GROWN_PRICES[FEW])
+            self._attempts.add("grown", LAST, partial(self._candidates.grown, candidate, FEW), GROWN_COSTS[FEW])
             return
-        for beam, cost in GROWN_PRICES.items():
+        for beam, cost in GROWN_COSTS.items():
             self._add_along("grown", candidate, cost, partial(self._candidates.grown, candidate, beam))
+        self._add_wider(candidate, MANY, GROWN_COSTS[MANY])
+
+    def _add_wider(self, candidate: Candidate, beam: Beam, cost: float) -> None:
+        """Add chains of a beam twice as wide as one that is known, for twice its cost, and so on."""
+        wider, twice = Beam(2 * beam.chains, 2 * beam.width), 2 * cost
+
+        def grown() -> Iterator[Batch]:
+            self._add_wider(candidate, wider, twice)
+            return self._candidates.grown(candidate, wider)
+
+        if wider.width <= WIDEST:
+            self._add_along("grown", candidate, twice, grown)
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""
-        for beam, cost in GATES_PRICES.items():
+        for beam, cost in GATES_COSTS.items():
             for place, later in enumerate(GATES_LATER[: 1 if beam == GLANCE else None]):
                 times = later * (1.0 if candidate.finest else GATES_BLIND)
                 if beam == GLANCE and not candidate.finest:
@@ -405,13 +424,12 @@ class Strategy:
                 make = partial(self._candidates.through, candidate, beam, place)
                 self._add_along("gates", candidate, cost, make, times)
 
-    def _thinner(self, share: float, price: float) -> Iterator[Batch]:
+    def _thinner(self, grow: Grow, share: float, price: float) -> Iterator[Batch]:
         """Grow a body from a share of its radii, once a route is known."""
-        assert self._grow is not None
         if not self._candidates.known and price < LAST:
-            self.add("thinner", LAST, partial(self._thinner, share, LAST), THINNER_COST)
+            self._attempts.add("thinner", LAST, partial(self._thinner, grow, share, LAST), THINNER_COST)
             return
-        yield from self._grow(self._question, share)
+        yield from grow(self._question, share)
 
 
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:

@@ -37,6 +37,10 @@ class Solves(Protocol):
         ...
 
 
+Prepare = Callable[[Robot, Scene, SolveOptions], Solves]
+"""Makes a solver."""
+
+
 class Thinner:
     """What solves the problem for thinner bodies, and lets them grow.
 
@@ -48,13 +52,14 @@ class Thinner:
         Makes a solver of a robot, a scene and options.
     """
 
-    def __init__(
-        self, robot: Robot, options: SolveOptions, prepare: Callable[[Robot, Scene, SolveOptions], Solves]
-    ) -> None:
-        self._robot, self._prepare = robot, prepare
-        without = (*options.without, "thinner")
-        most = STARTS if options.max_starts is None else min(STARTS, options.max_starts)
-        self._options = replace(options, prefer=Preferences(), max_starts=most, without=without)
+    def __init__(self, robot: Robot, options: SolveOptions, prepare: Prepare) -> None:
+        self._robot, self._whole, self._prepare = robot, options, prepare
+
+    @property
+    def _options(self) -> SolveOptions:
+        """The options of a thinner body."""
+        without, most = (*self._whole.without, "thinner"), min(STARTS, self._whole.most_starts)
+        return replace(self._whole, prefer=Preferences(), max_starts=most, without=without)
 
     def begun(self, question: Question, share: float) -> Iterator[Batch]:
         """Yield the configuration of a body that began with a share of its radii, grown as far as that went."""

@@ -4,12 +4,13 @@ import html as markup
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from sinuous.display.contents import gather
 from sinuous.errors import InputError
-from sinuous.pictures.contents import Contents, gather
+from sinuous.writing.documents import written
 
 HEIGHT = 480
 """Of a page in a notebook, in pixels."""
@@ -36,9 +37,10 @@ def show(*things: Any, path: str | Path | None = None) -> None:
     if path is not None:
         check_page("path", Path(path))
     require_viser("path" if path is not None else "things", path)
-    page = page_of(gather(things))
+    page = _page(things)
     if path is not None:
-        _write(Path(path), page)
+        with written(path, "path"):
+            Path(path).write_text(page, encoding="utf-8")
     elif "IPython" in sys.modules and (shell := _notebook()) is not None:
         shell(_inline(page))
     else:
@@ -48,12 +50,12 @@ def show(*things: Any, path: str | Path | None = None) -> None:
 
 
 def check_page(key: str, file: Path) -> None:
-    """Refuse a file that is no page.
+    """Refuse a file name that does not end in `.html`, before anything is solved.
 
     Raises
     ------
     InputError
-        When it has another ending, or viser is missing.
+        For another ending, or when viser is missing.
     """
     if file.suffix.lower() != ".html":
         raise InputError(key, "", str(file), "a name that ends in .html")
@@ -75,11 +77,10 @@ def require_viser(key: str, value: object) -> None:
         raise InputError(key, "needs viser", value, "it installed: pip install sinuous[view]") from None
 
 
-def page_of(contents: Contents) -> str:
-    """Return the page that shows `contents`, as one HTML text that needs nothing else."""
-    from sinuous.viewer.drawing.recording import record  # noqa: PLC0415
+def _page(things: Iterable[Any]) -> str:
+    from sinuous.viewer.recording import record  # noqa: PLC0415
 
-    return record(contents)
+    return record(gather(things))
 
 
 def _notebook() -> Callable[[str], object] | None:
@@ -98,12 +99,3 @@ def _inline(page: str) -> str:
     """The page as a frame within another page."""
     style = f"width:100%;height:{HEIGHT}px;border:1px solid #ddd"
     return f'<div><iframe srcdoc="{markup.escape(page, quote=True)}" style="{style}"></iframe></div>'
-
-
-def _write(file: Path, page: str) -> None:
-    try:
-        file.write_text(page, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            "path", f"cannot be written: {error.strerror}", str(file), "a file that can be written"
-        ) from None

@@ -1,12 +1,13 @@
-"""Threads that do what was asked last: what was overtaken is never begun."""
+"""Worker threads with event queues, in which an event replaces an older one of the same kind."""
 
 import threading
 from collections.abc import Callable, Hashable
 
-Task = Callable[[], object]
+Event = Callable[[], object]
+"""What is to be done; it runs in the thread of the worker."""
 
 IDLE = 0.08
-"""Seconds without anything new after which a worker is idle."""
+"""Seconds without a new event after which a worker is idle."""
 
 
 def _nothing() -> None:
@@ -14,45 +15,45 @@ def _nothing() -> None:
 
 
 class Worker:
-    """A thread that runs tasks in the order in which they were posted.
+    """A thread that handles events in the order in which they were posted.
 
-    A task takes the place of one under the same key that has not begun; so of many moves of a target only the latest
-    is looked at.
+    An event replaces one under the same key that has not begun; so of many moves of a target only the latest is
+    handled.
 
     Parameters
     ----------
     name : str
     failed : callable
-        Called with every exception of a task.
+        Called with every exception of an event.
     after : callable, optional
-        Called when all tasks that were there have run.
+        Called when all events that were in the queue are handled.
     idle : callable, optional
-        Called once when nothing came for a while after that.
+        Called once when no event came for a while after that.
     """
 
     def __init__(
         self,
         name: str,
         failed: Callable[[Exception], object],
-        after: Task = _nothing,
-        idle: Task = _nothing,
+        after: Event = _nothing,
+        idle: Event = _nothing,
     ) -> None:
         self._failed, self._after, self._idle = failed, after, idle
-        self._tasks: dict[Hashable, Task] = {}
+        self._queue: dict[Hashable, Event] = {}
         self._condition = threading.Condition()
         self._stopped = False
         self._thread = threading.Thread(target=self._run, name=f"sinuous-{name}", daemon=True)
         self._thread.start()
 
-    def post(self, key: Hashable, task: Task) -> None:
-        """Have a task run; returns at once."""
+    def post(self, key: Hashable, event: Event) -> None:
+        """Put an event at the end of the queue; returns at once."""
         with self._condition:
-            self._tasks.pop(key, None)  # what came later runs later
-            self._tasks[key] = task
+            self._queue.pop(key, None)
+            self._queue[key] = event
             self._condition.notify()
 
     def stop(self) -> None:
-        """End after the task that runs; wait for that."""
+        """End after the event that is handled now; wait for that."""
         with self._condition:
             self._stopped = True
             self._condition.notify()
@@ -63,21 +64,21 @@ class Worker:
         busy = False
         while True:
             with self._condition:
-                if not self._tasks and not self._stopped:
+                if not self._queue and not self._stopped:
                     self._condition.wait(IDLE if busy else None)
                 if self._stopped:
                     return
-                tasks, self._tasks = list(self._tasks.values()), {}
-            if tasks:
-                for task in tasks:
-                    self._try(task)
+                events, self._queue = list(self._queue.values()), {}
+            if events:
+                for event in events:
+                    self._try(event)
                 self._try(self._after)
             elif busy:
                 self._try(self._idle)
-            busy = bool(tasks)
+            busy = bool(events)
 
-    def _try(self, task: Task) -> None:
+    def _try(self, event: Event) -> None:
         try:
-            task()
+            event()
         except Exception as error:
             self._failed(error)

@@ -51,7 +51,7 @@ def test_tables_and_figures_are_written(ran: Ran, name: str) -> None:
     assert sorted(shown) == sorted(file.name for file in folder.glob("*.png"))
     assert all((folder / file).stat().st_size > 10_000 for file in shown)
     assert text.count("\n| newton") >= 2
-    assert "everything, in one call" in text
+    assert "takes account of limits on" in text
 
 
 def test_table1_has_every_method_beside_what_is_published(ran: Ran) -> None:

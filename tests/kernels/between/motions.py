@@ -4,11 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.distance import cdist
 
 import sinuous as sn
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats
+from tests.self_gaps import gaps_of, sample_body
 
 TIMES, PLACES = 31, 24
 
@@ -60,7 +60,6 @@ def sampled(case: Case) -> tuple[float, float]:
     """Least clearance and least self-clearance over many times and places."""
     robot, radii = case.robot, np.array(case.robot.radii)
     thick = np.append(np.repeat(radii, PLACES), radii[-1])
-    larger, both = np.maximum(thick[:, None], thick), thick[:, None] + thick
     clearance = gap = math.inf
     for t in np.linspace(0.0, 1.0, TIMES):
         q = (1.0 - t) * case.q0 + t * case.q1
@@ -68,6 +67,5 @@ def sampled(case: Case) -> tuple[float, float]:
         if len(case.scene):
             free = case.scene.distance(places) - thick
             clearance = min(clearance, float(free[along >= robot.mount].min(initial=math.inf)))
-        gaps = cdist(places, places) - both
-        gap = min(gap, float(gaps[np.abs(along[:, None] - along) >= math.pi * larger].min(initial=math.inf)))
+        gap = min(gap, float(gaps_of(sample_body(q, radii, PLACES)).min()))
     return clearance, gap

@@ -15,12 +15,12 @@ from sinuous.kernels.between.sweep import (
     LEAST,
     LEVELS,
     PACE_WIDTH,
-    RATES_WIDTH,
     SEEN_WIDTH,
     Motion,
     Sweep,
 )
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH
+from sinuous.kernels.chain.rates import RATES_WIDTH
 from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE
 from sinuous.kernels.fields.distances import Scene
 from sinuous.packing import pose_row

@@ -271,3 +271,20 @@ def bound_one_row(case: Case, seen: Floats, row: int) -> bool:
     terms = float(case.robot.mount), SLACK, 1e-7 * case.robot.mean_length, 60.0
     group, workspace = case.scene.snapshot().group.copy(), np.full(sweep_size(len(case.robot), len(case.scene)), np.nan)
     return bound_row(robot_group(case.robot), group, np.stack([case.q0, case.q1]), terms, workspace, seen, row)
+
+
+@pytest.mark.parametrize("size", [1e8, 1e12])
+def test_no_motion_is_clear_of_huge_obstacles_that_it_overlaps(size: float) -> None:
+    """Also of spheres, whose balls are asked first, and of what nobody can reach by a hair."""
+    robot = sn.Robot.uniform(2, (0.9, 1.1), 0.8, radius=0.05)
+    q0, q1 = np.array([[0.0, 0, 0.9]] * 2), np.array([[0.0, 0, 1.1]] * 2)
+    for deep in (0.3, 1.0, 3.0):
+        at = size + 0.05 - deep * 1e-16 * size
+        for obstacle in (
+            sn.Sphere((at, 0, 1.0), size),
+            sn.Capsule((at, 0, 0.5), (at, 0, 1.5), size),
+            sn.Sphere((0, 0, size + 2.25 - deep * 1e-16 * size), size),
+        ):
+            assert prove(Case(robot, Scene([obstacle]), q0, q1), 1.0)[0, VERDICT] != CLEAR
+    clear = sn.Sphere((size + 0.05 + 1e-12 * size, 0, 1.0), size)
+    assert prove(Case(robot, Scene([clear]), q0, q1), 1.0)[0, VERDICT] == CLEAR

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -346,3 +347,38 @@ def seen(case: Case, rows: Any, i: int, k: int) -> Floats:
     out[: k + 1] = columns_of(case.q, case.base)[: k + 1].reshape(-1, 3, 6) @ rows.twist[i]
     out[k] += rows.inner[i]
     return out
+
+
+def large_obstacle(kind: str, size: float, off: float) -> tuple[Obstacle, Fraction]:
+    """An obstacle of this size beside the z axis, about `off` from it, and how far that is exactly."""
+    at = size + off
+    start, end = (at, 0.0, -size), (at, 0.0, size)
+    kinds: dict[str, Obstacle] = {
+        "sphere": Sphere((at, 0.0, 0.0), size),
+        "capsule": Capsule(start, end, size),
+        "cylinder": Cylinder(start, end, size),
+        "box": Box((at, 0.0, 0.0), (2.0 * size, 2.0 * size, 2.0 * size)),
+        "half_space": HalfSpace((off, size, -size), (-1.0, 0.0, 0.0)),
+        "far": Sphere((off + 1.0, 0.0, 0.0), 1.0),
+    }
+    obstacle = kinds[kind]
+    if kind == "half_space":
+        return obstacle, Fraction(off)
+    return obstacle, Fraction(off + 1.0) - 1 if kind == "far" else Fraction(at) - Fraction(size)
+
+
+@pytest.mark.parametrize("kind", ["sphere", "capsule", "cylinder", "box", "half_space", "far"])
+@pytest.mark.parametrize("size", [1e4, 1e8, 1e12, 1e15])
+def test_nothing_is_clear_of_obstacles_with_huge_coordinates_that_it_overlaps(kind: str, size: float) -> None:
+    """Rounding of a distance is that of the coordinates that are subtracted, not that of the robot."""
+    q = np.array([[0.0, 0.0, 0.5]] * N)
+    rng, verdicts = np.random.default_rng(8), []
+    for _ in range(60):
+        off = max(RADII) + size * 1e-16 * float(rng.uniform(-4.0, 4.0))
+        obstacle, away = large_obstacle(kind, size, off)
+        verdict = prove(q, Scene([obstacle]), slack=1.0)[0]
+        assert verdict != CLEAR or away > Fraction(max(RADII))
+        verdicts.append(verdict)
+        ample, away = large_obstacle(kind, size, max(RADII) + 1e-12 * size)
+        assert prove(q, Scene([ample]), slack=1.0)[0] == CLEAR
+    assert kind == "far" or size < 1e6 or CLEAR not in verdicts

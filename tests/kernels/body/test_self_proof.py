@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.spatial.distance import cdist
 
 from sinuous.kernels.body import self_proof
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
@@ -15,6 +14,7 @@ from sinuous.kernels.clock import LOOKS, STRIDE
 from sinuous.packing import segment_row
 from tests.helpers import Floats, frames_of, random_pose, random_rotation
 from tests.kernels.workspace import make_clock
+from tests.self_gaps import gaps_of, sample_body
 
 SAMPLES, MOST_PLACES = 150, 1200
 """Places of a segment; and of the whole body, at most."""
@@ -39,27 +39,8 @@ def prove(
 def sampled(q: Floats, radii: Floats | Sequence[float]) -> tuple[float, float]:
     """Least gap by the definition, over many places; and by how much it may be above the truth."""
     samples = min(SAMPLES, MOST_PLACES // len(q))
-    fractions = np.linspace(0.0, 1.0, samples + 1)
-    points, along, thick = [], [], []
-    frames, before = frames_of(q), 0.0
-    for k, (ux, uy, length) in enumerate(q):
-        u = math.hypot(ux, uy)
-        turn = frames[k, :9].reshape(3, 3)
-        safe = max(u, 1e-12)
-        aside = length * (1.0 - np.cos(u * fractions)) / safe if u > 1e-6 else 0.5 * length * u * fractions**2
-        ahead = length * np.sin(u * fractions) / safe if u > 1e-6 else length * fractions
-        local = np.stack([aside * ux / safe, aside * uy / safe, ahead], axis=-1)
-        points.append(frames[k, 9:] + local @ turn.T)
-        along.append(before + length * fractions)
-        thick.append(np.full(samples + 1, radii[k]))
-        before += length
-    p, s, r = np.concatenate(points), np.concatenate(along), np.concatenate(thick)
-    apart = np.abs(s[:, None] - s[None, :])
-    larger, both = np.maximum(r[:, None], r[None, :]), r[:, None] + r[None, :]
-    gaps = cdist(p, p) - both
-    concerned = (apart >= math.pi * larger) & (both > 0.0)
-    least = float(gaps[concerned].min(initial=math.inf))
-    return least, float(q[:, 2].max()) / samples
+    gaps = gaps_of(sample_body(q, np.asarray(radii, np.float64), samples))
+    return float(gaps.min()), float(q[:, 2].max()) / samples
 
 
 def curled(rng: np.random.Generator, radii: Floats | Sequence[float], most: float) -> Floats:
@@ -200,7 +181,64 @@ def test_a_thin_part_beside_a_thick_one_is_not_passed_over() -> None:
     verdict, gap, where = prove(q, [0.2, 0.1, 0.1])
     assert verdict == TOUCHING
     assert least - 1e-9 <= gap < 0.0
-    assert (where[0], where[2]) == (0, 2)
+    assert (where[0], where[2]) == (0, 1), "it is near the thick one where its own bend ends"
+
+
+THIN, THICK = 0.01, 0.1
+
+
+@pytest.mark.parametrize("back", [0.05, 0.2, 0.3])
+def test_a_thin_part_folded_into_a_thick_one_touches_it(back: float) -> None:
+    """It turns round at the end of that and goes back within it, nearer along the body than pi thick radii."""
+    q = np.array([[0.0, 0.0, 0.5], [math.pi, 0.0, math.pi * 1.5 * THIN], [0.0, 0.0, back]])
+    verdict, gap, where = prove(q, [THICK, THIN, THIN])
+    assert (verdict, gap < 0.0, where[0]) == (TOUCHING, True, 0)
+    assert sampled(q, [THICK, THIN, THIN])[0] < -0.05
+
+
+@pytest.mark.parametrize("length", [0.01, 0.02, 0.5])
+def test_two_parts_folded_about_a_hinge_without_thickness_touch(length: float) -> None:
+    """Their axes are 0.0013 apart, also where both together are shorter than pi radii."""
+    radii = [0.02, 0.0, 0.02]
+    q = np.array([[0.0, 0.0, length], [math.pi, 0.0, 0.0013 * math.pi / 2], [0.0, 0.0, length]])
+    verdict, gap, _ = prove(q, radii)
+    assert (verdict, gap < 0.0) == (TOUCHING, True)
+    assert sampled(q, radii)[0] < -0.03
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5, 1.5])
+@pytest.mark.parametrize("radii", [(THICK, THIN, THIN), (THIN, THIN, THICK), (THICK, 0.0, THICK)])
+def test_parts_that_lead_away_from_each_other_are_neighbours(turn: float, radii: tuple[float, float, float]) -> None:
+    """However short what is between them: the end of a thick part is no obstacle to what comes next."""
+    for length in (1.01 * THIN * turn + 1e-3, 0.3):
+        q = np.array([[0.0, 0.0, 0.5], [turn, 0.0, length], [0.0, 0.0, 0.5]])
+        verdict, gap, where = prove(q, radii)
+        assert (verdict, gap > 0.0, where[0]) == (CLEAR, True, -1)
+        assert sampled(q, radii)[0] > 0.0
+
+
+def test_a_wrist_may_bend_aside_beyond_a_thick_arm() -> None:
+    """By more than a quarter turn, and nearer to the end of the arm than the arm is thick."""
+    q = np.array([[0.0, 0.0, 0.5], [1.7, 0.0, 1.7 * 0.03], [0.0, 0.0, 0.2]])
+    assert prove(q, [THICK, THIN, THIN])[0] == CLEAR
+    q[2, 2] = 0.5  # until it comes down beside the arm, farther away than both radii
+    assert prove(q, [THICK, THIN, THIN])[0] == CLEAR
+    q[1, 0], q[1, 2] = 2.4, 2.4 * 0.03
+    verdict, gap, _ = prove(q, [THICK, THIN, THIN])
+    assert (verdict, gap < 0.0) == (TOUCHING, True)
+
+
+def test_a_small_change_of_radius_changes_little() -> None:
+    """Two rules say which places concern each other; where radii are nearly alike both find the same bodies clear."""
+    rng, alike = np.random.default_rng(31), 0
+    for _ in range(150):
+        radius = rng.uniform(0.05, 0.3)
+        q = curled(rng, np.full(5, radius), 2.8)
+        one, gap, _ = prove(q, np.full(5, radius))
+        other, _, _ = prove(q, radius * np.array([1.0, 0.99999, 1.0, 0.99999, 1.0]))
+        assert one == other or abs(gap) < 1e-4
+        alike += one == TOUCHING
+    assert 5 < alike < 145
 
 
 def test_more_than_the_thickness_allows_is_never_proved() -> None:

@@ -58,7 +58,7 @@ def test_flags_say_what_is_barred_and_how_distances_are_asked_for() -> None:
 
 def test_a_proof_grants_whatever_any_body_may_do() -> None:
     asked = read_query(query(free_length=0.3, goal_radius=0.2, goal_slack=0.01, clearance=0.09))
-    grid = proof_grid(asked)
+    grid = proof_grid(asked, kernel_scene(Scene()))
     assert (grid.turn, grid.longest, grid.mode) == (0.0, math.inf, ABOVE)
     assert grid.clearance == pytest.approx(0.1 - HALF_DIAGONAL * 0.05)
     assert grid.start_radius == pytest.approx(0.3 + HALF_DIAGONAL * 0.05)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from sinuous.methods.opti_path import costs as path_costs
-from sinuous.methods.opti_path.arguments import OrientationCost
 from sinuous.methods.opti_path.costs import Setting, Weights
-from sinuous.methods.opti_path.options import OptiPath
+from sinuous.methods.opti_path.options import OptiPath, OrientationCost
 from sinuous.methods.opti_path.path import Aim, get_arc
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.obstacles import Sphere

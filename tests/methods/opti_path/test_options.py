@@ -11,8 +11,8 @@ from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path import starts as path_starts
 from sinuous.methods.opti_path import steps as path_steps
-from sinuous.methods.opti_path.arguments import Exponent, PotentialKind
 from sinuous.methods.opti_path.costs import Setting, Weights
+from sinuous.methods.opti_path.options import Exponent, PotentialKind
 from sinuous.methods.opti_path.path import Aim
 from sinuous.methods.opti_path.potential import Potential
 from sinuous.scene.scene import Scene

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from sinuous.measures.obstacles import measure
+from sinuous.scene.meshes.bodies import bodies_overlap
 from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.scene import Scene
+from tests.helpers import random_rotation, refused
 from tests.scene.shapes import Triangles, ball, cube, inverted, together
 
 HOLLOW = together(cube(1.0, (0.3, 0.2, 0.1)), inverted(cube(0.4, (0.3, 0.2, 0.1))))
@@ -45,3 +48,52 @@ def test_shells_and_rooms_are_not_divided() -> None:
     vertices, faces = together(cube(), cube(0.5))
     for mesh in (Mesh(vertices, faces[1:]), Mesh(vertices, faces, inside=True)):
         assert mesh.bodies() == (mesh,)
+
+
+def turned(body: Triangles, rng: np.random.Generator, size: float = 1.0, at: float = 0.0) -> Triangles:
+    """The same, turned, scaled and moved: nothing depends on that."""
+    return size * (body[0] @ random_rotation(rng).T + at), body[1]
+
+
+def sized(body: Triangles, size: float) -> Triangles:
+    return size * body[0], body[1]
+
+
+BEAM = (np.array([5.0, 0.2, 0.2]) * cube()[0], cube()[1])
+
+
+@pytest.mark.parametrize(
+    ("body", "overlap"),
+    [
+        (cube(), False),
+        (together(cube(), inverted(cube(0.5))), False),
+        (together(cube(), cube(0.994)), True),
+        (together(cube(), cube(1.0, (0.994, 0.3, 0.2))), True),
+        (together(cube(), cube(1.0, (1.000001, 0.3, 0.2))), False),
+        (together(cube(), cube(1.0, (1.0, 0.0, 0.0))), False),
+        (together(cube(), cube(1.0, (1.0, 0.3, 0.2))), False),
+        (together(cube(), cube(1.0, (0.999, 0.0, 0.0))), True),
+        (together(cube(), cube()), True),
+        (together(cube(), BEAM), True),
+        (together(ball(3), sized(ball(3), 0.2)), True),
+        (together(ball(3), inverted(sized(ball(3), 0.5)), sized(ball(3), 0.2)), False),
+        (together(ball(3), inverted(sized(ball(3), 0.5)), sized(ball(3), 0.499999)), False),
+        (together(cube(), inverted(cube(0.5, (0.4, 0.0, 0.0)))), True),
+        (together(cube(), inverted(cube(0.5, (0.2, 0.0, 0.0)))), False),
+    ],
+)
+@pytest.mark.parametrize("place", [(1.0, 0.0), (1e-3, 0.0), (1.0, 40.0)])
+def test_bodies_of_one_mesh_that_overlap_are_found_however_little_they_do(
+    body: Triangles, overlap: bool, place: tuple[float, float]
+) -> None:
+    vertices, faces = turned(body, np.random.default_rng(3), *place)
+    assert bodies_overlap(vertices, faces) == overlap
+
+
+@pytest.mark.parametrize("second", [cube(0.994), cube(1.0, (0.994, 0.3, 0.2)), cube()])
+def test_a_thin_wall_between_overlapping_bodies_is_never_free(second: Triangles) -> None:
+    """Nearer to each other than samples are: the mesh is refused, and its bodies one by one are not."""
+    mesh = Mesh(*together(cube(), second), name="engine")
+    refused("engine", lambda: Scene([mesh]).prepare(), "cuts through itself")
+    inside = np.array([[0.4985, 0.3, 0.2], [0.4985, 0.0, 0.0]])
+    assert (Scene(mesh.bodies()).distance(inside) < 0.0).all()

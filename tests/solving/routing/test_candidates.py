@@ -7,11 +7,11 @@ from sinuous import Robot, Scene, Sphere, Target, Tolerance
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FOUND, FULL, QUERY_AXIS
 from sinuous.problem.problem import Problem
+from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.routing.candidates import ALIKE, Candidates
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.starts import Question, Scattered
-from sinuous.solving.strategy import ATTEMPTS, Strategy
+from sinuous.solving.strategy import attempts_of
 
 ROBOT = Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.1)
 SCENE = Scene([Sphere((0, 0, 2.2), 0.7), Sphere((0.9, 0.2, 3.1), 0.4)])
@@ -28,7 +28,7 @@ def asked(robot: Robot = ROBOT, targets: tuple[Target, ...] = (TIP,)) -> tuple[S
 
 def only_cells(searches: Searches, question: Question) -> None:
     """Search over cells, and try nothing along what is found."""
-    list(Strategy(question, Scattered(3, 10), searches, set(ATTEMPTS) - {"cells"}).batches())
+    list(attempts_of(question, Scattered(3, 10), searches, without=set(ATTEMPTS) - {"cells"}).batches())
 
 
 def test_routes_that_are_alike_are_one_candidate() -> None:

@@ -13,10 +13,10 @@ from sinuous import Box, Robot, Scene, Segment, Solver, Sphere, Status, Target
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.tables import PROVED_CLOSED
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import MEMORY, Found, Searches
+from sinuous.solving.attempts import ATTEMPTS
+from sinuous.solving.routing.searches import CELLS, MEMORY, Found, Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
-from sinuous.solving.strategy import ATTEMPTS, CELLS_A_START, Strategy, plans_of
+from sinuous.solving.strategy import CELLS_A_START, attempts_of, plans_of
 from tests.helpers import Floats
 from tests.solving.routing.questions import asked as asked_of
 from tests.solving.routing.questions import place
@@ -63,7 +63,7 @@ def question(asked: Problem, seconds: float = 60.0) -> Question:
 def batches_of(finder: Searches, asked: Question, *without: str) -> Iterator[Batch]:
     """All starts but scattered ones."""
     off = ("scattered", *without)
-    return (batch for batch in Strategy(asked, Scattered(3, 10), finder, off).batches() if batch.size)
+    return (batch for batch in attempts_of(asked, Scattered(3, 10), finder, without=off).batches() if batch.size)
 
 
 def first(finder: Searches, asked: Problem) -> Found:
@@ -262,9 +262,9 @@ def test_a_search_costs_as_much_as_the_cells_that_it_looks_at(narrow: Scene, tar
     asked, finder = problem(ROBOT, target, narrow), router(ROBOT, narrow)
     query = finder.query(asked)
     assert query is not None
-    strategy = Strategy(question(asked), Scattered(3, 10), finder, set(ATTEMPTS) - {"cells"})
+    attempts = attempts_of(question(asked), Scattered(3, 10), finder, without=set(ATTEMPTS) - {"cells"})
     cells = [finder.find(asked, query, plan, 60.0).cells for _, plan in plans_of(finder) if not plan.between]
-    costs = [batch.cost for batch in strategy.batches() if batch.cost > 0]
+    costs = [batch.cost for batch in attempts.batches() if batch.cost > 0]
     assert costs == [looked / CELLS_A_START for looked in cells]
 
 

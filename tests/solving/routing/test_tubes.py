@@ -14,7 +14,7 @@ from sinuous.solving.routing.searches import Searches
 from sinuous.solving.routing.tubes import SHARES, Tube, out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups
 from sinuous.solving.starts import Question, Scattered
-from sinuous.solving.strategy import Strategy
+from sinuous.solving.strategy import attempts_of
 from tests.helpers import Floats
 
 RADIUS = 0.08
@@ -138,7 +138,7 @@ def test_robots_with_limits_of_actuators_are_left_alone(tendons: bool) -> None:
     robot = Robot([Segment((0.8, 1.2), 1.8, radius=RADIUS, tendons=lines)] * 7)
     searches, problem, _, _ = asked(robot, PIPE, [TARGET])
     question = Question(problem, np.empty((0, len(robot), 3)), lambda: 60.0)
-    batches = Strategy(question, Scattered(3, 10), searches).batches()
+    batches = attempts_of(question, Scattered(3, 10), searches).batches()
     first = next(batch for batch in batches if len(batch.initial))
     assert len(first.initial) == 1
     in_tube = PIPE.distance(robot.backbone(first.initial[0], 20)[: 20 * (ENCLOSED - 1)]).min() > RADIUS

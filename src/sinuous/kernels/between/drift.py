@@ -71,7 +71,7 @@ def measure_paces(motion: Motion, base: Vec, reach: float, sweep: Sweep) -> tupl
         speed, spin = norm(get_vec(drifts, e, VELOCITY)), norm(get_vec(drifts, e, TURN))
         paces[i, SPEED], paces[i, SPIN] = speed, spin
         most = max(most, speed + spin * (norm(sub(begin, base)) + speed + reach))
-        far = max(far, norm(begin) + speed)
+        far = max(far, norm(begin) + speed + norm(get_vec(drifts, e, OWN_CENTER)))
     return most, far
 
 

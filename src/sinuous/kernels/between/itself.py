@@ -1,21 +1,35 @@
 """The proof that the body does not run through itself during an interval of time.
 
-Whether two places concern each other is asked at both ends of the interval: turns are convex in time, lengths linear.
-Most pairs of segments are far from each other, or do not concern each other; `pairs` looks at those that are left.
+Whether two places may concern each other is asked at both ends of the interval: turns are convex in time. Most pairs of
+segments are far from each other, or do not concern each other; `body.self_pieces` looks at those that are left.
 """
 
 import math
 
-from sinuous.kernels.between.obstacles import Aim, wanted
-from sinuous.kernels.between.pairs import Course, apart, clear_couple, couple_of, never_concern
+from sinuous.kernels.between.obstacles import Aim, good_enough
 from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Sweep
+from sinuous.kernels.body import self_pieces
 from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
-from sinuous.kernels.body.self_pairs import HALF_TURN, NO_LENGTH, least_of_run, meets_itself, own_gap
+from sinuous.kernels.body.self_pairs import (
+    ALONG,
+    HALF_TURN,
+    NO_LENGTH,
+    QUARTER_TURN,
+    TURNED,
+    Shape,
+    enough_between,
+    least_of_run,
+    meets_itself,
+    own_gap,
+)
+from sinuous.kernels.body.self_pieces import Swept, nearest_places, pair_of
 from sinuous.kernels.body.self_proof import PAIR_LOOKS
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array
+from sinuous.kernels.maths.vectors import Array, add, norm, sub
 from sinuous.kernels.tables import RADIUS
 
 
@@ -42,14 +56,15 @@ def passed_over(limits: Array, qa: Array, qb: Array) -> float:
 
 @kernel
 def cannot_meet(limits: Array, qa: Array, qb: Array) -> bool:
-    """Whether the body is of one radius, and turns by less than pi from base to tip at all times."""
+    """Whether the body turns so little from base to tip, at all times, that no two places of it are looked at."""
     first = second = 0.0
+    enough = HALF_TURN
     for k in range(limits.shape[0]):
         if limits[k, RADIUS] != limits[0, RADIUS]:
-            return False
+            enough = QUARTER_TURN
         first += math.hypot(qa[k, 0], qa[k, 1])
         second += math.hypot(qb[k, 0], qb[k, 1])
-    return max(first, second) < HALF_TURN
+    return max(first, second) < enough
 
 
 @kernel
@@ -67,18 +82,55 @@ def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
 
 
 @kernel
-def _see_alone(course: Course, i: int, seen: Array) -> bool:
+def _note(seen: Array, gap: float, when: float, i: int, s: float, j: int) -> None:
+    """Keep the gap of two places in `seen` (6,), if it is the least so far."""
+    if gap < seen[LEAST]:
+        seen[LEAST], seen[WHEN], seen[SEGMENT], seen[FRACTION], seen[WHICH] = gap, when, i, s, j
+
+
+@kernel
+def _see_alone(swept: Swept, i: int, seen: Array) -> bool:
     """Keep the gap of segment `i` with itself at the ends of an interval; say whether it is an overlap."""
     least = math.inf
     for at_end in range(2):
-        shape = course.last if at_end else course.first
+        shape = swept.last if at_end else swept.first
         if meets_itself(shape, i):
             gap, t = own_gap(shape, i)
             least = min(least, gap)
-            if gap < seen[LEAST]:
-                seen[LEAST], seen[WHEN], seen[SEGMENT] = gap, course.begin + at_end * course.h, i
-                seen[FRACTION], seen[WHICH] = t, i
+            _note(seen, gap, swept.begin + at_end * swept.h, i, t, i)
     return least < 0.0
+
+
+@kernel
+def _apart(swept: Swept, i: int, j: int) -> float:
+    """Lower bound of the distance of segments i < j during an interval, from balls about them at both ends of it.
+
+    A bend moves what is half the length between away from what is the other half, at most.
+    """
+    first, last, rates = swept.first, swept.last, swept.rates
+    stretching = 0.0
+    for k in range(i, j + 1):
+        stretching += rates[k, LENGTH_RATE]
+    bending = rates[j, TURNING] + rates[j, BEND_RATE] - rates[i, TURNING]
+    length = max(first.spans[j + 1, ALONG] - first.spans[i, ALONG], last.spans[j + 1, ALONG] - last.spans[i, ALONG])
+    lost = 0.5 * swept.h * (0.5 * bending * length + stretching)
+    return 0.5 * (_balls(first, i, j) + _balls(last, i, j)) - lost
+
+
+@kernel
+def _balls(shape: Shape, i: int, j: int) -> float:
+    """Lower bound of the distance between places of segments i and j, from balls about them."""
+    first, second = add(frame(shape.frames, i)[1], frame(shape.frames, i + 1)[1]), frame(shape.frames, j)[1]
+    middles = 0.5 * norm(sub(first, add(second, frame(shape.frames, j + 1)[1])))
+    return middles - 0.5 * float(shape.q[i, 2] + shape.q[j, 2])
+
+
+@kernel
+def _never_concern(swept: Swept, i: int, j: int) -> bool:
+    """Whether no two places of segments i < j concern each other during an interval."""
+    first, last = swept.first, swept.last
+    most = max(first.spans[j + 1, TURNED] - first.spans[i, TURNED], last.spans[j + 1, TURNED] - last.spans[i, TURNED])
+    return bool(most < enough_between(first, i, j) or first.limits[i, RADIUS] + first.limits[j, RADIUS] == 0.0)
 
 
 @kernel
@@ -93,25 +145,29 @@ def list_pairs(sweep: Sweep) -> None:
 
 
 @kernel
-def clear_of_itself(course: Course, sweep: Sweep, level: int, aim: Aim, seen: Array) -> int:
+def clear_of_itself(swept: Swept, sweep: Sweep, level: int, aim: Aim, seen: Array) -> int:
     """Prove that the body does not run through itself during an interval; undecided pairs are left for its halves.
 
     The gaps that `passed_over` bounds are not among them. `level`: halvings of time. Returns the verdict, and keeps in
     `seen` (6,) what was found, `WHICH` the other segment. TOUCHING ends the work: nothing proves the interval. The pair
     that touches comes first in its halves, where it decides, too.
     """
-    n, pairs, count, most = course.first.q.shape[0], sweep.pairs, 0, sweep.left[level]
+    n, pairs, count, most = swept.first.q.shape[0], sweep.pairs, 0, sweep.left[level]
+    worth = 0.0 if aim.slack >= 1.0 else math.inf
+    own = self_pieces.Aim(0.0, worth, 0.0, aim.slack, aim.finest, aim.finest, aim.rounding, True)
     for e in range(most):
         i, j = pairs[e] // n, pairs[e] % n
         verdict = CLEAR
         if i == j:
-            sure = _alone(course.first.limits, course.first.q, course.last.q, i) - aim.rounding
-            verdict = TOUCHING if _see_alone(course, i, seen) else _judge(sure, aim, seen)
-        elif not never_concern(course, i, j):
-            needed = course.first.limits[i, RADIUS] + course.first.limits[j, RADIUS]
-            verdict = _judge(apart(course, i, j) - needed - aim.rounding, aim, seen)
+            sure = _alone(swept.first.limits, swept.first.q, swept.last.q, i) - aim.rounding
+            verdict = TOUCHING if _see_alone(swept, i, seen) else _judge(sure, aim, seen)
+        elif not _never_concern(swept, i, j):
+            needed = swept.first.limits[i, RADIUS] + swept.first.limits[j, RADIUS]
+            verdict = _judge(_apart(swept, i, j) - needed - aim.rounding, aim, seen)
             if verdict != CLEAR:
-                verdict, looks = clear_couple(course, couple_of(course, i, j), aim, seen)
+                sure, gap, s, _, when, looks = nearest_places(swept, pair_of(swept, i, j), own, seen[LEAST])
+                _note(seen, gap, when, i, s, j)
+                verdict = TOUCHING if gap < 0.0 else _judge(sure, aim, seen)
                 spend(sweep.clock, PAIR_LOOKS * looks)
         if verdict == TOUCHING:
             pairs[e], pairs[0] = pairs[0], pairs[e]
@@ -127,7 +183,7 @@ def clear_of_itself(course: Course, sweep: Sweep, level: int, aim: Aim, seen: Ar
 @kernel
 def _judge(low: float, aim: Aim, seen: Array) -> int:
     """Keep a lower bound of gaps, if it is as good as it has to be."""
-    if not (low > 0.0 and low >= wanted(aim, seen)):
+    if not good_enough(low, aim, seen):
         return UNDECIDED
     seen[LOW] = min(seen[LOW], low)
     return CLEAR

@@ -11,17 +11,18 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.between.drift import OF, drift_of
-from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Motion, Sweep, bow, place_on
+from sinuous.kernels.between.sweep import FRACTION, LEAST, LOW, SEGMENT, WHEN, WHICH, Motion, Sweep
 from sinuous.kernels.body.chords import sag
 from sinuous.kernels.body.pieces import following, free_part, look_here
 from sinuous.kernels.body.proof import CLEAR, LOOSENESS, TOUCHING, UNDECIDED
-from sinuous.kernels.chain.kinematics import body_point
+from sinuous.kernels.chain.kinematics import body_point, place_on
+from sinuous.kernels.chain.rates import bow
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, look, price_of, slope
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, add, dot, get_vec, norm, put_vec, scale, sub
-from sinuous.kernels.tables import CENTER, KIND, MAX_LENGTH, RADIUS, ROUNDING, SIGN, SPHERE, TREE
+from sinuous.kernels.tables import CENTER, KIND, MAX_LENGTH, RADIUS, ROUNDING, ROUNDOFF, SIGN, SPHERE, TREE
 
 Aim = namedtuple("Aim", ["slack", "finest", "rounding", "mount", "prefix"])
 """How far below the truth a clearance may be, as a share of it, and by `finest` more: with 1 it is enough that it is
@@ -49,6 +50,12 @@ def wanted(aim: Aim, seen: Array) -> float:
     return max(0.0, (1.0 - aim.slack) * float(seen[LEAST]) - aim.finest)
 
 
+@kernel
+def good_enough(low: float, aim: Aim, seen: Array) -> bool:
+    """Whether a lower bound of a clearance is as good as it has to be, for what was `seen` (6,)."""
+    return bool(low > 0.0 and low >= wanted(aim, seen))
+
+
 BALL = 3
 """Column of a ball: its radius, after its center."""
 
@@ -65,8 +72,9 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
     along = 0.0
     for k in range(limits.shape[0]):
         along += limits[k, MAX_LENGTH]
-        far, count = GRACE * (along + limits[k, RADIUS]), 0
+        within, count = GRACE * (along + limits[k, RADIUS]), 0
         for i in range(scene.table.shape[0]):
+            far = within + scene.table[i, ROUNDOFF]
             if look_here(scene, i, base, far, BOUND)[0] < far:
                 sweep.reach[k, count] = i
                 count += 1
@@ -75,7 +83,9 @@ def keep_reachable(limits: Array, base: Vec, scene: Scene, sweep: Sweep) -> None
 
 @kernel
 def measure_balls(motion: Motion, sweep: Sweep) -> None:
-    """Fill the balls of spheres that stand still: center and radius; that of anything else is infinite.
+    """Fill the balls of spheres that stand still: center, and radius with what arithmetic may make of that distance.
+
+    That of anything else is infinite.
 
     Most obstacles are far from a piece of the body. Their balls, side by side in memory, say so in a third of the time.
     """
@@ -83,7 +93,7 @@ def measure_balls(motion: Motion, sweep: Sweep) -> None:
     for i in range(table.shape[0]):
         put_vec(balls, i, 0, get_vec(table, i, CENTER))
         known = table[i, KIND] == SPHERE and table[i, SIGN] > 0.0
-        balls[i, BALL] = table[i, ROUNDING] if known else math.inf
+        balls[i, BALL] = table[i, ROUNDING] + table[i, ROUNDOFF] if known else math.inf
     for e in range(motion.drifts.shape[0]):
         balls[int(motion.drifts[e, OF]), BALL] = math.inf
 
@@ -163,7 +173,7 @@ def _narrow(scene: Scene, sweep: Sweep, interval: Interval, piece: Piece, aim: A
         i = near[k, e]
         if _far(sweep, i, piece, reach + max(seen[LOW], more)):
             continue
-        far = reach + drift_of(sweep, i, interval.h, piece.center, piece.reach)
+        far = reach + scene.table[i, ROUNDOFF] + drift_of(sweep, i, interval.h, piece.center, piece.reach)
         enough = far + more  # beyond that, what is returned may be no more than that
         d, _ = look_here(scene, i, piece.center, enough, BOUND)
         if d < enough:
@@ -190,7 +200,7 @@ def _decide(
         enough = reach + max(seen[LOW], wanted(aim, seen))
         if _far(sweep, i, piece, max(enough, seen[LEAST] + piece.radius - piece.lag)):
             continue
-        drift = drift_of(sweep, i, interval.h, piece.center, piece.reach)
+        drift = drift_of(sweep, i, interval.h, piece.center, piece.reach) + scene.table[i, ROUNDOFF]
         enough = reach + drift + max(wanted(aim, seen), aim.rounding)
         looks += price_of(scene, i)
         d, most = look_here(scene, i, piece.center, enough, BOUND)
@@ -203,13 +213,13 @@ def _decide(
             if gap < 0.0:
                 return TOUCHING, piece.half, reach, looks
         low, place, motion = d - reach - drift, piece.half, reach - piece.half - piece.radius
-        if scene.table[i, KIND] < TREE and not (low > 0.0 and low >= wanted(aim, seen)):
+        if scene.table[i, KIND] < TREE and not good_enough(low, aim, seen):
             if not known:
                 known, corners = True, _corners_of(sweep, interval, piece)
             by_corners, place, motion = _by_corners(scene, i, corners, piece)
             low = max(low, by_corners - piece.radius - aim.rounding - drift)
             looks += 2
-        if low > 0.0 and low >= wanted(aim, seen):
+        if good_enough(low, aim, seen):
             seen[LOW] = min(seen[LOW], low)
             continue
         verdict = UNDECIDED

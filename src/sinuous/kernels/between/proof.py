@@ -9,7 +9,6 @@ import math
 from sinuous.kernels.between.drift import measure_paces, place_obstacles
 from sinuous.kernels.between.itself import cannot_meet, clear_of_itself, list_pairs, passed_over
 from sinuous.kernels.between.obstacles import Aim, Interval, clear_segment, narrow_segment
-from sinuous.kernels.between.pairs import Course
 from sinuous.kernels.between.sweep import (
     FRACTION,
     HALFWAY,
@@ -22,13 +21,14 @@ from sinuous.kernels.between.sweep import (
     Motion,
     Sweep,
     knot,
-    measure_rates,
 )
 from sinuous.kernels.body.pieces import Scratch, following
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, prove
 from sinuous.kernels.body.self_pairs import Shape, survey
+from sinuous.kernels.body.self_pieces import Swept
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, norm
@@ -196,7 +196,7 @@ def _clear_of_itself(
         if begin >= end:
             return CLEAR, end
         last = _shape(motion, begin + h, sweep, b)
-        verdict = clear_of_itself(Course(first, last, sweep.rates, begin, h), sweep, level, aim, seen)
+        verdict = clear_of_itself(Swept(first, last, sweep.rates, begin, h), sweep, level, aim, seen)
         if spend(sweep.clock, SEGMENT_LOOKS * motion.q0.shape[0]):
             return UNDECIDED, begin
         if verdict == CLEAR:

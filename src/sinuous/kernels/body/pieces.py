@@ -7,6 +7,7 @@ from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.fields.distances import Scene, look, price_of
 from sinuous.kernels.fields.solids import BOUND
 from sinuous.kernels.maths.vectors import Array, Vec
+from sinuous.kernels.tables import ROUNDOFF
 
 Scratch = namedtuple("Scratch", ["among", "clock"])
 """What looking at obstacles works on: their numbers (m,) int64, and the clock, see `kernels.clock`."""
@@ -29,7 +30,8 @@ def near(scene: Scene, p: Vec, reach: float, among: Array) -> tuple[int, float]:
     """List in `among` the obstacles that may be closer to `p` than `reach`: their number, and a bound of the others."""
     count, rest = 0, math.inf
     for i in range(scene.table.shape[0]):
-        d, _ = look_here(scene, i, p, reach, BOUND)
+        roundoff = scene.table[i, ROUNDOFF]
+        d = look_here(scene, i, p, reach + roundoff, BOUND)[0] - roundoff
         if d < reach:
             among[count] = i
             count += 1
@@ -63,12 +65,15 @@ def following(level: int, piece: int) -> tuple[int, int]:
 def closest(scene: Scene, among: Array, count: int, p: Vec, reach: float, mode: int) -> tuple[float, float, int]:
     """Least distance of `p` to the first `count` obstacles that `among` lists, an upper bound of it, and the obstacle.
 
+    The distance is less by what arithmetic may make of it for the size of the obstacle's coordinates.
+
     `mode` of the query, and `reach`, beyond which a distance does not matter: see `distances.look`. `among` (m,) int64.
     """
     least, most, which = math.inf, math.inf, -1
     for j in range(count):
-        d, upper = look_here(scene, among[j], p, min(reach, least), mode)
-        most = min(most, upper)
+        roundoff = scene.table[among[j], ROUNDOFF]
+        d, upper = look_here(scene, among[j], p, min(reach, least) + roundoff, mode)
+        d, most = d - roundoff, min(most, upper)
         if d < least:
             least, which = d, among[j]
     return least, most, which

@@ -22,10 +22,11 @@ from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, beside_chord
 from sinuous.kernels.fields.solids import BOUND, EXACT
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
-from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.tables import RADIUS, ROUNDOFF
 
 ROUNDING = 1e-13
-"""What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
+"""What arithmetic may be wrong by, relative to how far the body is from the origin of the world. What it makes of the
+coordinates of an obstacle is in the row of that: `tables.ROUNDOFF`."""
 
 LOOSENESS = 2.0
 """How much of half a piece the samples may leave open before the exact distance is asked for, not a shorter piece."""
@@ -41,6 +42,21 @@ def _decided(sure: float, least: float, slack: float) -> bool:
 
 
 @kernel
+def rounding_of(q: Array, frames: Array) -> float:
+    """What arithmetic may make of a place of the body (length unit), for how far it is from the origin of the world."""
+    far = norm(frame(frames, 0)[1])
+    for k in range(q.shape[0]):
+        far += q[k, 2]
+    return ROUNDING * far
+
+
+@kernel
+def _exact(scene: Scene, i: int, d: float, most: float) -> bool:
+    """Whether nothing but arithmetic is between a lower bound of the distance to obstacle `i` and an upper one."""
+    return bool(i >= 0 and most - d <= 1.01 * scene.table[i, ROUNDOFF])
+
+
+@kernel
 def _by_tangents(
     scene: Scene, among: Array, count: int, middle: Vec, ends: tuple[Vec, Vec], half: float, sagging: float
 ) -> float:
@@ -51,11 +67,11 @@ def _by_tangents(
     center, chord = scale(0.5, add(ends[0], ends[1])), sub(ends[1], ends[0])
     least = math.inf
     for j in range(count):
-        i = among[j]
-        d, _ = look_here(scene, i, middle, least + half, BOUND)
+        i, roundoff = among[j], scene.table[among[j], ROUNDOFF]
+        d = look_here(scene, i, middle, least + half + roundoff, BOUND)[0] - roundoff
         low = d - half
         if low < least and d > 0.0:
-            low = max(low, beside_chord(scene, i, center, chord, sagging))
+            low = max(low, beside_chord(scene, i, center, chord, sagging) - roundoff)
         least = min(least, low)
     return least
 
@@ -74,10 +90,7 @@ def prove(
     bound = least = math.inf
     where, fraction, which = -1, 0.0, -1
     undecided = False
-    rounding = norm(frame(frames, 0)[1])
-    for k in range(q.shape[0]):
-        rounding += q[k, 2]
-    rounding *= ROUNDING
+    rounding = rounding_of(q, frames)
     among, clock = scratch.among, scratch.clock
     for k in range(q.shape[0]):
         start, length, radius = free_part(q, k, mount), q[k, 2], limits[k, RADIUS]
@@ -117,8 +130,9 @@ def prove(
                 decided = _decided(sure, min(least, most - radius), slack)
             if most - radius < least:
                 least, where, fraction, which = most - radius, k, s, nearest_one
-            if least < 0.0:
-                return TOUCHING, least, where, fraction, which
+            if least < 0.0 or (not decided and d <= radius + rounding and _exact(scene, nearest_one, d, most)):
+                # The place is in an obstacle, or so close to it that no shorter piece about it can be proved.
+                return TOUCHING if least < 0.0 else UNDECIDED, least, where, fraction, which
             if 2.0 * half > finest and not decided:
                 level, piece = level + 1, 2 * piece
                 continue

@@ -7,7 +7,7 @@ know rows of one place alone; `step.coupling` adds these afterwards.
 import math
 
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import Aim, closest, pair_of
+from sinuous.kernels.body.self_pieces import SLACK, Aim, at_rest, nearest_places, pair_of
 from sinuous.kernels.chain.kinematics import body_columns, body_point, frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
@@ -57,7 +57,8 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
     count, low = 0, math.inf
     if thickest == 0.0:
         return count, low
-    aim = Aim(margin, FLOOR * margin, FINEST * margin, False)
+    aim = Aim(margin, margin, -math.inf, SLACK, FLOOR * margin, FINEST * margin, 0.0, False)
+    still = at_rest(shape)
     i, j = -1, n
     while True:
         i, j, _ = next_pair(shape, i, j, margin, thickest)
@@ -68,7 +69,7 @@ def self_contacts(shape: Shape, columns: Array, margin: float, unit: float, pair
             gap, t = own_gap(shape, i)
             sure = gap
         else:
-            sure, gap, s, t, _ = closest(shape, pair_of(shape, i, j), aim, math.inf)
+            sure, gap, s, t, _, _ = nearest_places(still, pair_of(still, i, j), aim, math.inf)
         if gap >= margin:
             continue
         low = min(low, sure)

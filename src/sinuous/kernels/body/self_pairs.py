@@ -1,13 +1,23 @@
 """Pairs of segments that may touch each other, and the places where such a pair is closest.
 
-Two places of the backbone concern each other when their distance along it is at least pi times the larger of their
-radii. The *gap* between them is their distance less both radii.
+The *gap* of two places of the backbone is their distance less both radii. All two places concern each other but those
+that are neighbours along the body:
 
-In a run of segments of one radius r most of these pairs can be passed over. Curve and chord between two places close to
-a loop that turns by 2 pi or more (Fenchel). So where the tangent turns by less than pi between them, one of them comes
-nearer to the other when it moves towards it along the backbone, and a pair that is pi r apart is nearer. Those are no
-nearer than on a circle of the largest curvature (Schur): one number bounds them all. Where the radius changes between
-two places this does not hold, for moving changes the radii, and all pairs are looked at that concern each other.
+- Where the radius is the same all the way between them: places whose distance along the body is less than pi radii.
+- Where it changes between them: places each of which lies ahead of the other. Along the tangent at the first, towards
+  the tip, the second is farther on; along the tangent at the second, towards the base, the first is. So are all places
+  between which the body turns by less than a quarter turn.
+
+For no curvature above 1 / radius the first is just when the tube does not overlap itself: the thickness of a tube
+(Cantarella, Kusner & Sullivan 2002). There the second rule would say the same. It takes the place of the first because
+the end of a thick part reaches beyond what comes after it, however straight the body is.
+
+In a run of segments of one radius r most pairs can be passed over. Curve and chord between two places close to a loop
+that turns by 2 pi or more (Fenchel). So where the tangent turns by less than pi between them, one of them comes nearer
+to the other when it moves towards it along the backbone, and a pair that is pi r apart is nearer. Those are no nearer
+than on a circle of the largest curvature (Schur): one number bounds them all. By Fenchel's
+theorem, too, the angles between chord and both tangents add up to no more than the turn between two places: less than a
+quarter turn leaves each ahead of the other.
 """
 
 import math
@@ -29,8 +39,8 @@ SPAN_WIDTH = 5
 Shape = namedtuple("Shape", ["limits", "q", "frames", "spans"])
 """Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
 
-HALF_TURN = math.pi - 1e-9
-"""Turn (rad) from which on places of one run are looked at."""
+HALF_TURN, QUARTER_TURN = math.pi - 1e-9, 0.5 * math.pi - 1e-9
+"""Turn (rad) from which on places are looked at: of one run, and of two."""
 
 NO_LENGTH = 1e-300
 
@@ -76,11 +86,9 @@ def least_of_run(radius: float, length: float, curvature: float) -> float:
 
 
 @kernel
-def concern(shape: Shape, i: int, j: int) -> tuple[int, float]:
-    """Which column of the spans says whether places of segments i < j are looked at, and how much of it is needed."""
-    if shape.spans[i, RUN] == shape.spans[j, RUN]:
-        return TURNED, HALF_TURN
-    return ALONG, math.pi * max(shape.limits[i, RADIUS], shape.limits[j, RADIUS])
+def enough_between(shape: Shape, i: int, j: int) -> float:
+    """Turn (rad) between places of segments i < j from which on these are looked at."""
+    return HALF_TURN if shape.spans[i, RUN] == shape.spans[j, RUN] else QUARTER_TURN
 
 
 @kernel
@@ -111,8 +119,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
                 return i, i, low
             continue
         needed = limits[i, RADIUS] + limits[j, RADIUS]
-        column, enough = concern(shape, i, j)
-        if needed == 0.0 or spans[j + 1, column] - spans[i, column] < enough:
+        if needed == 0.0 or spans[j + 1, TURNED] - spans[i, TURNED] < enough_between(shape, i, j):
             continue
         sure = norm(sub(_middle(frames, i), _middle(frames, j))) - 0.5 * (q[i, 2] + q[j, 2]) - needed
         if sure < level:

@@ -1,53 +1,114 @@
-"""Where two segments of the body are closest to each other: both are halved until bounds decide."""
+"""Where two segments of the body are nearest to each other, at rest or on the way from one shape to another.
+
+Both segments are halved until bounds decide. A body at rest is on its way from a shape to the same shape, in no time.
+
+On the way both segments are looked at from a joint between them. Seen from there only what turns in between moves them,
+so within an interval of duration h a place stays within `h^2 A / 8` of the chord of its path, with an `A` that begins
+at that joint, see `chain.rates`. So all differences of places of two pieces, at all times of the interval, are within
+both sags and both of these bounds of the hull of eight: of the ends of the pieces at the ends of the interval. A
+direction in which all eight are far enough from 0 proves the pieces apart.
+"""
 
 import math
 from collections import namedtuple
 
 from sinuous.kernels.body.chords import arc_chord, chord_distance, sag
 from sinuous.kernels.body.pieces import following
-from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, HALF_TURN, TURNED, Shape, concern
-from sinuous.kernels.chain.kinematics import body_point
+from sinuous.kernels.body.self_pairs import ALONG, CURVATURE, RUN, TURNED, Shape, enough_between
+from sinuous.kernels.chain.kinematics import frame, place_on, tangent
+from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, bow_from
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import add, norm, sub
+from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
 from sinuous.kernels.tables import RADIUS
 
-Aim = namedtuple("Aim", ["most", "floor", "finest", "stop"])
-"""How closely gaps are to be known: nothing from `most` on matters, nor what is within a tenth, and `floor`, of the
-least. Pieces shorter than `finest` are not halved. With `stop` the first overlap is enough. The others are lengths."""
+Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
+"""The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 5) of the whole
+motion, and when it begins and how long it is, in times of the whole motion. At rest both shapes are one, the duration
+is 0, and nobody reads the rates."""
+
+Aim = namedtuple("Aim", ["unseen", "most", "least", "slack", "floor", "finest", "rounding", "first"])
+"""How closely gaps are to be known. A lower bound of them is good enough when it is above `least` and no less than
+`unseen`, where no gap is known; else than `most`, or than the least known gap less `slack` of it and `floor`. Pieces
+shorter than `finest` are not halved; `rounding` is what arithmetic may be wrong by. With `first` the first overlap is
+enough. All are lengths, but for `slack`."""
 
 SLACK = 0.1
-"""How far below the true gap its bound may be, as a share of it."""
+"""How far below the true gap its bound may be at rest, as a share of it."""
 
 MOST_LOOKS = 4000
 """Most pairs of pieces that are looked at for one pair of segments."""
 
-Pair = namedtuple("Pair", ["i", "j", "needed", "column", "enough", "tightest"])
-"""Two segments i < j; the sum of their radii; which column of the spans says whether places of them are looked at, and
-how much of it is needed; the largest curvature between them."""
+TINY = 1e-300
+
+Pair = namedtuple("Pair", ["i", "j", "needed", "enough", "tightest", "stepped", "joint", "back", "ahead"])
+"""Two segments i < j; the sum of their radii; the turn (rad) between places from which on these may concern each other;
+the largest curvature between the segments; whether the radius changes between them. On the way also the joint from
+which they are looked at, and the rate of turning W and the acceleration A where each of them begins, seen from there;
+at rest the joint is -1: they are looked at from the world."""
 
 Pieces = tuple[float, float, float, float]
 """A piece of each of two segments: where it begins and how long it is, in fractions of its segment."""
 
-
-@kernel
-def wanted(aim: Aim, least: float) -> float:
-    """Bound from which on a gap need not be known better, when `least` was found."""
-    if least == math.inf:
-        return float(aim.most)
-    return min(aim.most, least - SLACK * abs(least) - aim.floor)
+Nearest = tuple[float, float, float, float, float, int]
+"""A lower bound of the gaps of two segments (infinite: none counts); the least that was seen, the fractions of both
+segments and the time where that was; and how many pairs of pieces were looked at."""
 
 
 @kernel
-def pair_of(shape: Shape, i: int, j: int) -> Pair:
-    """Put together what is known of segments i < j."""
-    spans = shape.spans
-    column, enough = concern(shape, i, j)
-    tightest = math.inf  # from a whole turn on, nothing follows from it
-    if spans[j + 1, TURNED] - spans[i, TURNED] < 2.0 * math.pi:
-        tightest = 0.0
-        for k in range(i, j + 1):
-            tightest = max(tightest, spans[k, CURVATURE])
-    return Pair(i, j, shape.limits[i, RADIUS] + shape.limits[j, RADIUS], column, enough, tightest)
+def at_rest(shape: Shape) -> Swept:
+    """A body that stays where it is."""
+    return Swept(shape, shape, shape.q, 0.0, 0.0)
+
+
+@kernel
+def _good_enough(aim: Aim, low: float, least: float) -> bool:
+    """Whether a lower bound of gaps is as good as it has to be where `least` is the least gap that is known."""
+    wanted = aim.unseen
+    if least < math.inf:
+        wanted = min(aim.most, least - aim.slack * abs(least) - aim.floor)
+    return bool(low > aim.least and low >= wanted)
+
+
+@kernel
+def _joint(rates: Array, i: int, j: int) -> int:
+    """The joint between segments i < j, with about as much turning before it as after: the segment that it begins."""
+    half = 0.5 * (rates[i, TURNING] + rates[j, TURNING] + rates[j, BEND_RATE])
+    joint = i + 1
+    while joint < j and rates[joint, TURNING] + 0.5 * rates[joint, BEND_RATE] < half:
+        joint += 1
+    return joint
+
+
+@kernel
+def _longest(swept: Swept, k: int) -> float:
+    """Largest length of segment `k` in the interval."""
+    return max(swept.first.q[k, 2], swept.last.q[k, 2])
+
+
+@kernel
+def _past(swept: Swept, begin: int, end: int, step: int) -> tuple[float, float]:
+    """W and A past the segments from `begin` on, up to `end` without that one."""
+    rates = swept.rates
+    turning = bowing = 0.0
+    for k in range(begin, end, step):
+        bowing += bow_from(turning, rates[k, BEND_RATE], rates[k, LENGTH_RATE], _longest(swept, k), 1.0)
+        turning += rates[k, BEND_RATE]
+    return turning, bowing
+
+
+@kernel
+def pair_of(swept: Swept, i: int, j: int) -> Pair:
+    """Put together what is known of segments i < j in an interval."""
+    first, last = swept.first, swept.last
+    needed, stepped = first.limits[i, RADIUS] + first.limits[j, RADIUS], first.spans[i, RUN] != first.spans[j, RUN]
+    tightest = 0.0
+    for k in range(i, j + 1):
+        tightest = max(tightest, first.spans[k, CURVATURE], last.spans[k, CURVATURE])
+    joint, back, ahead = -1, (0.0, 0.0), (0.0, 0.0)
+    if swept.h > 0.0:
+        joint = _joint(swept.rates, i, j)
+        back, ahead = _past(swept, joint - 1, i, -1), _past(swept, joint, j, 1)
+    return Pair(i, j, needed, enough_between(first, i, j), tightest, stepped, joint, back, ahead)
 
 
 @kernel
@@ -62,7 +123,7 @@ def _every_second_bit(x: int) -> int:
 
 
 @kernel
-def pieces_of(level: int, piece: int) -> Pieces:
+def _pieces_of(level: int, piece: int) -> Pieces:
     """The pieces after `level` halvings, of the first segment and the second in turn; `piece` has a bit for each."""
     newer, older = _every_second_bit(piece), _every_second_bit(piece >> 1)
     u, v = 1.0 / (1 << ((level + 1) >> 1)), 1.0 / (1 << (level >> 1))
@@ -72,7 +133,7 @@ def pieces_of(level: int, piece: int) -> Pieces:
 
 
 @kernel
-def amount_between(shape: Shape, pair: Pair, column: int, s: float, t: float) -> float:
+def _amount_between(shape: Shape, pair: Pair, column: int, s: float, t: float) -> float:
     """How much of a column of the spans lies between the fractions s and t of the segments of a pair."""
     spans, i, j = shape.spans, pair.i, pair.j
     begin = spans[i, column] + s * (spans[i + 1, column] - spans[i, column])
@@ -80,83 +141,205 @@ def amount_between(shape: Shape, pair: Pair, column: int, s: float, t: float) ->
 
 
 @kernel
-def _by_circle(shape: Shape, pair: Pair, pieces: Pieces) -> float:
+def _most_between(swept: Swept, pair: Pair, column: int, s: float, t: float) -> float:
+    """The most of that in the interval: it is at an end of it, for turns are convex in time, lengths linear."""
+    return max(_amount_between(swept.first, pair, column, s, t), _amount_between(swept.last, pair, column, s, t))
+
+
+@kernel
+def _by_circle(swept: Swept, pair: Pair, pieces: Pieces) -> float:
     """Lower bound of the gap of two pieces, from the curvature between them."""
-    a, u, b, v = pieces
-    far = amount_between(shape, pair, ALONG, a, b + v)
+    a, _, b, v = pieces
+    far = _most_between(swept, pair, ALONG, a, b + v)
     if pair.tightest * far >= 2.0 * math.pi:
         return -math.inf
-    apart = arc_chord(pair.tightest, far)
-    if pair.column == ALONG:
-        apart = min(apart, arc_chord(pair.tightest, max(pair.enough, amount_between(shape, pair, ALONG, a + u, b))))
-    elif pair.enough < HALF_TURN:  # from pi on, the chord of a circle only shrinks
-        apart = min(apart, arc_chord(pair.tightest, pair.enough / pair.tightest))
-    return apart - pair.needed
+    # The chord of a circle is least where one of both ends is: the least turn that counts, or the whole way.
+    return min(arc_chord(pair.tightest, far), arc_chord(pair.tightest, pair.enough / pair.tightest)) - pair.needed
 
 
 @kernel
-def _by_chords(shape: Shape, pair: Pair, pieces: Pieces, target: float) -> tuple[float, float, float]:
-    """Lower bound of the gap of two pieces: from balls about them and, where that is below `target`, from their chords.
+def _seen(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
+    """A place of the body, as it is seen from the joint of a pair."""
+    place = place_on(shape.q, shape.frames, k, s)
+    if pair.joint < 0:
+        return place
+    rotation, position = frame(shape.frames, pair.joint)
+    return vec_mat(sub(place, position), rotation)
 
-    Also returns the fractions of the segments where the chords are closest.
-    """
-    q, frames, i, j = shape.q, shape.frames, pair.i, pair.j
+
+@kernel
+def _seen_tangent(shape: Shape, pair: Pair, k: int, s: float) -> Vec:
+    """The tangent at a place of the body, as it is seen from the joint of a pair."""
+    along = tangent(shape.q, shape.frames, k, s)
+    return along if pair.joint < 0 else vec_mat(along, frame(shape.frames, pair.joint)[0])
+
+
+@kernel
+def _lag(swept: Swept, pair: Pair, pieces: Pieces) -> float:
+    """How far differences of places of two pieces may be from the chords of their paths."""
+    if pair.joint < 0:
+        return 0.0
+    rates, i, j, a, t = swept.rates, pair.i, pair.j, pieces[0], pieces[2] + pieces[3]
+    back = bow_from(pair.back[0], rates[i, BEND_RATE], rates[i, LENGTH_RATE], _longest(swept, i), 1.0 - a)
+    ahead = bow_from(pair.ahead[0], rates[j, BEND_RATE], rates[j, LENGTH_RATE], _longest(swept, j), t)
+    return float(0.125 * swept.h * swept.h * (pair.back[1] + back + pair.ahead[1] + ahead))
+
+
+@kernel
+def _bend(swept: Swept, k: int) -> float:
+    """Largest bend (rad) of segment `k` in the interval."""
+    first, last = swept.first.spans, swept.last.spans
+    return float(max(first[k + 1, TURNED] - first[k, TURNED], last[k + 1, TURNED] - last[k, TURNED]))
+
+
+@kernel
+def _by_corners(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, float, float, float]:
+    """Lower bound of the gap of two pieces; what place and time leave open of it; where they seem to be nearest."""
     a, u, b, v = pieces
-    p, r = body_point(q, frames, i, a), body_point(q, frames, i, a + u)
-    c, d = body_point(q, frames, j, b), body_point(q, frames, j, b + v)
-    li, lj = u * q[i, 2], v * q[j, 2]
-    sure = 0.5 * (norm(sub(add(p, r), add(c, d))) - li - lj) - pair.needed
-    s = t = 0.5
-    if sure < target:
-        apart, s, t = chord_distance(p, r, c, d)
-        ui = u * (shape.spans[i + 1, TURNED] - shape.spans[i, TURNED])
-        uj = v * (shape.spans[j + 1, TURNED] - shape.spans[j, TURNED])
-        if max(ui, uj) <= math.pi:
-            sure = max(sure, apart - sag(li, ui) - sag(lj, uj) - pair.needed)
-    return sure, a + s * u, b + t * v
+    i, j, first, last = pair.i, pair.j, swept.first, swept.last
+    bend_i, bend_j = u * _bend(swept, i), v * _bend(swept, j)
+    if max(bend_i, bend_j) > math.pi:
+        return -math.inf, math.inf, 0.0, a + 0.5 * u, b + 0.5 * v
+    sags = sag(u * _longest(swept, i), bend_i) + sag(v * _longest(swept, j), bend_j)
+    p0, p1 = _seen(first, pair, i, a), _seen(first, pair, i, a + u)
+    r0, r1 = _seen(first, pair, j, b), _seen(first, pair, j, b + v)
+    p2, p3, r2, r3 = p0, p1, r0, r1
+    if pair.joint >= 0:
+        p2, p3 = _seen(last, pair, i, a), _seen(last, pair, i, a + u)
+        r2, r3 = _seen(last, pair, j, b), _seen(last, pair, j, b + v)
+    p, pp = scale(0.5, add(p0, p2)), scale(0.5, add(p1, p3))
+    r, rr = scale(0.5, add(r0, r2)), scale(0.5, add(r1, r3))
+    _, s, t = chord_distance(p, pp, r, rr)
+    across = sub(add_scaled(r, t, sub(rr, r)), add_scaled(p, s, sub(pp, p)))
+    g = scale(1.0 / (norm(across) + TINY), across)
+    x0, x1, x2, x3 = dot(g, p0), dot(g, p1), dot(g, p2), dot(g, p3)
+    y0, y1, y2, y3 = dot(g, r0), dot(g, r1), dot(g, r2), dot(g, r3)
+    low = min(min(y0, y1) - max(x0, x1), min(y2, y3) - max(x2, x3))
+    lag = _lag(swept, pair, pieces)
+    space = sags + 0.5 * max(abs(x1 - x0) + abs(y1 - y0), abs(x3 - x2) + abs(y3 - y2))
+    moved = max(max(y2 - y0, y3 - y1) - min(x2 - x0, x3 - x1), max(x2 - x0, x3 - x1) - min(y2 - y0, y3 - y1))
+    return low - sags - lag - pair.needed, space, lag + 0.5 * moved, a + s * u, b + t * v
 
 
 @kernel
-def gap_at(shape: Shape, pair: Pair, s: float, t: float) -> float:
-    """Gap between the fractions s and t of the segments of a pair."""
-    q, frames = shape.q, shape.frames
-    return norm(sub(body_point(q, frames, pair.i, s), body_point(q, frames, pair.j, t))) - pair.needed
+def _ahead(swept: Swept, pair: Pair, pieces: Pieces) -> tuple[float, float, float]:
+    """Lower bound of how far places of two pieces lie ahead of each other; what place and time leave open of it.
 
-
-@kernel
-def closest(shape: Shape, pair: Pair, aim: Aim, least: float) -> tuple[float, float, float, float, int]:
-    """Places of two segments with the least gap, of those that concern each other.
-
-    What is not below `least`, a gap found elsewhere, is of no interest. Returns a lower bound of the gaps (infinite:
-    there are none), the least that was seen, the fractions of both segments where that was, and how many pairs of
-    pieces were looked at.
+    All differences of places are within `reach` and `lag` of those of the middles of both chords, when the interval
+    begins and when it ends. Tangents are within half the bend of a piece, and what turns meanwhile, of that in its
+    middle.
     """
-    i, j = pair.i, pair.j
-    bound = found = math.inf
-    at = on = 0.5
+    a, u, b, v = pieces
+    i, j, first, last = pair.i, pair.j, swept.first, swept.last
+    e0 = _across(first, pair, pieces)
+    e1 = _across(last, pair, pieces) if pair.joint >= 0 else e0
+    reach, lag = 0.5 * (u * _longest(swept, i) + v * _longest(swept, j)), _lag(swept, pair, pieces)
+    far = max(norm(e0), norm(e1)) + reach + lag
+    along_i, along_j = _seen_tangent(first, pair, i, a + 0.5 * u), _seen_tangent(first, pair, j, b + 0.5 * v)
+    turning_i = turning_j = 0.0
+    if pair.joint >= 0:
+        turning_i = swept.h * (pair.back[0] + swept.rates[i, BEND_RATE])
+        turning_j = swept.h * (pair.ahead[0] + swept.rates[j, BEND_RATE])
+    space = reach + 0.5 * far * max(u * _bend(swept, i), v * _bend(swept, j))
+    time = lag + far * max(turning_i, turning_j)
+    center = min(dot(e0, along_i), dot(e1, along_i), dot(e0, along_j), dot(e1, along_j))
+    return center - space - time, space, time
+
+
+@kernel
+def _across(shape: Shape, pair: Pair, pieces: Pieces) -> Vec:
+    """From the middle of the chord of one piece to that of the other."""
+    a, u, b, v = pieces
+    first = add(_seen(shape, pair, pair.i, a), _seen(shape, pair, pair.i, a + u))
+    return scale(0.5, sub(add(_seen(shape, pair, pair.j, b), _seen(shape, pair, pair.j, b + v)), first))
+
+
+@kernel
+def _concern(shape: Shape, pair: Pair, s: float, t: float) -> bool:
+    """Whether the fractions s and t of the segments of a pair concern each other."""
+    if _amount_between(shape, pair, TURNED, s, t) < pair.enough:
+        return False
+    if not pair.stepped:
+        return True
+    across = sub(place_on(shape.q, shape.frames, pair.j, t), place_on(shape.q, shape.frames, pair.i, s))
+    here, there = tangent(shape.q, shape.frames, pair.i, s), tangent(shape.q, shape.frames, pair.j, t)
+    return bool(dot(across, here) <= 0.0 or dot(across, there) <= 0.0)
+
+
+@kernel
+def _look(swept: Swept, pair: Pair, pieces: Pieces, s: float, t: float) -> tuple[float, float, float, float]:
+    """Least gap between the fractions s and t of two segments at the ends of an interval, where that is and when.
+
+    Where these do not concern each other, the places of their pieces that are farthest apart along the body are taken.
+    Infinite where these do not, either.
+    """
+    least, at, on, when = math.inf, s, t, swept.begin
+    for at_end in range(2 if pair.joint >= 0 else 1):
+        shape = swept.last if at_end else swept.first
+        here, there = s, t
+        if not _concern(shape, pair, here, there):
+            here, there = pieces[0], pieces[2] + pieces[3]
+            if not _concern(shape, pair, here, there):
+                continue
+        first, second = place_on(shape.q, shape.frames, pair.i, here), place_on(shape.q, shape.frames, pair.j, there)
+        gap = norm(sub(first, second)) - pair.needed
+        if gap < least:
+            least, at, on, when = gap, here, there, swept.begin + at_end * swept.h
+    return least, at, on, when
+
+
+@kernel
+def _bound(
+    swept: Swept, pair: Pair, pieces: Pieces, aim: Aim, known: float
+) -> tuple[float, float, float, float, float]:
+    """Lower bound of the gap of two pieces, infinite where no places of them concern each other.
+
+    Where that is not good enough for the least gap that is `known`: what place and time leave open, and where the
+    pieces seem to be nearest.
+    """
+    sure = _by_circle(swept, pair, pieces) - aim.rounding
+    if _good_enough(aim, sure, known):
+        return sure, 0.0, 0.0, 0.5, 0.5
+    by_corners, space, time, s, t = _by_corners(swept, pair, pieces)
+    sure = max(sure, by_corners - aim.rounding)
+    if pair.stepped and not _good_enough(aim, sure, known):
+        ahead, in_space, in_time = _ahead(swept, pair, pieces)
+        if ahead > aim.rounding:
+            return math.inf, 0.0, 0.0, s, t
+        if by_corners + space + time <= 0.0:  # then nothing else can decide
+            space, time = in_space, in_time
+    return sure, space, time, s, t
+
+
+@kernel
+def nearest_places(swept: Swept, pair: Pair, aim: Aim, least: float) -> Nearest:
+    """Bound the gaps of two segments, of those places that concern each other, during an interval.
+
+    What is not below `least`, a gap found elsewhere, is of no interest. On the way the bound is -inf where a part of
+    it had to be left open, or where halving the time helps more than halving the segments.
+    """
+    low = found = math.inf
+    at, on, when = 0.5, 0.5, swept.begin
     level = piece = looks = 0
     while piece < 1 << level:
-        pieces = pieces_of(level, piece)
+        pieces = _pieces_of(level, piece)
         a, u, b, v = pieces
-        if amount_between(shape, pair, pair.column, a, b + v) >= pair.enough:
+        if _most_between(swept, pair, TURNED, a, b + v) >= pair.enough:
             looks += 1
-            target = wanted(aim, min(least, found))
-            sure = _by_circle(shape, pair, pieces)
-            if sure < target:
-                chords, s, t = _by_chords(shape, pair, pieces, target)
-                sure = max(sure, chords)
-            if sure < target:
-                if amount_between(shape, pair, pair.column, s, t) < pair.enough:
-                    s, t = a, b + v
-                gap = gap_at(shape, pair, s, t)
+            sure, space, time, s, t = _bound(swept, pair, pieces, aim, min(least, found))
+            if not _good_enough(aim, sure, min(least, found)):
+                gap, s, t, then = _look(swept, pair, pieces, s, t)
                 if gap < found:
-                    found, at, on = gap, s, t
-                if aim.stop and gap < 0.0:
-                    return gap, found, at, on, looks
-                size = u * shape.q[i, 2] + v * shape.q[j, 2]
-                if size > aim.finest and looks < MOST_LOOKS and sure < wanted(aim, min(least, found)):
-                    level, piece = level + 1, 2 * piece
-                    continue
-            bound = min(bound, sure)
+                    found, at, on, when = gap, s, t, then
+                if aim.first and gap < 0.0:
+                    return min(gap, sure), found, at, on, when, looks
+                if not _good_enough(aim, sure, min(least, found)):
+                    size = u * _longest(swept, pair.i) + v * _longest(swept, pair.j)
+                    if space > time and size > aim.finest and looks < MOST_LOOKS:
+                        level, piece = level + 1, 2 * piece
+                        continue
+                    if pair.joint >= 0:
+                        return -math.inf, found, at, on, when, looks
+            low = min(low, sure)
         level, piece = following(level, piece)
-    return bound, found, at, on, looks
+    return low, found, at, on, when, looks

@@ -1,21 +1,17 @@
 """The proof that the body does not run through itself.
 
-Two places of the backbone whose distance along it is at least pi times the larger of their radii must be farther apart
-than the sum of their radii. For curvatures of at most 1 / radius that is just when the tube does not overlap itself:
-the thickness of a tube (Cantarella, Kusner & Sullivan 2002). `self_pairs` says which pairs of segments are to be looked
-at, and bounds all others; `self_pieces` looks. So the proved self-clearance holds for all places, also for those that
-nobody looked at.
+`self_pairs` says which places concern each other, which pairs of segments are to be looked at, and bounds all others;
+`self_pieces` looks. So the proved self-clearance holds for all places, also for those that nobody looked at.
 """
 
 import math
 
-from sinuous.kernels.body.proof import CLEAR, ROUNDING, TOUCHING, UNDECIDED
+from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED, rounding_of
 from sinuous.kernels.body.self_pairs import Shape, next_pair, own_gap, survey
-from sinuous.kernels.body.self_pieces import Aim, closest, pair_of, wanted
-from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.body.self_pieces import SLACK, Aim, at_rest, nearest_places, pair_of
 from sinuous.kernels.clock import late, spend
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array, norm
+from sinuous.kernels.maths.vectors import Array
 
 PAIR_LOOKS = 16
 """What a look at a pair of pieces costs, see `kernels.clock`."""
@@ -37,12 +33,15 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
     where = (-1, 0.0, -1, 0.0)
     if thickest == 0.0:
         return CLEAR, math.inf, where
+    rounding = rounding_of(shape.q, shape.frames)
     # What the survey bounds needs no better bound; where it bounds nothing, a radius is enough.
-    aim = Aim(most if 0.0 < most < math.inf else thickest, 0.0, finest, True)
+    worth = most if 0.0 < most < math.inf else thickest
+    aim = Aim(worth, worth, -math.inf, SLACK, 0.0, finest, rounding, True)
     bound, least = most, math.inf
+    still = at_rest(shape)
     i, j = -1, shape.q.shape[0]
     while True:
-        i, j, passed = next_pair(shape, i, j, wanted(aim, least), thickest)
+        i, j, passed = next_pair(shape, i, j, min(worth, (1.0 - SLACK) * least), thickest)
         bound = min(bound, passed)
         if i == shape.q.shape[0]:
             break
@@ -51,7 +50,7 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
             gap, t = own_gap(shape, i)
             low = gap
         else:
-            low, gap, s, t, looks = closest(shape, pair_of(shape, i, j), aim, least)
+            low, gap, s, t, _, looks = nearest_places(still, pair_of(still, i, j), aim, least)
             spend(clock, PAIR_LOOKS * looks)
         bound = min(bound, low)
         if gap < least:
@@ -60,9 +59,6 @@ def prove_self(shape: Shape, finest: float, clock: Array) -> tuple[int, float, M
             return TOUCHING, least, where
         if late(clock):
             return UNDECIDED, least, where
-    rounding = norm(frame(shape.frames, 0)[1])
-    for k in range(shape.q.shape[0]):
-        rounding += shape.q[k, 2]
-    if bound > ROUNDING * rounding:
-        return CLEAR, bound - ROUNDING * rounding, where
+    if bound > rounding:
+        return CLEAR, bound - rounding, where
     return UNDECIDED, min(least, most), where

@@ -8,6 +8,8 @@ Layouts, all float64 and C-contiguous:
   moves, in world axes, about the base (`origin`).
 """
 
+import math
+
 from sinuous.kernels.chain.arc import Twist, carry, point, pose, pose_and_columns
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import (
@@ -59,6 +61,22 @@ def body_point(q: Array, frames: Array, k: int, s: float) -> Vec:
     """Position of the backbone at the fraction `s` of segment `k`."""
     rotation, position = frame(frames, k)
     return add(position, mat_vec(rotation, point(s * q[k, 0], s * q[k, 1], s * q[k, 2])))
+
+
+@kernel
+def place_on(q: Array, frames: Array, k: int, s: float) -> Vec:
+    """The same; at the ends of a segment the frames know it, so nothing is computed."""
+    if s <= 0.0:
+        return frame(frames, k)[1]
+    return frame(frames, k + 1)[1] if s >= 1.0 else body_point(q, frames, k, s)
+
+
+@kernel
+def tangent(q: Array, frames: Array, k: int, s: float) -> Vec:
+    """Unit tangent of the backbone at the fraction `s` of segment `k`, towards the tip."""
+    bend = math.hypot(q[k, 0], q[k, 1])
+    aside = math.sin(s * bend) / bend if bend > 0.0 else 0.0
+    return mat_vec(frame(frames, k)[0], (aside * q[k, 0], aside * q[k, 1], math.cos(s * bend)))
 
 
 @kernel

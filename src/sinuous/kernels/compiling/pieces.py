@@ -108,11 +108,11 @@ PIECES = (
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
     Piece("control loops", 15, ("kernels.velocity.query.tick",)),
     Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
-    Piece("the method dls", 4, ("methods.dls.search.search",)),
-    Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.search.search",)),
+    Piece("the method dls", 4, ("methods.dls.search",)),
+    Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.reaching.search",)),
     Piece("the method slinki", 6, ("methods.slinki.search.search",)),
-    Piece("the method fabrik_avoid", 6, ("methods.fabrik_avoid.search.search",)),
-    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search.search",)),
+    Piece("the method fabrik_avoid", 6, ("methods.fabrik.avoiding.search",)),
+    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",)),
 )
 """All that is compiled, what most users need first."""
 

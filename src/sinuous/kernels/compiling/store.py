@@ -76,6 +76,8 @@ class Store(NullCache):
     function : callable
     kind : str
         Of the code: a kernel is kept apart from an entry that is made of the same function.
+    file : str, optional
+        On which the code depends, with all that it imports; by default the file of the function.
 
     Attributes
     ----------
@@ -83,9 +85,9 @@ class Store(NullCache):
         Of the function, the same in every process.
     """
 
-    def __init__(self, function: Callable[..., Any], kind: str) -> None:
+    def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder = function, CACHE
-        stamp = stamp_of(function.__code__.co_filename)
+        stamp = stamp_of(file or function.__code__.co_filename)
         told = f"{kind} {function.__module__} {function.__qualname__} {stamp}"
         self.name = f"{kind}{hashlib.sha256(told.encode()).hexdigest()[:NAME_LENGTH]}"
 

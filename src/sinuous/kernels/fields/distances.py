@@ -24,6 +24,7 @@ from sinuous.kernels.tables import (
     POSE_POSITION,
     POSE_ROTATION,
     ROUNDING,
+    ROUNDOFF,
     SAMPLES,
     SCENE_HEADER,
     SIGN,
@@ -33,7 +34,7 @@ from sinuous.kernels.tables import (
 )
 
 Scene = namedtuple("Scene", ["table", "store"])
-"""Rows (m, 32), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
+"""Rows (m, 33), and the numbers (s,) that they point to; layout: see `sinuous.kernels.tables`.
 
 Where there is nothing, `None` may stand for it: that is another type, for which nothing is compiled that looks at
 obstacles. Who takes both asks `scene is None` of its own argument, first of all; Numba leaves out what cannot be."""
@@ -174,8 +175,24 @@ def nearest(scene: Scene, p: Vec) -> tuple[float, int]:
 
 @kernel
 def at_most(scene: Scene, p: Vec, reach: float) -> float:
-    """Upper bound of the distance of the point `p` to the scene, exact unless only samples are known."""
-    return closest(scene, p, reach, ABOVE)[0]
+    """Upper bound of the distance of the point `p` to the scene, whatever arithmetic does to that.
+
+    But for that it is exact, unless only samples are known; infinite where these bound nothing.
+    """
+    least = reach
+    for i in range(scene.table.shape[0]):
+        roundoff = scene.table[i, ROUNDOFF]
+        least = min(least, look(scene, i, p, least - roundoff, ABOVE)[0] + roundoff)
+    return least
+
+
+@kernel
+def most_roundoff(scene: Scene) -> float:
+    """What arithmetic may make any distance to the scene wrong by; see `tables.ROUNDOFF`."""
+    most = 0.0
+    for i in range(scene.table.shape[0]):
+        most = max(most, scene.table[i, ROUNDOFF])
+    return most
 
 
 @entry
@@ -193,7 +210,7 @@ def many(
     for j in range(points.shape[0]):
         p = get_vec(points, j, 0)
         values[j], which[j] = nearest(scene, p)
-        above[j] = at_most(scene, p, math.inf) if uncertain else values[j]
+        above[j] = closest(scene, p, math.inf, ABOVE)[0] if uncertain else values[j]
         if which[j] >= 0:
             _, g = slope(scene, which[j], p, math.inf, EXACT)
             gradients[j, 0], gradients[j, 1], gradients[j, 2] = g

@@ -144,6 +144,20 @@ def at_most(v: Corners, t: Vec, spacing: float) -> float:
 
 
 @kernel
+def at_most_below(v: Corners, t: Vec, spacing: float, exact_below: float) -> float:
+    """The same where samples from a value on are lower bounds alone; infinite where none of them bounds it.
+
+    A distance of 0 or less is known wherever a lower bound of it is no more: inside, no bound says more than it.
+    """
+    w = _ways(t, spacing)
+    least = math.inf
+    for i in range(8):
+        if v[i] < exact_below or v[i] <= 0.0:
+            least = min(least, v[i] + w[i])
+    return least
+
+
+@kernel
 def _outer(v: float) -> float:
     """Square of the distance to a set, which is 0 within it."""
     return v * v if v > 0.0 else 0.0

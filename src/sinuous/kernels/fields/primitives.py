@@ -63,14 +63,14 @@ def _shape(kind: int, rotation: Mat, half: Vec, p: Vec) -> tuple[float, Vec]:
 
 @kernel
 def axis_of(table: Array, i: int, axis: int) -> Vec:
-    """Unit vector along an axis of the primitive in row `i` of a scene (m, 32)."""
+    """Unit vector along an axis of the primitive in row `i` of a scene (m, 33)."""
     at = AXES + axis
     return table[i, at], table[i, at + 3], table[i, at + 6]
 
 
 @kernel
 def primitive(table: Array, i: int, p: Vec) -> tuple[float, Vec]:
-    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 32), and its gradient."""
+    """Signed distance of the point `p` to the primitive in row `i` of a scene (m, 33), and its gradient."""
     local = sub(p, get_vec(table, i, CENTER))
     if table[i, KIND] == SPHERE:
         d, g = sphere(local)

@@ -19,6 +19,7 @@ from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
 from sinuous.kernels.tables import (
     BALLS,
     CUBES,
+    EXACT_BELOW,
     FIRST_CELL,
     FIRST_SAMPLE,
     KIND,
@@ -173,7 +174,7 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) ->
     grid = grid_of(table, i, FIRST_SAMPLE)
     corners, t, beyond = grids.look_up(store, grid, p)
     if table[i, KIND] == SAMPLES:
-        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode)
+        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, mode, table[i, EXACT_BELOW])
         return d, d
     if mode == STEP:
         d, _ = _interpolate(table[i, SIGN], corners, t, beyond, grid.spacing)
@@ -183,11 +184,13 @@ def look(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int) ->
 
 
 @kernel
-def _look_at_samples(corners: grids.Corners, t: Vec, gap: float, spacing: float, mode: int) -> float:
+def _look_at_samples(
+    corners: grids.Corners, t: Vec, gap: float, spacing: float, mode: int, exact_below: float
+) -> float:
     if mode == STEP:
         return grids.value(corners, t) - gap
     if mode == ABOVE:
-        return grids.at_most(corners, t, spacing) + gap
+        return grids.at_most_below(corners, t, spacing, exact_below) + gap
     return grids.at_least(corners, t, spacing) - gap
 
 
@@ -205,7 +208,7 @@ def slope(table: Array, store: Array, i: int, p: Vec, reach: float, mode: int, k
     corners, t, beyond = grids.look_up(store, grid, p)
     d, g = _interpolate(table[i, SIGN] if kind == TREE else -1.0, corners, t, beyond, grid.spacing)
     if mode == EXACT:
-        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, EXACT)
+        d = _look_at_samples(corners, t, norm(beyond), grid.spacing, EXACT, math.inf)
     return d, g
 
 

@@ -68,7 +68,7 @@ def _smooth(memory: Memory, grid: Grid, scene: Scene, met: int, query: Query, ro
 def _proved_closed(memory: Memory, query: Query, scene: Scene) -> bool:
     """Prove that there is no route for any body of this radius, whatever its tangents."""
     clear(memory)
-    ended, _ = explore(memory, proof_grid(query), scene)
+    ended, _ = explore(memory, proof_grid(query, scene), scene)
     return ended == CLOSED
 
 

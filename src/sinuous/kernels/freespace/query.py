@@ -4,7 +4,7 @@ import math
 from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, closest
+from sinuous.kernels.fields.distances import Scene, closest, most_roundoff
 from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, norm, sub
@@ -163,9 +163,9 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
 
 
 @kernel
-def proof_grid(query: Query) -> Grid:
+def proof_grid(query: Query, scene: Scene) -> Grid:
     """The grid for the proof that there is no route: whatever any body of this radius can pass, can be passed."""
-    clearance = query.radius - HALF_DIAGONAL * query.cell
+    clearance = query.radius - HALF_DIAGONAL * query.cell - most_roundoff(scene)
     return Grid(
         query.origin,
         query.cell,

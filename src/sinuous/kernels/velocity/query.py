@@ -4,12 +4,13 @@ import math
 
 from sinuous.kernels.between.obstacles import Aim
 from sinuous.kernels.between.proof import prove_between
-from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion, measure_rates
+from sinuous.kernels.between.sweep import SEEN_WIDTH, Motion
 from sinuous.kernels.body.pieces import Scratch
 from sinuous.kernels.body.proof import CLEAR, prove
 from sinuous.kernels.body.self_pairs import Shape
 from sinuous.kernels.body.self_proof import prove_self
 from sinuous.kernels.chain.kinematics import forward, forward_with_columns, frame
+from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import allow, begin, late
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import coarseness, number_of

@@ -39,6 +39,7 @@ from sinuous.kernels.maths.vectors import (
     sub,
 )
 from sinuous.kernels.step.limits import bend_cap
+from sinuous.methods.search import cut
 
 Chain = namedtuple(
     "Chain", ["first", "share", "part", "points", "joints", "tangents", "bends", "lengths", "low", "high"]
@@ -57,30 +58,16 @@ SMALL = 1e-5
 """Bend below which a section's links are those of this bend; they differ by 1e-11 of its length at most."""
 
 
-PER_SEGMENT, BESIDE = 16, 7
-"""Numbers (float64) that a chain takes from a buffer at most: for every segment, and beside."""
-
-
 @kernel
-def carve_chain(buffer: Array, segments: int, sections: int) -> Chain:
-    """Lay out a chain in the beginning of `buffer` (w,), for so many segments and sections."""
-    n, m = segments, sections
-    points = 2 * n + m + 1
-    joints = points + 3 * m + 3
-    tangents = joints + 3 * m
-    rest = buffer[tangents + 3 * m + 3 :]
-    return Chain(
-        buffer[2 * n : points].view(np.int64),
-        buffer[:n],
-        buffer[n : 2 * n],
-        buffer[points:joints].reshape((m + 1, 3)),
-        buffer[joints:tangents].reshape((m, 3)),
-        buffer[tangents : tangents + 3 * m + 3].reshape((m + 1, 3)),
-        rest[:m],
-        rest[m : 2 * m],
-        rest[2 * m : 3 * m],
-        rest[3 * m : 4 * m],
-    )
+def carve_chain(buffer: Array, n: int, m: int) -> Chain:
+    """Lay out a chain in `buffer` (at least 16 n + 7), for n segments in m sections, m at most n."""
+    share, part, rest = buffer[:n], buffer[n : 2 * n], buffer[2 * n :]
+    first, rest = rest[: m + 1].view(np.int64), rest[m + 1 :]
+    points, rest = cut(rest, m + 1, 3)
+    joints, rest = cut(rest, m, 3)
+    tangents, rest = cut(rest, m + 1, 3)
+    of, _ = cut(rest, 4, m)
+    return Chain(first, share, part, points, joints, tangents, of[0], of[1], of[2], of[3])
 
 
 @kernel

@@ -2,46 +2,52 @@
 
 The unknowns are the points where arcs meet. The last is the goal, so that the position is exact by construction; what
 has to be reached is that all lengths lie in their ranges, that the tip points where it should, and that the body is
-clear. The first path that the common check (see `sinuous.kernels.solve.judge`) calls solved ends the search.
+clear. The first path that the common check (see `sinuous.methods.judge`) calls solved ends the search.
 """
+
+import math
 
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
-from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.maths.vectors import Array, get_vec
-from sinuous.kernels.problem import Problem, read_robot
-from sinuous.kernels.solve.driver import NO_START, Start, driver
-from sinuous.kernels.solve.judge import Answer, Check, check_size
-from sinuous.kernels.tables import DIRECTION, GOAL, METHOD_OPTIONS, MOUNT, ORIENTATION, TARGET_POSITION, UNIT, Budget
-from sinuous.methods.opti_path.costs import Setting
-from sinuous.methods.opti_path.improve import improve
-from sinuous.methods.opti_path.path import Aim, Path, Work, want
+from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.vectors import Array, copy, get_vec, norm
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.step.targets import direction_vector
+from sinuous.kernels.tables import DIRECTION, GOAL, MAX_LENGTH, MIN_LENGTH, ORIENTATION, TARGET_POSITION
+from sinuous.methods.judge import Answer, Check, has_obstacles, offer
+from sinuous.methods.opti_path.bezier import configuration_of
+from sinuous.methods.opti_path.costs import ADJOINT, Setting, Weights
+from sinuous.methods.opti_path.gradient import gradient_backwards, gradient_by_differences
+from sinuous.methods.opti_path.path import Aim, Path, Work, trace, want
 from sinuous.methods.opti_path.potential import read_potential
 from sinuous.methods.opti_path.starts import begin_path
+from sinuous.methods.opti_path.steps import move, project, scheduled
+from sinuous.methods.search import NO_START, Start, cut, search_by
 
 OPTIONS = len(Setting._fields)
 
+STILL = 1e-9
+"""A move, in lengths of a segment, after which nothing is expected any more."""
 
-def workspace_size(segments: int, obstacles: int) -> int:
-    """Numbers (float64) that a solve needs as workspace."""
-    return 15 * (segments + 1) + 22 * segments + check_size(segments, obstacles)
+
+def scratch_size(n: int) -> int:
+    """Numbers (float64) of the scratch for n segments."""
+    return 5 * 3 * (n + 1) + 15 * n + 4 * n + 3 * n
 
 
 @kernel
-def carve_path(buffer: Array, n: int) -> tuple[Path, Array, Array]:
-    """Lay out a path and a configuration in `buffer` (w,) for n segments; returns the rest of the buffer too."""
-    m = 3 * (n + 1)
-    rest = buffer[5 * m :]
-    path = Path(
-        buffer[:m].reshape((n + 1, 3)),
-        buffer[m : 2 * m].reshape((n + 1, 3)),
-        buffer[2 * m : 3 * m].reshape((n + 1, 3)),
-        rest[: 15 * n].reshape((n, 15)),
-        buffer[3 * m : 4 * m].reshape((n + 1, 3)),
-        buffer[4 * m : 5 * m].reshape((n + 1, 3)),
-        rest[15 * n : 19 * n].reshape((n, 4)),
-    )
-    return path, rest[19 * n : 22 * n].reshape((n, 3)), rest[22 * n :]
+def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
+    """Lay out a path and a configuration (n, 3) in `buffer`, for n segments."""
+    points, rest = cut(buffer, n + 1, 3)
+    kept, rest = cut(rest, n + 1, 3)
+    tangents, rest = cut(rest, n + 1, 3)
+    update, rest = cut(rest, n + 1, 3)
+    avoid, rest = cut(rest, n + 1, 3)
+    arcs, rest = cut(rest, n, 15)
+    wanted, rest = cut(rest, n, 4)
+    q, _ = cut(rest, n, 3)
+    return Path(points, kept, tangents, arcs, update, avoid, wanted), q
 
 
 @kernel
@@ -62,38 +68,107 @@ def read_aim(problem: Problem) -> Aim:
 
 
 @kernel
+def look(problem: Problem, aim: Aim, path: Path) -> tuple[float, float]:
+    """By how much the lengths of a traced path, and its last tangent, are off: length unit, rad."""
+    long = 0.0
+    for k in range(path.arcs.shape[0]):
+        length = path.arcs[k, 14]
+        long = max(long, problem.limits[k, MIN_LENGTH] - length, length - problem.limits[k, MAX_LENGTH])
+    turn = norm(direction_vector(get_vec(path.tangents, path.arcs.shape[0], 0), aim.direction)) if aim.directed else 0.0
+    return long, turn
+
+
+@kernel
+def descend(problem: Problem, check: Check, work: Work, weights: Weights, aim: Aim, obstacles: bool) -> float:
+    """Move the points of a traced path one step down; how far the most moved."""
+    path, _, setting, potential = work
+    if setting.gradient == ADJOINT:
+        gradient_backwards(problem.scene, potential, setting, weights, aim, path, obstacles, check.clock)
+    else:
+        gradient_by_differences(problem.scene, potential, setting, weights, aim, path, obstacles, check.clock)
+    if obstacles and setting.project != 0.0:
+        project(path)
+    return move(setting, path, aim.unit)
+
+
+@kernel
+def settle(problem: Problem, check: Check, work: Work, aim: Aim, source: int, answer: Answer) -> int:
+    """Go on from a solved path, farther from obstacles and limits; what is not solved any more is not taken.
+
+    Returns the number of iterations.
+    """
+    path, q, setting, _ = work
+    weights = scheduled(setting, 0, True, True)
+    count = int(setting.settle)
+    for _ in range(count):
+        if late(check.clock):
+            break
+        descend(problem, check, work, weights, aim, True)
+        trace(path)
+    configuration_of(path.points, check.frames, q)
+    offer(problem, check, q, source, answer)
+    return count
+
+
+@kernel
+def improve(problem: Problem, check: Check, work: Work, aim: Aim, source: int, answer: Answer) -> tuple[int, bool]:
+    """Improve a path until it is solved, does not move any more, or its iterations or the time are over.
+
+    Returns the number of iterations and whether it is solved. Of paths that are not, the one whose lengths and
+    orientation were the least off is offered.
+    """
+    path, q, setting, _ = work
+    obstacles = has_obstacles(problem)
+    least = math.inf
+    iteration = 0
+    while True:
+        trace(path)
+        long, turn = look(problem, aim, path)
+        off = max(long / aim.unit, turn)
+        if not math.isfinite(off):
+            break
+        if long <= 0.0 and turn <= problem.angle_tolerance:
+            configuration_of(path.points, check.frames, q)
+            if offer(problem, check, q, source, answer):
+                if obstacles and setting.settle > 0.0:
+                    iteration += settle(problem, check, work, aim, source, answer)
+                return iteration, True
+            least = -1.0
+        elif off < least:
+            least = off
+            copy(path.points, path.kept)
+        if iteration >= setting.iterations:
+            break
+        if spend(check.clock, SEGMENT_LOOKS * q.shape[0]):
+            break
+        weights = scheduled(setting, iteration, long > 0.0, turn > problem.angle_tolerance)
+        iteration += 1
+        far = descend(problem, check, work, weights, aim, obstacles)
+        if not far > STILL * aim.unit or not math.isfinite(far):
+            break
+    if 0.0 <= least < math.inf:
+        configuration_of(path.kept, check.frames, q)
+        offer(problem, check, q, source, answer)
+    return iteration, False
+
+
+@kernel
 def follow(
-    problem: Problem, check: Check, work: Work, options: Array, start: Start, answer: Answer
+    problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:
-    """Follow one start; see `sinuous.kernels.solve.driver`. The `options` are in `work` already."""
-    aim = read_aim(problem)
+    """Follow one start; see `sinuous.methods.search`.
+
+    `options` are those of `costs.Setting`, then what `potential.read_potential` takes apart.
+    """
+    path, q = carve_path(scratch, problem.limits.shape[0])
+    setting, aim = read_setting(options), read_aim(problem)
+    want(problem.limits, setting.dead_band, problem.mount, path)
+    potential = read_potential(options[OPTIONS:], setting.slope, setting.influence * aim.unit)
+    work = Work(path, q, setting, potential)
     source = begin_path(problem, check, work, aim, start)
     if source < 0:
         return NO_START, False
     return improve(problem, check, work, aim, source, answer)
 
 
-drive = driver(follow)
-
-
-@entry
-def search(
-    robot: Array,
-    scene: Array,
-    settings: Array,
-    targets: Array,
-    initial: Array,
-    budget: Budget,
-    workspace: Array,
-    answers: Array,
-) -> None:
-    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`.
-
-    The options in `settings` are those of `costs.Setting`, then what `potential.read_potential` takes apart.
-    """
-    n, options = int(robot[0]), settings[METHOD_OPTIONS:]
-    setting, sampled = read_setting(options), options[OPTIONS:]
-    path, q, rest = carve_path(workspace, n)
-    want(read_robot(robot).limits, setting.dead_band, settings[MOUNT], path)
-    work = Work(path, q, setting, read_potential(sampled, setting.slope, setting.influence * (settings[UNIT] / n)))
-    drive(work, (robot, scene, settings), targets, initial, budget, rest, answers)
+search = search_by(follow)

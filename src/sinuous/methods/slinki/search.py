@@ -1,33 +1,43 @@
-"""SLInKi (Chiang et al. 2021): weighted A* over motion primitives for all segments but two, FABRIKc for these.
+"""SLInKi: weighted A* over motion primitives for all segments but two, FABRIKc for these.
 
-The tree of `sinuous.methods.slinki.motion_primitives` grows until a node with two segments left costs least; FABRIKc
-then reaches from there for the target. Where it does not get there, or the whole shape is not clear, the search goes
-on. Of the paper only what others say of it could be had; chosen here are the primitives and what they cost, that
-FABRIKc begins with the single arc, that primitives which run into an obstacle are left out, and that a tree that
-found nothing is followed by others with more primitives.
+Chiang et al., "SLInKi: state lattice based inverse kinematics" (2021). The paper itself could not be had; this follows
+what others say of it. The tree of `sinuous.methods.slinki.lattice` grows until a node with two segments left costs
+least; FABRIKc then reaches from there for the target. Where it does not get there, or the whole shape is not clear, the
+search goes on. Chosen here are the primitives and what they cost, that FABRIKc begins with the single arc, that
+primitives which run into an obstacle are left out, and that a tree that found nothing is followed by others with more
+primitives.
+
+The tree lies in a workspace that is made beforehand. The iterations of a solution are nodes looked at and iterations of
+FABRIKc together.
 """
 
 import math
 from collections import namedtuple
+from dataclasses import dataclass
+from typing import ClassVar
 
 from sinuous.kernels.body.glance import deepest
 from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose, forward, frame, put_frame
 from sinuous.kernels.clock import SEGMENT_LOOKS, over, spend
-from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import price
 from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec, sub, vec_mat
-from sinuous.kernels.problem import Problem, read_robot
-from sinuous.kernels.solve.driver import NO_START, Start, driver, own_number
-from sinuous.kernels.solve.judge import Answer, Check, check_size, has_obstacles, offer
+from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap
-from sinuous.kernels.tables import ARC, MAX_LENGTH, METHOD_OPTIONS, MIN_LENGTH, Budget
+from sinuous.kernels.tables import ARC, MAX_LENGTH, MIN_LENGTH
+from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.fabrik.conversion import axis_of, end_goal, fold
-from sinuous.methods.fabrik.search import BESIDE as REACHING_BESIDE
-from sinuous.methods.fabrik.search import PER_SEGMENT as REACHING_PER_SEGMENT
-from sinuous.methods.fabrik.search import carve, descend
-from sinuous.methods.slinki.motion_primitives import PER_NODE, Tree, carve_tree, outlook, primitive, single
+from sinuous.methods.fabrik.reaching import carve, descend
+from sinuous.methods.fabrik.reaching import scratch_size as fabrik_size
+from sinuous.methods.judge import Answer, Check, has_obstacles, offer
+from sinuous.methods.options import Options, count, number
+from sinuous.methods.prepared import Compiled
+from sinuous.methods.search import NO_START, Start, compiled_search, cut, own_number, search_by
+from sinuous.methods.slinki.lattice import PER_NODE, Tree, carve_tree, outlook, primitive, single
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
 
 LAST = 2
 """Segments that FABRIKc reaches with."""
@@ -37,9 +47,6 @@ LEVELS = 3
 
 LOOKS = 4
 """Places of a primitive that are looked at for obstacles."""
-
-PER_SEGMENT, BESIDE = REACHING_PER_SEGMENT + 3, REACHING_BESIDE + 3
-"""Numbers (float64) that the scratch takes from a buffer without its nodes: for every segment, and beside."""
 
 Search = namedtuple("Search", ["tree", "work", "sums"])
 """Scratch of one solve: nodes, what FABRIKc works on, and sums (n + 1, 3) of limits (see `outlook`)."""
@@ -51,28 +58,28 @@ Growth = namedtuple("Growth", ["bends", "directions", "lengths", "weight"])
 """Primitives of a segment, as bends, directions and lengths; and the weight of what a node may still cost."""
 
 
-def workspace_size(segments: int, obstacles: int, nodes: int) -> int:
-    """Numbers (float64) that a search needs as workspace."""
-    return check_size(segments, obstacles) + PER_SEGMENT * segments + BESIDE + PER_NODE * nodes
+def scratch_size(n: int, nodes: int) -> int:
+    """Numbers (float64) of the scratch for n segments and a tree of so many nodes."""
+    return 3 * (n + 1) + PER_NODE * nodes + fabrik_size(n)
 
 
 @kernel
 def carve_search(buffer: Array, limits: Array, nodes: int) -> Search:
-    """Lay out the scratch in the beginning of `buffer` (w,), for a robot with these `limits` (n, 7)."""
+    """Lay out the scratch in `buffer`, for a robot with these `limits` (n, 7)."""
     n = limits.shape[0]
-    sums = buffer[: 3 * n + 3].reshape((n + 1, 3))
+    sums, rest = cut(buffer, n + 1, 3)
     put_vec(sums, n, 0, ZERO)
     for j in range(n):
         k = n - 1 - j
         sums[k, 0] = sums[k + 1, 0] + limits[k, MIN_LENGTH]
         sums[k, 1] = sums[k + 1, 1] + limits[k, MAX_LENGTH]
         sums[k, 2] = sums[k + 1, 2] + bend_cap(limits, k, limits[k, MAX_LENGTH])
-    work = carve(buffer[3 * n + 3 :], n, min(LAST, n))
+    tree, work = carve_tree(rest, nodes), carve(rest[PER_NODE * nodes :], n, min(LAST, n))
     for i in range(work.chain.bends.shape[0] + 1):
         work.chain.first[i] = max(0, n - LAST) + i
     for k in range(n):
         work.chain.share[k] = 1.0
-    return Search(carve_tree(buffer[PER_SEGMENT * n + BESIDE :], nodes), work, sums)
+    return Search(tree, work, sums)
 
 
 @kernel
@@ -146,7 +153,7 @@ def grow(
     """Grow one tree until an answer is solved, nothing is open, or time is over.
 
     Returns the number of nodes looked at and iterations of FABRIKc, and whether it is solved. `options` (6,): see
-    `follow`; every `level` has more primitives.
+    `Slinki`; every `level` has more primitives.
     """
     tree, work, n = scratch.tree, scratch.work, problem.limits.shape[0]
     growth = Growth(int(options[2]) + level, int(options[3]) + 4 * level, int(options[4]) + level, options[5])
@@ -181,37 +188,51 @@ def grow(
 
 @kernel
 def follow(
-    problem: Problem, check: Check, scratch: Search, options: Array, start: Start, answer: Answer
+    problem: Problem, check: Check, scratch: Array, options: Array, start: Start, answer: Answer
 ) -> tuple[int, bool]:
-    """Follow one start; see `sinuous.kernels.solve.driver`. Initial configurations are counted and passed over.
+    """Follow one start; see `sinuous.methods.search`. Initial configurations are counted and passed over.
 
-    `options` (6,): most iterations of FABRIKc from one node, most nodes, rings and directions of bends, lengths, and
-    the weight of what a node may still cost. Nothing is random.
+    The `options` are the fields of `Slinki`. Nothing is random.
     """
     level = own_number(start)
     if level < 0:
         return 0, False
     if level >= LEVELS:
         return NO_START, False
-    return grow(problem, check, scratch, options, level, answer)
+    own = carve_search(scratch, problem.limits, int(options[1]))
+    return grow(problem, check, own, options, level, answer)
 
 
-drive = driver(follow)
+search = search_by(follow)
 
 
-@entry
-def search(
-    robot: Array,
-    scene: Array,
-    settings: Array,
-    targets: Array,
-    initial: Array,
-    budget: Budget,
-    workspace: Array,
-    answers: Array,
-) -> None:
-    """Solve m problems, laid out as `driver` says; `workspace` (w,) is scratch, see `workspace_size`."""
-    n, nodes = int(robot[0]), int(settings[METHOD_OPTIONS + 1])
-    scratch = carve_search(workspace, read_robot(robot).limits, nodes)
-    rest = workspace[PER_SEGMENT * n + BESIDE + PER_NODE * nodes :]
-    drive(scratch, (robot, scene, settings), targets, initial, budget, rest, answers)
+@dataclass(frozen=True, repr=False)
+class Slinki(Options):
+    """Options of the method `slinki`.
+
+    Attributes
+    ----------
+    iterations : int
+        Most iterations of FABRIKc from one node of the tree.
+    nodes : int
+        Most nodes of one tree; each takes 168 bytes of every thread's workspace.
+    bends, directions, lengths : int
+        Primitives of a segment: so many angles besides straight (growing with their squares, a quarter turn at most),
+        in so many directions, at so many lengths. Every further start takes more of them, three in all.
+    weight : float
+        Weight of what a node may still cost against what it costs; 1 searches widely, more goes straight ahead.
+    """
+
+    method: ClassVar[str] = "slinki"
+    capabilities: ClassVar[Capabilities] = Capabilities("Chiang et al. 2021", obstacles=True, initial=False)
+
+    iterations: int = count(60, 1, 1_000_000)
+    nodes: int = count(8192, 2, 100_000_000)
+    bends: int = count(3, 1, 100)
+    directions: int = count(8, 3, 1000)
+    lengths: int = count(3, 1, 100)
+    weight: float = number(10.0, low=0.0)
+
+    def compiled(self, robot: Robot, scene: Scene) -> Compiled:
+        """Return the compiled search; see `Options.compiled`."""
+        return compiled_search(search, scratch_size(len(robot), self.nodes), self.vector(), robot, scene)

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks
-from sinuous.arguments import Number, Vector
+from sinuous.arguments import Number, Truth, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene.grids.samples import along_axes, check_lipschitz, sample_points
+from sinuous.scene.grids.samples import along_axes, check_lipschitz, checked_exactness, exact_below, sample_points
 from sinuous.scene.obstacles import IDENTITY, Obstacle
 
 MOST = 2**26
@@ -32,12 +32,17 @@ class Field(Obstacle):
     Parameters
     ----------
     function : callable
-        From points (m, 3) in the world to signed distances (m,), positive outside: it may change by no more than the
-        distance between two points (a lower bound of the true distance is one, mostly).
+        From points (m, 3) in the world to signed distances (m,), positive outside, or to lower bounds of them: it may
+        change by no more than the distance between two points.
     low, high : array_like (3,)
         Opposite corners of the box.
     spacing : float
         Of the grid, along every axis. Its last points may lie beyond `high`.
+    exact : bool, optional
+        Whether the function gives distances, not lower bounds of them. By default that is not known: then only where it
+        is not positive does it prove that there is no solution.
+    truncated : float, optional
+        The value at which distances are cut off: below it they are exact.
     name : str, optional
 
     Attributes
@@ -62,6 +67,8 @@ class Field(Obstacle):
     spacing: float
     values: Floats
     axes: Floats
+    exact: bool | None
+    truncated: float | None
 
     def __init__(
         self,
@@ -70,6 +77,8 @@ class Field(Obstacle):
         high: Vector,
         spacing: Number,
         *,
+        exact: Truth | None = None,
+        truncated: Number | None = None,
         name: str | None = None,
     ) -> None:
         if not callable(function):
@@ -81,7 +90,18 @@ class Field(Obstacle):
         values = _sampled(function, start, step, _shape(end - start, step))
         check_lipschitz("function", values, step, float(np.finfo(np.float64).eps))
         values.flags.writeable = False
-        self._keep(name, function=function, low=start, high=end, spacing=step, values=values, axes=IDENTITY)
+        known = checked_exactness(exact, truncated)
+        self._keep(name, function=function, low=start, high=end, spacing=step, values=values, axes=IDENTITY, **known)
+
+    @property
+    def exact_below(self) -> float:
+        """From which value on values are lower bounds of the distance alone, unless they are not positive."""
+        return exact_below(self.exact, self.truncated, 0.0)
+
+    def at_most(self, points: Floats) -> Floats:
+        """Upper bounds (m,) of the distance of points (m, 3); infinite where the function gives none."""
+        own = evaluate(self.function, points)
+        return np.where((own < self.exact_below) | (own <= 0.0), own, math.inf)
 
     @property
     def origin(self) -> Floats:

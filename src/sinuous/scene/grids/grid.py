@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks
-from sinuous.arguments import Number, Occupancy, Vector
+from sinuous.arguments import Number, Occupancy, Truth, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.scene.grids.samples import along_axes, check_lipschitz
+from sinuous.scene.grids.samples import along_axes, check_lipschitz, checked_exactness, exact_below
 from sinuous.scene.obstacles import IDENTITY, Obstacle
 from sinuous.scene.sources import Source
+
+KNOWN = ("exact", "truncated")
+"""Arguments that say what is known of values."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -34,6 +37,11 @@ class Grid(Obstacle):
         Point of `values[0, 0, 0]`, in the world.
     spacing : float
         Between neighbours along every axis.
+    exact : bool, optional
+        Whether distances are exact, not lower bounds of them. By default they are, below the largest of them: that may
+        have been cut off.
+    truncated : float, optional
+        The value at which distances were cut off: below it they are exact.
     name : str, optional
 
     Attributes
@@ -56,10 +64,30 @@ class Grid(Obstacle):
     origin: Floats
     spacing: float
     axes: Floats
+    exact: bool | None
+    truncated: float | None
 
-    def __init__(self, values: Occupancy, origin: Vector, spacing: Number, *, name: str | None = None) -> None:
+    def __init__(
+        self,
+        values: Occupancy,
+        origin: Vector,
+        spacing: Number,
+        *,
+        exact: Truth | None = None,
+        truncated: Number | None = None,
+        name: str | None = None,
+    ) -> None:
         start, step = checks.vector("origin", origin), checks.number("spacing", spacing, above=0.0)
-        self._keep(name, values=_checked("values", values, step), origin=start, spacing=step, axes=IDENTITY)
+        given, known = _checked("values", values, step), checked_exactness(exact, truncated)
+        for key, value in known.items():
+            if value is not None and given.dtype == np.bool_:
+                raise InputError(key, "is for distances", value, "none: these values say what is occupied")
+        self._keep(name, values=given, origin=start, spacing=step, axes=IDENTITY, **known)
+
+    @property
+    def exact_below(self) -> float:
+        """From which value on values are lower bounds of the distance alone, unless they are not positive."""
+        return exact_below(self.exact, self.truncated, float(self.values.max()))
 
     @property
     def occupancy(self) -> bool:
@@ -71,8 +99,21 @@ class Grid(Obstacle):
         return along_axes(self.origin, self.axes, self.spacing * steps)
 
     @classmethod
-    def load(cls, file: str | Path, name: str | None = None) -> "Grid":
+    def load(
+        cls,
+        file: str | Path,
+        name: str | None = None,
+        *,
+        exact: Truth | None = None,
+        truncated: Number | None = None,
+    ) -> "Grid":
         """Read an NPZ file with the arrays `values`, `origin` and `spacing`; nothing in it is ever unpickled.
+
+        Parameters
+        ----------
+        file : path
+        name, exact, truncated
+            See `Grid`.
 
         Raises
         ------
@@ -83,10 +124,11 @@ class Grid(Obstacle):
 
         arrays = read_arrays(Path(file))
         try:
-            grid = cls(arrays["values"], arrays["origin"], arrays["spacing"].item(), name=name)
+            known = checked_exactness(exact, truncated)
+            grid = cls(arrays["values"], arrays["origin"], arrays["spacing"].item(), name=name, **known)
         except InputError as error:
-            raise error if error.key == "name" else error.in_file(file) from None
-        grid._set(_source=Source.of(file))
+            raise error if error.key in ("name", *KNOWN) else error.in_file(file) from None
+        grid._set(_source=Source.of(file, **known))
         return grid
 
 

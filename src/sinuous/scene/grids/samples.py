@@ -1,10 +1,14 @@
 """Values on a regular grid of points, as they stand for a distance."""
 
+import math
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous import checks
+from sinuous.arguments import Number, Truth
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 
@@ -74,3 +78,20 @@ def sample_points(origin: Floats, spacing: float, shape: tuple[int, ...], first:
 def along_axes(origin: Floats, axes: Floats, offsets: Floats) -> Floats:
     """Points (m, 3) that are so far (m, 3) from an origin along axes, the columns of (3, 3)."""
     return origin + (offsets if np.array_equal(axes, np.eye(3)) else offsets @ axes.T)
+
+
+def checked_exactness(exact: Truth | None, truncated: Number | None) -> dict[str, Any]:
+    """Check what is said of values: whether they are distances, and the value at which they are cut off."""
+    return {
+        "exact": None if exact is None else checks.truth("exact", exact),
+        "truncated": None if truncated is None else checks.number("truncated", truncated, above=0.0),
+    }
+
+
+def exact_below(exact: bool | None, truncated: float | None, unsaid: float) -> float:
+    """Return the value from which on values are lower bounds of a distance alone; `unsaid` where nothing is said."""
+    if exact is False:
+        return 0.0
+    if truncated is not None:
+        return truncated
+    return unsaid if exact is None else math.inf

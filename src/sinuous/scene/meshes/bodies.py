@@ -1,5 +1,7 @@
 """Closed triangles as bodies, each with its cavities, and which of them may overlap."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from sinuous.checks import Floats
@@ -57,3 +59,126 @@ def _boxes(vertices: Floats, faces: Integers, piece: Integers, count: int) -> tu
     np.minimum.at(low, piece, corners.min(axis=1))
     np.maximum.at(high, piece, corners.max(axis=1))
     return low, high
+
+
+AT_ONCE = 100_000
+"""Pairs of triangles that are held against each other at once."""
+
+TOUCHING = 1e-12
+"""What counts as no distance of a corner from the plane of a triangle, relative to the extent of both pieces."""
+
+INWARDS = 1e-7
+"""How far below its surface a body is looked at, relative to its extent."""
+
+
+def bodies_overlap(vertices: Floats, faces: Integers) -> bool:
+    """Whether bodies of one mesh overlap, or a cavity reaches out of its body: exactly, however thin what they share.
+
+    Then distances to the nearest triangle do not tell which side of the whole a place is on. Where no triangles of two
+    closed surfaces cross, each lies on one side of the other, which a single place tells. Where they touch, like faces
+    in one plane, all triangles are asked.
+
+    Parameters
+    ----------
+    vertices : ndarray (v, 3)
+    faces : ndarray (f, 3)
+        Closed and facing outwards, cavities inwards.
+    """
+    piece = pieces(vertices, faces)
+    volumes = np.bincount(piece, cones(vertices, faces)).astype(np.float64)
+    low, high = _boxes(vertices, faces, piece, len(volumes))
+    first, second = np.triu_indices(len(volumes), 1)
+    meet = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
+    if not meet.any():
+        return False
+    corners = vertices[faces]
+    owner = _owners(vertices, faces, piece, volumes)
+    touching = set()
+    for a, b in zip(first[meet].tolist(), second[meet].tolist(), strict=True):
+        crossing, near = _cross(corners[piece == a], corners[piece == b])
+        if crossing:
+            return True
+        if near:
+            touching |= {(owner[a], owner[b]), (owner[b], owner[a])}
+    solids = np.flatnonzero(volumes > 0.0).tolist()
+    return any(
+        _inside(corners[piece == b], corners[owner[piece] == a], (b, a) in touching or (a, b) in touching)
+        for a in solids
+        for b in solids
+        if a != b and ((low[a] <= high[b]) & (low[b] <= high[a])).all()
+    )
+
+
+def _inside(body: Floats, other: Floats, touching: bool) -> bool:
+    """Whether what is just below the surface of a body (f, 3, 3) lies within another one, with its cavities."""
+    sides = np.cross(body[:, 1] - body[:, 0], body[:, 2] - body[:, 0])
+    normals = sides / np.linalg.norm(sides, axis=1)[:, None]
+    extent = float(np.ptp(body.reshape(-1, 3), axis=0).max())
+    below = body.mean(axis=1) - INWARDS * extent * normals
+    largest = np.argsort(-np.linalg.norm(sides, axis=1))
+    asked = below[largest if touching else largest[:1]]
+    around = ((asked >= other.min(axis=(0, 1))) & (asked <= other.max(axis=(0, 1)))).all(axis=1)
+    return bool((winding_numbers(asked[around], other) > 0.5).any())
+
+
+def _cross(one: Floats, other: Floats) -> tuple[bool, bool]:
+    """Whether triangles (f, 3, 3) of two surfaces cross each other, and whether any come as near as rounding."""
+    # The coordinates are small: rounding is that of the extent, wherever the mesh stands.
+    middle = one.reshape(-1, 3).mean(axis=0)
+    one, other = one - middle, other - middle
+    extent = float(max(np.abs(one).max(), np.abs(other).max()))
+    near = False
+    for i, j in _box_pairs(one, other):
+        if len(i):
+            crossing, touching = _edges_cross(one[i], other[j], extent)
+            again, too = _edges_cross(other[j], one[i], extent)
+            if crossing or again:
+                return True, True
+            near = near or touching or too
+    return False, near
+
+
+def _box_pairs(one: Floats, other: Floats) -> Iterator[tuple[Integers, Integers]]:
+    """Numbers (m,) of triangles of both sets whose boxes meet, some pairs at a time: large sets are halved."""
+    lows, highs = [t.min(axis=1) for t in (one, other)], [t.max(axis=1) for t in (one, other)]
+    todo = [(np.arange(len(one)), np.arange(len(other)))]
+    while todo:
+        own = todo.pop()
+        box_low = np.maximum(*(low[at].min(axis=0) for low, at in zip(lows, own, strict=True)))
+        box_high = np.minimum(*(high[at].max(axis=0) for high, at in zip(highs, own, strict=True)))
+        i, j = (
+            at[((low[at] <= box_high) & (high[at] >= box_low)).all(axis=1)]
+            for low, high, at in zip(lows, highs, own, strict=True)
+        )
+        if len(i) * len(j) <= AT_ONCE:
+            meet = ((lows[0][i, None] <= highs[1][j]) & (highs[0][i, None] >= lows[1][j])).all(axis=-1)
+            a, b = np.nonzero(meet)
+            yield i[a], j[b]
+        else:  # halve the larger set by its longest side
+            large, small, turned = (i, j, False) if len(i) >= len(j) else (j, i, True)
+            middles = (one, other)[turned][large].mean(axis=1)
+            order = large[np.argsort(middles[:, int(np.ptp(middles, axis=0).argmax())])]
+            todo += [(small, half) if turned else (half, small) for half in np.array_split(order, 2)]
+
+
+def _edges_cross(edges: Floats, triangles: Floats, extent: float) -> tuple[bool, bool]:
+    """Whether an edge of a triangle (m, 3, 3) passes through the other one, and whether one only just may."""
+    crossing = touching = False
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    for k in range(3):
+        p, q = edges[:, k], edges[:, (k + 1) % 3]
+        sides = np.stack([_volume(p, a, b, c), _volume(q, a, b, c)])
+        about = np.stack([_volume(p, q, a, b), _volume(p, q, b, c), _volume(p, q, c, a)])
+        small = TOUCHING * extent**3
+        apart = ((sides > small).all(axis=0)) | ((sides < -small).all(axis=0))
+        apart |= (about > small).any(axis=0) & (about < -small).any(axis=0)
+        sure = (np.abs(sides) > small).all(axis=0) & (np.abs(about) > small).all(axis=0)
+        crossing = crossing or bool((~apart & sure).any())
+        touching = touching or bool((~apart & ~sure).any())
+    return crossing, touching
+
+
+def _volume(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+    """Six times the signed volume (m,) of tetrahedra with these corners (m, 3)."""
+    result: Floats = ((b - a) * np.cross(c - a, d - a)).sum(axis=-1)
+    return result

@@ -14,6 +14,7 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import (
     COUNT,
     CUBE_HALF,
+    EXACT_BELOW,
     FIRST_CELL,
     FIRST_SAMPLE,
     ITEM_KIND,
@@ -28,6 +29,7 @@ from sinuous.kernels.tables import (
     PLACED,
     POSE_WIDTH,
     ROUNDING,
+    ROUNDOFF,
     SAMPLES,
     SHAPE,
     SIGN,
@@ -37,6 +39,7 @@ from sinuous.kernels.tables import (
 from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.grids.field import Field
 from sinuous.scene.grids.grid import Grid
+from sinuous.scene.meshes.bodies import bodies_overlap
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.prepared import sampling, trees
@@ -53,7 +56,7 @@ class Part:
 
     Attributes
     ----------
-    row : ndarray (32,)
+    row : ndarray (33,)
         Its places in the store are counted from the beginning of its own.
     store : ndarray (s,)
     """
@@ -111,6 +114,7 @@ def put(part: Part, pose: Floats) -> Part:
     row = part.row.copy()
     row[PLACED] = 1.0
     row[PLACE : PLACE + POSE_WIDTH] = packing.pose_row(pose)[0]
+    row[ROUNDOFF] += packing.roundoff(pose[None, :3, 3])
     return Part(row, part.store)
 
 
@@ -140,7 +144,7 @@ def join(parts: Sequence[Part]) -> Floats:
 
 def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
     if isinstance(obstacle, Field) or (isinstance(obstacle, Grid) and not obstacle.occupancy):
-        return _of_samples(obstacle.values, obstacle.origin, obstacle.spacing)
+        return _of_samples(obstacle.values, obstacle.origin, obstacle.spacing, obstacle.exact_below)
     if isinstance(obstacle, Grid):
         occupied = np.argwhere(obstacle.values)
         return _sampled(trees.cubes(obstacle.origin + obstacle.spacing * occupied, obstacle.spacing), progress)
@@ -153,7 +157,7 @@ def _prepare(obstacle: Obstacle, name: str, progress: Progress | None) -> Part:
             return _with_candidates(pieces)
         part = _sampled(pieces, progress)  # of a small one, too: samples tell whether its sides are as its normals say
         if obstacle.watertight:
-            _check_sides(part, name)
+            _check_sides(obstacle, part, name)
         return _with_candidates(pieces) if small else part
     raise NotImplementedError(f"no distance to {type(obstacle).__name__}")
 
@@ -168,6 +172,8 @@ def _of_pieces(pieces: Pieces) -> Part:
     normals = items + pieces.items.size
     row[[NODES, ITEMS]] = 0.0, items
     row[[NORMALS, FIRST_SAMPLE, FIRST_CELL]] = normals if len(pieces.normals) else -1.0, -1.0, -1.0
+    if len(pieces.items):
+        row[ROUNDOFF] = packing.roundoff(np.stack([pieces.low, pieces.high]), abs(pieces.rounding))
     return Part(row, np.concatenate([pieces.nodes.ravel(), pieces.items.ravel(), pieces.normals.ravel()]))
 
 
@@ -186,10 +192,13 @@ def _sampled(pieces: Pieces, progress: Progress | None) -> Part:
     )
 
 
-def _of_samples(values: Floats, low: Floats, spacing: float) -> Part:
-    """Row and store of samples alone."""
+def _of_samples(values: Floats, low: Floats, spacing: float, exact_below: float) -> Part:
+    """Row and store of samples alone, which are distances below a value."""
     row = np.zeros(OBSTACLE_WIDTH)
     row[[KIND, SIGN, NODES, ITEMS, NORMALS, FIRST_CELL]] = SAMPLES, 1.0, -1.0, -1.0, -1.0, -1.0
+    row[EXACT_BELOW] = exact_below
+    corners = np.stack([low, low + spacing * np.array(values.shape)])
+    row[ROUNDOFF] = packing.roundoff(corners, float(np.abs(values).max()))
     return Part(_with_grid(row, FIRST_SAMPLE, 0, values.shape, low, spacing), values.ravel().copy())
 
 
@@ -210,8 +219,13 @@ def _with_grid(row: Floats, first: int, at: int, shape: Any, low: Floats, spacin
     return result
 
 
-def _check_sides(part: Part, name: str) -> None:
-    """Refuse a solid whose sides cannot be told apart: where its surface cuts through itself, distances jump."""
+def _check_sides(mesh: Mesh, part: Part, name: str) -> None:
+    """Refuse a solid whose sides cannot be told apart: bodies that overlap, or a surface that cuts through itself.
+
+    The former are found exactly, the latter by distances that jump between samples.
+    """
+    if bodies_overlap(mesh.vertices, mesh.faces):
+        raise InputError(name, "cuts through itself", "bodies that overlap", "its bodies one by one: mesh.bodies()")
     at, spacing = int(part.row[FIRST_SAMPLE]), float(part.row[SPACING])
     shape = part.row[SHAPE : SHAPE + 3].astype(int)
     values = part.store[at:].reshape(shape)

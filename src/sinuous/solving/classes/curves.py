@@ -18,21 +18,29 @@ from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.polylines import lengths_along, points_at
 
-FEWEST, MOST = 64, 512
-"""Points of a curve."""
+FEWEST = 64
+"""Least number of points of a curve."""
+
+MOST = 512
+"""Largest number of points of a curve."""
 
 A_RADIUS = 1.5
 """Points of a curve for each radius of the body in the length of the robot."""
 
-CLEAR, SPACED = 0.85, 1.2
-"""What a curve keeps from the obstacles while it is drawn tight: in radii of the body, and no less than so many
-distances between its points."""
+CLEAR = 0.85
+"""Distance that a curve keeps from the obstacles while it is drawn tight, in radii of the body."""
 
-ALIKE, HALFWAY = 0.5, 0.7
-"""What a leash keeps, and a curve between two others, in units of that."""
+SPACED = 1.2
+"""Least distance that it keeps, in distances between its points."""
+
+ALIKE = 0.5
+"""Distance from the obstacles that the lines between two curves that are alike keep, in units of that distance."""
+
+HALFWAY = 0.7
+"""Distance from the obstacles that a curve halfway between two others keeps, in units of that distance."""
 
 DEPTH = 2
-"""How often a deformation may be divided: it leads over 2 ** DEPTH - 1 curves in between, at most."""
+"""How often a deformation may be divided: it leads over at most 2 ** DEPTH - 1 curves between both."""
 
 
 class Seen(NamedTuple):
@@ -106,7 +114,7 @@ class Curves:
         return self.alike(a, middle, depth - 1) and self.alike(middle, b, depth - 1)
 
     def alike_one(self, curve: Floats, others: Sequence[Floats]) -> int | None:
-        """Return which of other curves this one (N, 3) is alike, the nearest first; `None`: none of them."""
+        """Return which of other curves this curve (N, 3) is alike, the nearest of them; `None` where there is none."""
         apart = [float(np.abs(curve - other).max()) for other in others]
         return next((i for i in np.argsort(apart).tolist() if self.alike(curve, others[i])), None)
 

@@ -10,17 +10,17 @@ from sinuous.solution.route_class import SIDES, Passing, RouteClass
 from sinuous.solving.classes.curves import Curves, across
 
 LOOKS = 16
-"""Directions across a curve in which it is looked how an obstacle lies about it."""
+"""Directions across a curve in which an obstacle is looked for."""
 
 SURROUNDED = 0.5
-"""Share of them in which the same obstacle is met, above which a curve leads through it."""
+"""Share of these directions in which an obstacle is met, above which the curve leads through that obstacle."""
 
 
 def sort_out(curves: Curves, own: Sequence[Floats]) -> list[int]:
-    """Return the class of each of m curves (N, 3): the place in the list of one before it that it is alike, or its own.
+    """Return the class of each of m curves (N, 3): the number of the first curve of its class.
 
-    Compared is only with the first of every class, so that no two of them are alike. Which curves those are matters:
-    around a ball each one may be alike its neighbours, and the last one not alike the first.
+    Each curve is compared only with the first curve of each class, so that no two of these are alike. The result
+    depends on the order: around a ball each curve may be alike its neighbours, and the last one not alike the first.
     """
     firsts: list[int] = []
     found = []
@@ -34,7 +34,7 @@ def sort_out(curves: Curves, own: Sequence[Floats]) -> list[int]:
 
 
 def name_classes(curves: Curves, firsts: Sequence[Floats]) -> list[RouteClass]:
-    """Number classes in this order, and say what the first curve (N, 3) of each passes that others pass otherwise."""
+    """Number classes in this order; say which obstacles the first curve (N, 3) of each passes on a side of its own."""
     named = []
     for i, own in enumerate(firsts):
         others = [other for j, other in enumerate(firsts) if j != i]
@@ -44,7 +44,7 @@ def name_classes(curves: Curves, firsts: Sequence[Floats]) -> list[RouteClass]:
 
 
 def _aside(curves: Curves, own: Floats, others: Sequence[Floats]) -> dict[int, Floats]:
-    """Return the obstacles between a curve (N, 3) and others, and for each the sum of the unit vectors across it."""
+    """Return the obstacles between a curve (N, 3) and others, each with the sum of unit vectors from the others."""
     found: dict[int, Floats] = {}
     for other in others:
         for which in (curves.between(own, other), curves.between(other, own)):  # what each of them sees first

@@ -1,8 +1,9 @@
-"""Screens: what closes the passage that a route leads through, so that the next search finds another one.
+"""Screens: surfaces that close the passage of a route, so that the next search finds another passage.
 
-A screen is the part of a plane across a route that is seen from it. It ends at the obstacles, and so leaves open what
-is behind them. Of several points and tilted planes the one is taken in which least is seen: across a door that the
-route leads through askew, that is nearly the plane of the wall. Other screens would stand in the room beside the door.
+A screen is the part of a plane across a route that is seen from the route. It ends at the obstacles, so it leaves open
+what is behind them. Planes at several points, with several tilts, are compared, and the plane is taken of which least
+is seen. Where a route leads through a door askew, this is nearly the plane of the wall; a screen in another plane would
+stand in the room beside the door.
 """
 
 from typing import NamedTuple
@@ -17,22 +18,34 @@ from sinuous.solving.polylines import lengths_along, points_at
 RAYS = 256
 """Lines of sight that a screen is made of."""
 
-FEW_RAYS, PLACES = 16, 9
-"""Lines of sight by which planes are compared, and points of a passage from which they are."""
+FEW_RAYS = 16
+"""Lines of sight by which planes are compared."""
 
-FAR, NEAR = 10.0, 0.25
-"""How far is looked for that, and how near to the obstacles, in units of the room that there is."""
+PLACES = 9
+"""Points of a passage from which planes are compared."""
 
-TILTS, FINER, AROUND = (0.3, 0.6, 0.9), (0.2, 0.1, 0.05), 8
-"""Angles (rad) by which planes are tilted against the route; then, one after the other, against the best one so far,
-which is moved by as much in units of the room; and to how many sides."""
+FAR = 10.0
+"""Length of these lines of sight, in units of the room that there is."""
+
+NEAR = 0.25
+"""Distance from the obstacles at which these lines of sight end, in units of the room that there is."""
+
+TILTS = (0.3, 0.6, 0.9)
+"""Angles by which planes are tilted against the route at first, rad."""
+
+FINER = (0.2, 0.1, 0.05)
+"""Angles by which planes are then tilted, one after the other, against the best plane so far, rad. The best plane is
+also moved by as much, in units of the room."""
+
+AROUND = 8
+"""Directions in which a plane is tilted by each angle."""
 
 WIDER = 1.15
-"""How much more room there must be between two passages of a route than in each of them."""
+"""Least room between two passages of a route, in units of the room in each of them."""
 
 ABOUT = 2.0
-"""How far a passage reaches along the route, at least, to either side of its narrowest place, in units of the room that
-the route has there: in a door that it leads through askew it has most room in the middle."""
+"""Least length of a passage along the route, to either side of its narrowest place, in units of the room there: a route
+that leads through a door askew has most room in the middle of the door."""
 
 MOST_POINTS = 1000
 """Most points of a refined route."""

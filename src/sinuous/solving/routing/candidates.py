@@ -12,11 +12,11 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
+from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, grown, leg_queries, settled
 from sinuous.solving.routing.narrow.narrows import Narrows
-from sinuous.solving.routing.plans import CELLS, Plan
-from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.routing.turned import Groups, turned, turned_back
 from sinuous.solving.starts import Batch, Question
@@ -35,9 +35,6 @@ ALIKE, COMPARED = 0.1, 60
 
 MISSES = 2
 """Sides to which a route could not be made longer, after which no other side is tried."""
-
-EDGES, SIDE_TUBES = "edges", "side_tubes"
-"""Names of the attempts that find routes without cells: see `sinuous.solving.strategy`."""
 
 
 class Candidate(NamedTuple):

@@ -14,6 +14,7 @@ from sinuous.kernels.fitting.lines import room_along, room_beside
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
+from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
@@ -31,9 +32,14 @@ from sinuous.solving.routing.gates import FAR, WIDE
 from sinuous.solving.routing.growth import FEW, grown, query_of, settled
 from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond, segments_in
-from sinuous.solving.routing.plans import CELLS, Plan, coarser, plan_of
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
+
+COARSE = 64
+"""Finest cells in the length of the longest robot, at most, at first."""
+
+CELLS = (1 << 14, 1 << 17, 1 << 19)
+"""Most cells of a search, by blocks of eight of which some nobody looks at."""
 
 POINTS = 1024
 """Most points of a route."""
@@ -57,6 +63,36 @@ ROUNDING = 1e-9
 MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
 """What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
 one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
+
+
+class Plan(NamedTuple):
+    """One search.
+
+    Attributes
+    ----------
+    cell : float
+        Edge of the cells.
+    clearance : float
+        Distance from the obstacles with which a cell can be passed.
+    cells : int
+        Most cells that are looked at.
+    routes : int
+        Most routes to find.
+    exact : bool
+        Whether to ask for exact distances, not for samples.
+    prove : bool
+        Whether to prove that there is none, where none is found.
+    between : bool
+        Whether it is left out where a route is known, until a table of finer cells is full.
+    """
+
+    cell: float
+    clearance: float
+    cells: int
+    routes: int
+    exact: bool
+    prove: bool
+    between: bool = False
 
 
 class Found(NamedTuple):
@@ -104,12 +140,12 @@ class Searches:
         self._walls: tuple[Snapshot, Walls] | None = None
         self._about: tuple[Snapshot, bool] | None = None
         self._longest = sum(segment.length[1] for segment in robot.segments)
-        self.coarse, self.fine = (plan_of(self._radius, self._longest, coarse) for coarse in (True, False))
+        self.coarse, self.fine = (_plan_of(self._radius, self._longest, coarse) for coarse in (True, False))
         self.proves = min(robot.radii) >= self._radius
 
     def coarser(self, plan: Plan) -> Plan:
         """Return a search with cells of twice the edge."""
-        return coarser(plan, self._radius)
+        return _coarser(plan, self._radius)
 
     @property
     def single_plans(self) -> tuple[Plan, ...]:
@@ -300,3 +336,24 @@ class Searches:
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""
         return self._group, problem.scene._kernel_group, self._settings, problem._rows
+
+
+def _coarser(plan: Plan, radius: float) -> Plan:
+    """A plan with cells of twice the edge."""
+    return plan._replace(cell=2.0 * plan.cell, clearance=_wide_enough(radius, 2.0 * plan.cell))
+
+
+def _wide_enough(radius: float, cell: float) -> float:
+    """Clearance with which coarse cells can be passed."""
+    return max(radius - 0.5 * cell, 0.25 * radius)
+
+
+def _plan_of(radius: float, length: float, coarse: bool) -> Plan:
+    """Search for one route with coarse, or with fine cells, for a ball of this radius and a robot of this length.
+
+    Cells of half the radius and less cannot leak through a wall, however thin it is. Coarser ones miss narrow passages.
+    """
+    fine = 0.5 * radius
+    cell = max(fine, length / COARSE) if coarse else fine
+    clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
+    return Plan(cell, clearance, CELLS[0], 1, False, False)

@@ -1,7 +1,6 @@
 """One step of a control loop: the twist, or the targets, that a user asks for."""
 
 import math
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,13 +33,23 @@ SIZES = 3, 6
 NO_TARGETS: Floats = np.empty((0, TARGET_WIDTH))
 
 
-class Stepping:
-    """Steps of a control loop, for who has a robot, a scene, options and a tolerance."""
+class ControlLoop:
+    """Steps of a control loop of one robot; safe to share between threads.
 
-    robot: Robot
-    scene: Scene
-    options: SolveOptions
-    tolerance: Tolerance
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene
+        Live: every tick sees the obstacles as they are then.
+    options : SolveOptions
+        Of which the wished clearance counts, and the time of a tick.
+    tolerance : Tolerance
+        With numbers for all that is not said.
+    """
+
+    def __init__(self, robot: Robot, scene: Scene, options: SolveOptions, tolerance: Tolerance) -> None:
+        self._robot, self._scene, self._options, self._tolerance = robot, scene, options, tolerance
+        self._stepper = Stepper(robot, tolerance)
 
     def step(
         self,
@@ -53,41 +62,7 @@ class Stepping:
         clearance: Number | None = None,
         velocity: Rows | None = None,
     ) -> Step:
-        """Go on from a configuration with a twist of the tip, or towards a target, for one tick of a control loop.
-
-        The damped least-squares step within limits, rates, obstacles and the body itself, for the scene as it is now.
-        It is the exact one of the Jacobian, by the least motion, but near singular shapes, where nothing moves by more
-        than 100 times the motion that is asked for (rad, and mean lengths of the robot). Limits and rates are kept to
-        the last digit. The motion from `q`, linear in q, is proved clear, or is as long as that is proved; only a start
-        that is in contact already goes on without a proof, and then no gap becomes smaller.
-
-        Parameters
-        ----------
-        q : Solution, Step or array_like (n, 3)
-            Where the robot is. A limit that is exceeded there is not exceeded further.
-        twist : array_like (6,) or (3,)
-            Of the tool, in world axes, per second: `(omega, v)`, the angular velocity and then the velocity of its
-            origin, as in `Robot.jacobian`; or the velocity alone, and the orientation is free.
-        dt : float
-            Seconds.
-        target : Target or list of Target
-            To go to instead: all the way in this tick where nothing holds it back.
-        rates : Rates, optional
-        clearance : float, optional
-            The body is pushed away from obstacles until it has this clearance, before anything else that is asked for.
-            By default that of `prefer`, or just more than none.
-        velocity : array_like (n, 3), optional
-            Of the tick before: what an acceleration starts from. Limits, rates and obstacles come first.
-
-        Returns
-        -------
-        Step
-
-        Raises
-        ------
-        InputError
-            When an argument is not what it should be.
-        """
+        """Make one tick; see `Solver.step`."""
         own = self._configuration(q)
         if dt is None:
             raise InputError("dt", "missing", None, "a number greater than 0")
@@ -99,17 +74,17 @@ class Stepping:
             kind, motion, rows = TARGETS, STILL, self._rows_of(target)
         else:
             kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS
-        wish = self.options.prefer.clearance if clearance is None else checks.number("clearance", clearance, low=0.0)
+        wish = self._options.prefer.clearance if clearance is None else checks.number("clearance", clearance, low=0.0)
         boxes = self._stepper.boxes(_rates(rates))
         before = self._before(velocity, boxes.accelerates)
-        scene = self.scene.snapshot()
-        ask = Ask(kind, motion, rows, 1, wish, self.options.time)
+        scene = self._scene.snapshot()
+        ask = Ask(kind, motion, rows, 1, wish, self._options.time)
         answer = self._stepper.run(scene, ask, own, (boxes, seconds, before))
-        return Step(Wanted(self.robot, scene, self.tolerance, seconds, kind, motion), own, answer)
+        return Step(Wanted(self._robot, scene, self._tolerance, seconds, kind, motion), own, answer)
 
-    def _within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
+    def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
         """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
-        ask = Ask(TARGETS, STILL, problem._rows, ROUNDS, self.options.prefer.clearance, seconds)
+        ask = Ask(TARGETS, STILL, problem._rows, ROUNDS, self._options.prefer.clearance, seconds)
         answer = self._stepper.run(problem.scene, ask, initial, (self._stepper.boxes(changes), 1.0, None))
         q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape).copy()
         off, turn = float(answer[t.POSITION_ERROR]), float(answer[t.ANGLE_ERROR])
@@ -118,7 +93,7 @@ class Stepping:
         first = t.SHAPE + initial.size + 1
         kinds = answer[first : first + t.PUSHING_WIDTH * int(answer[t.HELD]) : t.PUSHING_WIDTH]
         code = FAILED
-        if met and answer[t.PROVED] and min(clearance, own) > 0.0 and not self.robot.violations(q):
+        if met and answer[t.PROVED] and min(clearance, own) > 0.0 and not self._robot.violations(q):
             code = SOLVED
         elif answer[t.ROUNDS] == 0:
             code = LATE
@@ -127,23 +102,19 @@ class Stepping:
         rounds, merit = int(answer[t.ROUNDS]), float(answer[t.MERIT])
         return Outcome(q, code, rounds, 1, GIVEN, off, turn, clearance, own, len(kinds) > 0, merit, 0.0)
 
-    @cached_property
-    def _stepper(self) -> Stepper:
-        return Stepper(self.robot, self.tolerance)
-
     def _configuration(self, q: Solution | Step | Rows) -> Floats:
-        return _numbers("q", q.q if isinstance(q, Solution | Step) else q, (len(self.robot), 3))
+        return _numbers("q", q.q if isinstance(q, Solution | Step) else q, (len(self._robot), 3))
 
     def _rows_of(self, target: Any) -> Floats:
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
-        return target_table(self.robot, targets)
+        return target_table(self._robot, targets)
 
     def _before(self, velocity: Rows | None, accelerates: bool) -> Floats | None:
         if velocity is None:
             if accelerates:
                 raise InputError("velocity", "missing", None, "that of the step before, for rates with an acceleration")
             return None
-        before = _numbers("velocity", velocity, (len(self.robot), 3))
+        before = _numbers("velocity", velocity, (len(self._robot), 3))
         return before if accelerates else None
 
 

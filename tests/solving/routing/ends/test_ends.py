@@ -59,9 +59,12 @@ def test_it_makes_nothing_in_the_open_without_time_or_for_several_solutions() ->
     assert list(chains(ends(place("spheres 12", 0)))) == []
 
 
-def test_walls_near_the_target_are_seen() -> None:
-    assert ends(place(*HARD[0])).near_walls
-    assert not ends(place("open pipe 1.6", 0)).near_walls
+def test_a_glance_is_for_a_target_that_is_near_walls(monkeypatch: pytest.MonkeyPatch) -> None:
+    for where, count in ((HARD[0], 1), (("open pipe 1.6", 0), 0)):
+        source, calls = ends(place(*where)), list[object]()
+        monkeypatch.setattr(source, "made", lambda beam, calls=calls: calls.append(beam) or iter(()))
+        list(source.glance())
+        assert len(calls) == count
 
 
 def test_a_look_goes_on_to_a_glance_where_the_tip_lies_in_a_tube(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -47,11 +47,11 @@ class Ends:
         self._known: list[tuple[Rest, Part]] = []
         self._tried: set[bytes] = set()
 
-    @property
-    def near_walls(self) -> bool:
-        """Whether walls are near the target, so that it may lie in a tube."""
+    def glance(self) -> Iterator[Batch]:
+        """Yield chains that are made with a glance, if the tip lies in a tube; nothing where no walls are near it."""
         goal, radius = self._query[QUERY_GOAL : QUERY_GOAL + 3], float(self._query[QUERY_RADIUS])
-        return not in_the_open(goal, radius, self._question.problem.scene.distance)
+        if not in_the_open(goal, radius, self._question.problem.scene.distance):
+            yield from self.made(None)
 
     def made(self, beam: Beam | None) -> Iterator[Batch]:
         """Yield chains, each once; `None`: with a glance, if the tip lies in a tube."""

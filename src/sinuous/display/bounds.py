@@ -1,0 +1,127 @@
+"""Which part of the world is shown, and from where."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.display.contents import Contents
+from sinuous.display.obstacles import Dotted, dots
+from sinuous.display.style import ARROW, View, arrows_of
+from sinuous.scene.extents import box_of
+from sinuous.scene.obstacles import HalfSpace, Obstacle
+
+REACH = 0.25
+"""How far beyond robots and targets obstacles are shown, as a share of the extent of these."""
+
+SAMPLES = 12
+"""Places of a robot on its way that must be seen."""
+
+FOOT = 1.6
+"""How far behind its base a robot reaches, with the plate that it stands on, in radii of its first segment."""
+
+
+class Bounds(NamedTuple):
+    """A box along the axes of the world.
+
+    Attributes
+    ----------
+    low, high : ndarray (3,)
+        Opposite corners.
+    """
+
+    low: Floats
+    high: Floats
+
+    @property
+    def middle(self) -> Floats:
+        """The middle of the box."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def span(self) -> float:
+        """The longest side of the box."""
+        return max(float((self.high - self.low).max()), 1e-12)
+
+    def joined(self, low: Floats, high: Floats) -> "Bounds":
+        """Return the box around this one and another."""
+        return Bounds(np.minimum(self.low, low), np.maximum(self.high, high))
+
+
+def bounds_of(contents: Contents) -> Bounds:
+    """Return the box around robots, targets and paths, and what of the obstacles is not far from them."""
+    points = _places(contents)
+    boxes = [box for obstacle in contents.obstacles if (box := _box(obstacle)) is not None]
+    if not len(points):
+        points = np.concatenate(boxes) if boxes else np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
+    arrow = ARROW * float(np.ptp(points, axis=0).max())
+    ends = [place + arrow * axis for target, place in contents.targets for axis, _ in arrows_of(target)]
+    points = np.concatenate([points, np.array(ends).reshape(-1, 3)])
+    bounds = Bounds(points.min(axis=0), points.max(axis=0))
+    reach = REACH * max(float((bounds.high - bounds.low).max()), 1e-9)
+    return _with_obstacles(bounds, reach, [*boxes, *_feet(contents.obstacles, bounds, reach)])
+
+
+def _with_obstacles(bounds: Bounds, reach: float, boxes: Sequence[Floats]) -> Bounds:
+    """Extend the bounds by the parts of boxes (2, 3) that are within `reach` of them; a small box is taken whole."""
+    least, most = bounds.low - reach, bounds.high + reach
+    for box in boxes:
+        if np.ptp(box, axis=0).max() < 2.0 * reach:
+            near = bool(((box.mean(axis=0) > least) & (box.mean(axis=0) < most)).all())
+            part = box
+        else:
+            near = bool((box[0] < most).all() and (box[1] > least).all())
+            part = np.clip(box, least, most)
+        bounds = bounds.joined(part[0], part[1]) if near else bounds
+    return bounds
+
+
+def _box(obstacle: Obstacle) -> Floats | None:
+    if isinstance(obstacle, Dotted):
+        points = dots(obstacle)
+        return np.stack([points.min(axis=0), points.max(axis=0)]) if len(points) else None
+    return box_of(obstacle)
+
+
+def _feet(obstacles: Sequence[Obstacle], bounds: Bounds, reach: float) -> list[Floats]:
+    """Boxes (2, 3) around the middle of the bounds and the nearest place of every half-space not far from them."""
+    boxes, half = [], 0.5 * (bounds.high - bounds.low)
+    for obstacle in obstacles:
+        if isinstance(obstacle, HalfSpace):
+            away = (bounds.middle - obstacle.point) @ obstacle.normal
+            foot = bounds.middle - away * obstacle.normal
+            if abs(away) - float(half @ np.abs(obstacle.normal)) < reach:
+                boxes.append(np.stack([np.minimum(foot, bounds.middle), np.maximum(foot, bounds.middle)]))
+    return boxes
+
+
+def _places(contents: Contents) -> Floats:
+    """Points (m, 3) that must be seen: whole bodies with their bases, targets, paths."""
+    found: list[Floats] = [place[None] for _, place in contents.targets]
+    found += contents.paths
+    on_the_way = [moving.at(share) for moving in contents.moving for share in np.linspace(0.0, 1.0, SAMPLES).tolist()]
+    for robot, q, _ in [*contents.arms, *on_the_way]:
+        points, radius = robot.backbone(q), max(robot.radii)
+        behind = robot.base[:3, 3] - FOOT * robot.radii[0] * robot.base[:3, 2]
+        found += [points - radius, points + radius, robot.tip(q)[None, :3, 3], behind[None]]
+    return np.concatenate(found) if found else np.empty((0, 3))
+
+
+def best_view(contents: Contents) -> View:
+    """Look across the plane that the first robot reaches out in, from a little above."""
+    arms = contents.all_arms
+    if not arms:
+        return View()
+    points = arms[0].robot.backbone(arms[0].q) - arms[0].robot.base[:3, 3]
+    reach = points[np.hypot(points[:, 0], points[:, 1]).argmax()]
+    if math.hypot(reach[0], reach[1]) < 1e-6 * max(1e-300, float(np.abs(points).max())):
+        return View(20.0, -60.0)
+    return View(20.0, math.degrees(math.atan2(reach[1], reach[0])) - 65.0)
+
+
+def towards(view: View) -> Floats:
+    """Return the unit vector (3,) towards the viewer."""
+    e, a = math.radians(view.elevation), math.radians(view.azimuth)
+    return np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])

@@ -1,0 +1,69 @@
+"""What is said of an answer: in the title of a picture, in a notebook, on a page."""
+
+from collections.abc import Sequence
+
+from sinuous.motion.motion import Motion
+from sinuous.solution.solution import Solution
+from sinuous.words import duration
+
+
+def words_of(status: str) -> str:
+    """A status in words: `out of reach`."""
+    return str(status).replace("_", " ")
+
+
+def caption(answers: Sequence[Solution | Motion]) -> str:
+    """What answers say, in one line."""
+    if len(answers) > 1:
+        return f"{sum(answer.solved for answer in answers)} of {len(answers)} solved"
+    answer = answers[0]
+    clear = "" if answer.clearance is None else f", clearance at least {answer.clearance:.3g}"
+    if isinstance(answer, Solution) or not answer.solutions:
+        return f"{words_of(answer.status)}{clear}, {duration(answer.seconds)}"
+    begun = "" if answer.solved else f"{words_of(answer.status)}: "
+    return f"{begun}{_waypoints(answer)}{clear}"
+
+
+def rows_of(answer: Solution | Motion) -> dict[str, str]:
+    """What holds of an answer, as rows of a table: a label, and a value."""
+    rows = _of_solution(answer) if isinstance(answer, Solution) else _of_motion(answer)
+    return {label: value for label, value in rows.items() if value}
+
+
+def number(value: float | None, behind: str = "", before: str = "") -> str:
+    """A number with three digits between two texts; nothing where there is none, or it is infinite."""
+    return "" if value is None or value == float("inf") else f"{before}{value:.3g}{behind}"
+
+
+def _of_solution(solution: Solution) -> dict[str, str]:
+    tolerance, starts = solution.problem.tolerance, solution.starts
+    effort = f"{solution.iterations} iterations, {starts} start{'' if starts == 1 else 's'}"
+    return {
+        "because": "" if solution.solved else solution.sentence,
+        "worst": "" if solution.worst is None else str(solution.worst),
+        "position error": number(solution.position_error, f" (tolerance {tolerance.position:.3g})"),
+        "angle error": number(solution.angle_error, f" rad (tolerance {tolerance.angle:.3g})"),
+        "clearance": number(solution.clearance, ", proved", "at least "),
+        "self-clearance": number(solution.self_clearance, ", proved", "at least "),
+        "effort": f"{effort}, {duration(solution.seconds)}",
+    }
+
+
+def _of_motion(motion: Motion) -> dict[str, str]:
+    moves, (bend, length) = len(motion.q) > 1, motion.largest_step
+    between = f"{motion.between} clear" if motion.between == "proved" else motion.between
+    times = f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots" if moves else ""
+    return {
+        "waypoints": _waypoints(motion, "") if motion.solutions else "",
+        "worst": "" if motion.worst is None else str(motion.worst),
+        "between": between if moves else "",
+        "time": times,
+        "clearance": number(motion.clearance),
+        "largest step": f"{bend:.3g} rad, {length:.3g} of length",
+        "effort": duration(motion.seconds),
+    }
+
+
+def _waypoints(motion: Motion, noun: str = "waypoints ") -> str:
+    solved = sum(solution.solved for solution in motion.solutions)
+    return f"{solved} of {len(motion.solutions) + motion.remaining} {noun}solved"

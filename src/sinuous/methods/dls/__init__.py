@@ -1,1 +1,0 @@
-"""Damped least squares."""

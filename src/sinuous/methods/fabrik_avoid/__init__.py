@@ -1,1 +1,0 @@
-"""Forward and backward reaching among obstacles."""

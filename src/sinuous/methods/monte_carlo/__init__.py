@@ -1,1 +1,0 @@
-"""Random search from a shrinking range."""

@@ -1,0 +1,146 @@
+"""A method that is prepared for a robot: its whole solve is one compiled call, with a workspace for each thread."""
+
+import threading
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Budget, Outcome, answer_size
+from sinuous.methods.capabilities import Capabilities
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Tolerance
+from sinuous.robot.robot import Robot, robot_group
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
+
+
+class Compiled(NamedTuple):
+    """The compiled search of a method, and what it needs besides the groups of robot and scene.
+
+    Attributes
+    ----------
+    search : callable
+        Takes groups of robot, scene and settings, then targets (m, t, 15), initial configurations (m, g, n, 3), budget,
+        workspace, and the answers (m, 11 + 3 n) that it fills; see `sinuous.kernels.tables`.
+    workspace : callable
+        Returns how many numbers (float64) of workspace it needs for so many targets at once.
+    options : ndarray
+        Options of the method, as the kernel reads them from the end of the settings.
+    """
+
+    search: Callable[..., Any]
+    workspace: Callable[[int], int]
+    options: Floats | tuple[()] = ()
+
+
+class Call(NamedTuple):
+    """A compiled function and its arguments: a problem as it is built for a method, to be looked at or timed.
+
+    Attributes
+    ----------
+    entry : callable
+    arguments : tuple
+        Groups of robot, scene and settings, targets, initial configurations, budget, workspace, and the array that is
+        filled with the answer; layouts: see `sinuous.kernels.tables`.
+    """
+
+    entry: Callable[..., Any]
+    arguments: tuple[Any, ...]
+
+
+class Prepared:
+    """A method, prepared for a robot in a scene.
+
+    Parameters
+    ----------
+    name : str
+    capabilities : Capabilities
+    compiled : Compiled
+    robot : Robot
+    scene : Scene
+    tolerance : Tolerance
+    preferences : Preferences
+    """
+
+    def __init__(
+        self,
+        name: str,
+        capabilities: Capabilities,
+        compiled: Compiled,
+        robot: Robot,
+        scene: Scene,
+        tolerance: Tolerance,
+        preferences: Preferences,
+    ) -> None:
+        self._name, self._capabilities, self._compiled = name, capabilities, compiled
+        self._robot = robot_group(robot)
+        self._settings = settings_group(robot, tolerance, preferences, compiled.options)
+        self._preferences, self._segments = preferences, len(robot)
+        self._local = threading.local()
+        self._load(robot, scene.snapshot(), tolerance)
+
+    def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
+        """Compile the search, or load it from the cache: it is called for no problem at all."""
+        nothing = np.zeros((0, 1, TARGET_WIDTH)), np.empty((0, 0, self._segments, 3))
+        self._search(scene, *nothing, (0, 0, 0, 0.0), np.empty((0, answer_size(self._segments))))
+
+    def build(self, problem: Problem, initial: Floats, budget: Budget) -> Call:
+        """Return what `run` would call."""
+        self._capabilities.refuse_targets(self._name, problem._rows, self._segments)
+        answers = np.empty((1, answer_size(self._segments)))
+        return self._call(problem.scene, problem._rows[None], initial[None], budget, answers)
+
+    def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
+        """Solve a problem from the configurations `initial` (g, n, 3), then from own starts.
+
+        `budget` holds the numbers of the own starts to try, from the first up to, without it, the last; a seed; and
+        seconds. `reference` (n, 3) is what preferences mean by the initial configuration; by default the first of
+        `initial`. The run ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
+        of these numbers.
+        """
+        call = self.build(problem, initial, budget)
+        call.entry(*call.arguments)
+        return as_outcomes(call.arguments[-1])[0]
+
+    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+        """Solve m problems in one scene as `run` does one; may run in many threads at once.
+
+        `rows` (m, t, 15) are the targets of each and `initial` (m, g, n, 3) its initial configurations, as kernels take
+        them: writable, and in the order of C. Fills `answers` (m, 11 + 3 n).
+        """
+        if not self._capabilities.any_target:
+            for each in rows:
+                self._capabilities.refuse_targets(self._name, each, self._segments)
+        self._search(scene, rows, initial, budget, answers)
+
+    def _search(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+        call = self._call(scene, rows, initial, budget, answers)
+        call.entry(*call.arguments)
+
+    def _call(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> Call:
+        groups = self._robot, self._scene_group(scene), self._settings
+        workspace = self._workspace(rows.shape[1])
+        return Call(self._compiled.search, (*groups, rows, initial, budget, workspace, answers))
+
+    def _scene_group(self, scene: Snapshot) -> Floats | None:
+        """Group of the scene, as the compiled search takes it."""
+        return scene._kernel_group
+
+    def _workspace(self, targets: int) -> Floats:
+        """Scratch of this thread, for so many targets at once."""
+        if getattr(self._local, "targets", -1) < targets:
+            self._local.targets = targets
+            self._local.workspace = np.empty(self._compiled.workspace(targets))
+        workspace: Floats = self._local.workspace
+        return workspace
+
+
+def as_outcomes(answers: Floats) -> list[Outcome]:
+    """Outcomes of a batch of answers (m, 11 + 3 n)."""
+    shapes = answers[:, RECORD_WIDTH:].reshape(len(answers), -1, 3).copy()
+    return [
+        Outcome.from_record(q, record) for q, record in zip(shapes, answers[:, :RECORD_WIDTH].tolist(), strict=True)
+    ]

@@ -1,0 +1,149 @@
+"""Facets with colours: lit from above, sorted together by depth, and see-through where they hide a robot."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.display.body import BodySurface
+from sinuous.display.bounds import Bounds, towards
+from sinuous.display.contents import Arm
+from sinuous.display.obstacles import AROUND, Dotted, obstacle_surface
+from sinuous.display.style import METAL, OBSTACLE, THINNEST, View, tones
+from sinuous.pictures.facets import cut, normals, of_mesh, within
+from sinuous.pictures.space import screen
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Obstacle
+
+SOLID, SEE_THROUGH = 1.0, 0.22
+"""Opacity of obstacles, and of what of them is in front of a robot."""
+
+NEAR, FAR = 1.6, 4.0
+"""What is in front of the body within so many radii on the screen is see-through; beyond the other it is solid."""
+
+GHOST = 0.22
+"""Opacity of shapes on the way."""
+
+BODY_AROUND = 20
+"""Facets around the body."""
+
+MANY, FEWER = 12, 22
+"""From so many obstacles on, each has fewer facets around."""
+
+CUT = 0.06
+"""Longest side of the facets of an obstacle that goes on beyond the picture, as a share of the picture."""
+
+MOST_VECTORS = 6_000
+"""Facets of a picture of lines (PDF, SVG); more are drawn as pixels there."""
+
+
+class Painted(NamedTuple):
+    """Facets (m, 4, 3) and their colours (m, 4) with opacity."""
+
+    facets: Floats
+    colours: Floats
+
+
+class Walls(NamedTuple):
+    """An obstacle's facets, and whether each becomes see-through by itself, or all of them together."""
+
+    facets: Floats
+    each: bool
+
+
+def walls_of(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
+    """Facets of obstacles that have a surface, within the bounds."""
+    around = AROUND if len(obstacles) < MANY else FEWER
+    walls = []
+    for obstacle in obstacles:
+        if not isinstance(obstacle, Dotted):
+            surface = obstacle_surface(obstacle, bounds.middle, 2.0 * bounds.span, around)
+            is_mesh = isinstance(obstacle, Mesh)
+            facets = of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
+            if (facets < bounds.low).any() or (facets > bounds.high).any():
+                facets = cut(within(facets, bounds.low, bounds.high), CUT * bounds.span)
+            walls.append(Walls(facets, is_mesh))
+    return walls
+
+
+def places_of(arms: list[Arm], bounds: Bounds) -> tuple[Floats, float]:
+    """Places (m, 3) of bodies, and the largest of their radii as drawn."""
+    places = [arm.robot.backbone(arm.q) for arm in arms]
+    thickest = max((max(arm.robot.radii) for arm in arms), default=0.0)
+    return np.concatenate(places) if places else np.empty((0, 3)), max(thickest, 0.01 * bounds.span)
+
+
+def paint_arms(arms: list[Arm], bounds: Bounds, view: View) -> list[Painted]:
+    """Facets of robots, each in tones of its own."""
+    return [part for i, arm in enumerate(arms) for part in paint_arm(arm, i, bounds, view)]
+
+
+def paint_arm(arm: Arm, number: int, bounds: Bounds, view: View, opacity: float = SOLID) -> list[Painted]:
+    """Facets of a robot that are seen; `number` counts the robots. One that is not solid has no fittings."""
+    surface = BodySurface(arm.robot, THINNEST * bounds.span, BODY_AROUND, fittings=opacity == SOLID)
+    own = tones(arm.solved, number)
+    colours = [METAL if part.segment is None else own[part.segment % 2] for part in surface.parts]
+    drawn = zip(surface.facets(arm.q), colours, strict=True)
+    return [_lit(facets, colour, opacity, view) for facets, colour in drawn]
+
+
+def paint_walls(walls: list[Walls], bodies: Floats, radius: float, view: View) -> list[Painted]:
+    """Facets of obstacles that are seen. `bodies` (m, 3) are places of robots of this radius, which they may hide."""
+    painted = []
+    for facets, each in walls:
+        hidden = _hiding(facets, bodies, radius, view)
+        if each and hidden.max(initial=0.0) > 0.0:  # through a wall that is see-through its back is seen
+            painted.append(_lit(facets, OBSTACLE, SOLID, view, back=True, hidden=hidden))
+        else:
+            own = hidden if each else np.full(len(facets), hidden.max(initial=0.0))
+            painted.append(_lit(facets, OBSTACLE, SOLID, view, hidden=own))
+    return painted
+
+
+def add(axes: Any, painted: list[Painted]) -> Any:
+    """Put all facets into one collection of the axes, so that they are sorted together; return it."""
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # noqa: PLC0415
+
+    if not painted:
+        return None
+    facets, colours = (np.concatenate(list(arrays)) for arrays in zip(*painted, strict=True))
+    seams = colours.copy()
+    seams[seams[:, 3] < SOLID, 3] = 0.0  # two layers of a see-through colour would show every seam
+    pixels = len(facets) > MOST_VECTORS
+    drawn = Poly3DCollection(facets, facecolors=colours, edgecolors=seams, linewidths=0.4, zorder=2, rasterized=pixels)
+    return axes.add_collection3d(drawn)
+
+
+def _lit(
+    facets: Floats, colour: str, opacity: float, view: View, *, back: bool = False, hidden: Floats | None = None
+) -> Painted:
+    """Facets that face the viewer (`back`: others too) under a light from above the viewer's left shoulder."""
+    from matplotlib.colors import to_rgb  # noqa: PLC0415
+
+    facing = normals(facets)
+    seen = np.full(len(facets), True) if back else facing @ towards(view) > -0.05
+    facing = facing[seen] * np.where(facing[seen] @ towards(view) < -0.05, -0.6, 1.0)[:, None]
+    light = 0.5 + 0.5 * facing @ towards(View(50.0, view.azimuth - 40.0))
+    base = np.array(to_rgb(colour))
+    shades = base * (0.5 + 0.5 * light[:, None]) + 0.3 * (1.0 - base) * light[:, None] ** 4
+    alpha = np.full(len(shades), opacity)
+    if hidden is not None:
+        alpha += (SEE_THROUGH - opacity) * hidden[seen]
+    return Painted(facets[seen], np.concatenate([shades, alpha[:, None]], axis=-1))
+
+
+def _hiding(facets: Floats, bodies: Floats, radius: float, view: View) -> Floats:
+    """How far each facet (m,) must be see-through: 1 in front of a body, 0 away from all of them."""
+    if not len(bodies) or not len(facets):
+        return np.zeros(len(facets))
+    from scipy.spatial import cKDTree  # noqa: PLC0415
+
+    middles, toward = facets.mean(axis=1), towards(view)
+    tree = cKDTree(bodies @ screen(view).T)
+    count = min(len(bodies), 8)
+    apart, which = tree.query(middles @ screen(view).T, k=[*range(1, count + 1)], distance_upper_bound=FAR * radius)
+    depth = np.append(bodies @ toward, np.inf)  # one more for neighbours that are not there
+    front = (middles @ toward)[:, None] > depth[which] - 0.5 * radius
+    share = np.clip((FAR * radius - apart) / ((FAR - NEAR) * radius), 0.0, 1.0)
+    hiding: Floats = np.where(front, share, 0.0).max(axis=1)
+    return hiding

@@ -1,1 +1,0 @@
-"""Surfaces of robots and obstacles as facets, where they are seen from, and how they are painted."""

@@ -1,0 +1,137 @@
+"""Pictures of a map of the workspace: slices, what obstacles take away, and the whole in three dimensions."""
+
+import base64
+import html
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sinuous.arguments import Vector
+from sinuous.pictures.files import check_picture
+from sinuous.pictures.space import new_figure
+from sinuous.workspace.reach import Reach
+from sinuous.workspace.verdicts import Verdict
+
+PLANES = ((2, "x", "y"), (1, "x", "z"), (0, "y", "z"))
+"""Axis across each slice, and what lies along its picture."""
+
+COLOURS = ("#ffffff", "#f3f4f6", "#7d6b91", "#7d6b91", "#c8384a", "#e0a458", "#9aa3ad")
+"""Of the reasons of holes, in the order of `Verdict`."""
+
+MOST_DOTS = 40_000
+
+DOT = 260.0
+"""Width of the picture in three dimensions, in the unit of its dots."""
+
+
+def check_map(key: str, file: Path) -> None:
+    """Refuse a picture or page that cannot be drawn, before anything is solved.
+
+    Raises
+    ------
+    InputError
+        When Matplotlib is missing, or does not know the kind of file.
+    """
+    check_picture(key, file.with_suffix(".png") if file.suffix.lower() == ".html" else file)
+
+
+def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None:
+    """Draw a map: three slices of the share of directions, of the reasons of holes, of what obstacles take, and all.
+
+    Parameters
+    ----------
+    found : Reach
+    file : path
+        Its ending says which kind of picture; `.html` is a page with the picture and the totals.
+    at : array_like (3,), optional
+        Where the slices cross; by default the voxel nearest to the middle of what is reached.
+
+    Raises
+    ------
+    InputError
+        When Matplotlib is missing, does not know the kind of file, or `at` is outside the map.
+    OSError
+        When the file cannot be written.
+    """
+    target = Path(file)
+    check_map("file", target)
+    index = _middle(found) if at is None else found._index(at)
+    figure = _draw(found, index)
+    if target.suffix.lower() != ".html":
+        figure.savefig(target, bbox_inches="tight", pad_inches=0.15)
+        return
+    data = io.BytesIO()
+    figure.savefig(data, format="png", bbox_inches="tight", pad_inches=0.15)
+    target.write_text(_page(found, data.getvalue()), encoding="utf-8")
+
+
+def _middle(found: Reach) -> tuple[int, int, int]:
+    taken = np.argwhere(found.free_share > 0.0)
+    x, y, z = np.rint(taken.mean(axis=0)).astype(int).tolist() if len(taken) else [n // 2 for n in found.voxels.shape]
+    return x, y, z
+
+
+def _draw(found: Reach, index: tuple[int, int, int]) -> Any:
+    from matplotlib.colors import ListedColormap  # noqa: PLC0415
+
+    rows = [(found.share, "share of directions solved and proved", {"vmin": 0.0, "vmax": 1.0, "cmap": "viridis"})]
+    if found.names:
+        rows.append((found.lost, "share that obstacles take away", {"vmin": 0.0, "vmax": 1.0, "cmap": "magma_r"}))
+    holes = np.where(found.share > 0.0, Verdict.SOLVED, found.reasons)
+    kinds = {"vmin": -0.5, "vmax": len(Verdict) - 0.5, "cmap": ListedColormap(COLOURS)}
+    rows.append((holes, "holes, and why", kinds))
+    figure = new_figure(figsize=(15.0, 3.9 * len(rows)), dpi=90, layout="constrained")
+    grid = figure.add_gridspec(len(rows), 4, width_ratios=(1.0, 1.0, 1.0, 1.3))
+    for row, (values, label, style) in enumerate(rows):
+        for column, plane in enumerate(PLANES):
+            drawn = _slice(figure.add_subplot(grid[row, column]), found, values, plane, index, style)
+        bar = figure.colorbar(drawn, ax=figure.axes[-3:], shrink=0.85, label=label)
+        if label.startswith("holes"):
+            bar.set_ticks(range(len(Verdict)), labels=[code.name.lower().replace("_", " ") for code in Verdict])
+    _draw_all(figure.add_subplot(grid[:, 3], projection="3d"), found)
+    return figure
+
+
+def _slice(axes: Any, found: Reach, values: Any, plane: tuple[int, str, str], index: Any, style: Any) -> Any:
+    """Draw the voxels of a plane."""
+    across, first, second = plane
+    own = ["xyz".index(first), "xyz".index(second)]
+    low = found.voxels.first - 0.5 * found.voxels.spacing
+    high = low + found.voxels.spacing * np.array(found.voxels.shape)
+    extent = [low[own[0]], high[own[0]], low[own[1]], high[own[1]]]
+    picture = np.take(values, index[across], axis=across).T
+    drawn = axes.imshow(picture, origin="lower", extent=extent, interpolation="nearest", **style)
+    place = found.voxels.first[across] + found.voxels.spacing * index[across]
+    axes.set_title(f"{'xyz'[across]} = {place:.4g}", fontsize=10)
+    axes.set(xlabel=first, ylabel=second)
+    return drawn
+
+
+def _draw_all(axes: Any, found: Reach) -> None:
+    """Draw the half of the reached voxels that lies behind the base, and those where obstacles take most."""
+    middles = found.voxels.middles
+    behind = found.reachable & (middles[..., 1] >= found.base[1] - 0.5 * found.voxels.spacing)
+    size = max(4.0, 0.25 * (DOT / max(found.voxels.shape)) ** 2)
+    for some, values, style in (
+        (behind, found.share, {"cmap": "viridis", "s": size, "alpha": 0.5}),
+        (found.lost > 0.5, found.lost, {"cmap": "magma_r", "s": size, "alpha": 0.9}),
+    ):
+        points, colours = middles[some], values[some]
+        step = max(1, len(points) // MOST_DOTS)
+        axes.scatter(*points[::step].T, c=colours[::step], vmin=0.0, vmax=1.0, linewidths=0.0, **style)
+    axes.set_box_aspect(np.array(found.voxels.shape, float))
+    axes.set(xlabel="x", ylabel="y", zlabel="z")
+    axes.set_title("share of directions (far half); where obstacles take more than half", fontsize=10)
+
+
+def _page(found: Reach, picture: bytes) -> str:
+    """One file that opens anywhere."""
+    image = base64.b64encode(picture).decode("ascii")
+    style = "body{font-family:sans-serif;max-width:100rem;margin:2rem auto;padding:0 1rem}img{max-width:100%}"
+    return (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>Workspace</title><style>{style}</style>'
+        f'<h1>Workspace</h1><pre>{html.escape(str(found))}</pre><img alt="slices of the workspace" '
+        f'src="data:image/png;base64,{image}"></html>\n'
+    )

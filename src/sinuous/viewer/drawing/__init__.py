@@ -1,1 +1,0 @@
-"""What stands on a page: robots, obstacles and targets as meshes."""

@@ -1,0 +1,415 @@
+"""The state of the page of `sinuous view`, and how it changes: without a browser, and without threads."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.display.contents import straight
+from sinuous.errors import InputError
+from sinuous.methods.registry import name_of
+from sinuous.motion.job import Job
+from sinuous.motion.motion import Motion
+from sinuous.poses import least_rotation
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.mover import Mover
+from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.viewer import edits
+from sinuous.viewer.solvers import Question, Settings
+
+ASKED = ("position", "direction", "rotation")
+"""What a target may ask beside its position: nothing, a direction of the tangent, a whole rotation."""
+
+MOST_SECONDS = 60.0
+"""Longest budget that can be set on the page."""
+
+
+LONGEST, SHORTENED = 30.0, 20.0
+"""A motion that takes longer than the first is played in so many seconds as the second."""
+
+
+def pace(duration: float) -> float:
+    """Return how much of a motion's time passes in a second of playing.
+
+    Times are taken for seconds, unless the whole takes longer than people wait.
+    """
+    return 1.0 if duration <= LONGEST else duration / SHORTENED
+
+
+class Model:
+    """The state of the page.
+
+    Parameters
+    ----------
+    job : Job
+    settings : Settings
+
+    Attributes
+    ----------
+    job : Job
+        The problem, exactly as on the page; replaced by every change of it.
+    q : ndarray (n, 3)
+        The shape on the page.
+    answer, beside : Solution or None
+        Of both methods to the question as it is now; None when there is none yet, or the shape was bent by hand.
+    number : int
+        Of this state: it grows with every change of the question.
+    waypoint : int
+        Which waypoint of a path is asked for, 0 = first.
+    grasped : int or None
+        The obstacle that is chosen.
+    grip : ndarray (4, 4) or None
+        Pose of the chosen obstacle; None when there is none, or it cannot be moved.
+    ghosts : list of Solution
+        Distinct solutions to choose from.
+    motion : Motion or None
+        Along the path, or to the goal, once it was found.
+    time : float
+        Which moment is on the page, of the motion or of obstacles that move.
+    begin : float
+        When motions begin.
+    """
+
+    def __init__(self, job: Job, settings: Settings | None = None) -> None:
+        self.settings = settings or Settings()
+        self.number = 0
+        self._take(job)
+
+    def _take(self, job: Job) -> None:
+        self.job = job
+        self.q: Floats = straight(job.robot) if job.start is None else job.start
+        self._q_beside = straight(job.robot)
+        self.answer: Solution | None = None
+        self.beside: Solution | None = None
+        self.waypoint = 0
+        self.by_hand = False
+        self.grasped: int | None = None
+        self.ghosts: list[Solution] = []
+        self.grip: Floats | None = None
+        self._mover: Mover | None = None
+        self.motion: Motion | None = None
+        self.time = self.begin = 0.0
+        self._there: tuple[Snapshot, float, Snapshot] | None = None
+        self._held: tuple[Obstacle, Floats] | None = None
+        self.number += 1
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self.job.robot
+
+    @property
+    def scene(self) -> Snapshot:
+        """The obstacles, as they are described."""
+        return self.job.scene.snapshot()
+
+    @property
+    def there(self) -> Snapshot:
+        """The obstacles as they are at the time on the page, standing still."""
+        scene = self.scene
+        if not scene.moves:
+            return scene
+        if self._there is None or self._there[0] is not scene or self._there[1] != self.time:
+            self._there = scene, self.time, scene.at(self.time)
+        return self._there[2]
+
+    @property
+    def window(self) -> tuple[float, float]:
+        """The first and the last time that can be shown; the same where nothing moves."""
+        return window_of(self.job, self.motion)
+
+    @property
+    def targets(self) -> tuple[Target, ...]:
+        """What is asked now; nothing where a configuration is the goal."""
+        return self.job.waypoints[self.waypoint] if self.job.waypoints else ()
+
+    @property
+    def shown(self) -> Floats:
+        """The configuration (n, 3) on the page: that of the motion at its time, where there is one."""
+        return self.q if self.motion is None else self.motion.at(self.time)
+
+    def question(self) -> Question:
+        """What is asked of the method, from the shape on the page."""
+        return Question(self.job, self.there, self.targets, self.settings, self.q, self.number)
+
+    def question_beside(self) -> Question | None:
+        """What is asked of the second method, from its own last shape; None without one."""
+        if self.settings.beside is None:
+            return None
+        settings = replace(self.settings, method=self.settings.beside)
+        return replace(self.question(), settings=settings, initial=self._q_beside)
+
+    def accept(self, number: int, solution: Solution) -> bool:
+        """Show the answer to a question; return whether it was still asked."""
+        if number != self.number or self.by_hand:
+            return False
+        self.answer, self.q = solution, solution.q
+        return True
+
+    def accept_beside(self, number: int, solution: Solution | None) -> bool:
+        """Show the answer of the second method; return whether it was still asked."""
+        if number != self.number:
+            return False
+        self.beside = solution
+        if solution is not None:
+            self._q_beside = solution.q
+        return True
+
+    def _change(self, **parts: Any) -> None:
+        """Ask another question: parts of the job that differ."""
+        job = self.job
+        kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
+        own: dict[str, Any] = {key: getattr(job, key) for key in kept}
+        if job.waypoints:
+            own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
+        self.job = Job(parts.pop("robot", job.robot), **{**own, **parts})
+        self._asked_anew()
+
+    def _asked_anew(self) -> None:
+        self.answer = self.beside = None
+        self.by_hand = False
+        self.ghosts, self.motion = [], None
+        self.number += 1
+
+    # What is asked
+
+    def place_target(self, index: int, position: Floats | None, rotation: Floats | None = None) -> None:
+        """Move a target: to a position (3,), and to the direction or rotation of a frame (3, 3) if it asks for one."""
+        target = self._target(index)
+        parts: dict[str, Any] = {}
+        if target.position is not None and position is not None:
+            parts["position"] = position
+        if rotation is not None and target.direction is not None:
+            parts["direction"] = rotation[:, 2]
+        if rotation is not None and target.rotation is not None:
+            parts["rotation"] = rotation
+        self._replace_target(index, target.changed(**parts))
+
+    def ask(self, index: int, what: str) -> None:
+        """Ask a target for its position alone, for a direction of the tangent too, or for a whole rotation."""
+        checks.choice("asked", what, ASKED)
+        target, frame = self._target(index), self.target_frame(index)
+        asked: dict[str, Any] = {"direction": None, "rotation": None, "position": frame[:3, 3]}
+        if what != "position":
+            asked[what] = frame[:3, 2] if what == "direction" else frame[:3, :3]
+        self._replace_target(index, target.changed(**asked))
+
+    def target_frame(self, index: int) -> Floats:
+        """Pose (4, 4) that stands for a target; what it does not ask for is that of the shape on the page."""
+        target = self._target(index)
+        robot = self.robot
+        at_tip = target.segment is None or target.segment == len(robot)
+        frame = np.array(robot.tip(self.q) if at_tip else robot.forward(self.q)[(target.segment or 0) - 1])
+        if target.position is not None:
+            frame[:3, 3] = target.position
+        if target.direction is not None:
+            frame[:3, :3] = least_rotation(target.direction)
+        if target.rotation is not None:
+            frame[:3, :3] = target.rotation
+        return frame
+
+    def go_to_waypoint(self, index: int) -> None:
+        """Ask for another waypoint of the path, 0 = first; where obstacles move, at its time."""
+        self.waypoint = checks.integer("waypoint", index, 0, len(self.job.waypoints) - 1)
+        if self.scene.moves:
+            self.time = time_of(self.job, self.waypoint)
+        self._asked_anew()
+
+    def tolerate(self, position: float, angle: float) -> None:
+        """Set both tolerances (length, rad)."""
+        self._change(tolerance=Tolerance(position, angle))
+
+    def set_method(self, method: str, beside: str | None, seed: int, time: float) -> None:
+        """Choose how to solve."""
+        seconds = checks.number("time", time, above=0.0, high=MOST_SECONDS)
+        second = None if beside is None else name_of(beside)
+        number = checks.integer("seed", seed, 0, 2**31 - 1)
+        self.settings = Settings(name_of(method), second, number, seconds)
+        self._asked_anew()
+
+    def _target(self, index: int) -> Target:
+        return self.targets[checks.integer("target", index, 0, len(self.targets) - 1)]
+
+    def _replace_target(self, index: int, target: Target) -> None:
+        targets = (*self.targets[:index], target, *self.targets[index + 1 :])
+        if not self.job.is_path:
+            self._change(target=targets)
+            return
+        path = self.job.waypoints
+        self._change(path=(*path[: self.waypoint], targets, *path[self.waypoint + 1 :]))
+
+    # The robot
+
+    def bend(self, segment: int, bend_x: float, bend_y: float, length: float) -> None:
+        """Bend a segment (0 = first) by hand; the shape stays so until something else is asked."""
+        k = checks.integer("segment", segment, 0, len(self.robot) - 1)
+        row = [checks.number(key, value) for key, value in (("bend_x", bend_x), ("bend_y", bend_y), ("length", length))]
+        q = np.array(self.q)
+        q[k] = row
+        self.q = q
+        self.answer = self.beside = None
+        self.by_hand, self.motion = True, None
+        self.number += 1
+
+    def solve_from_here(self) -> None:
+        """Ask again, from the shape on the page."""
+        self._asked_anew()
+
+    def limit(self, segment: int | None, **values: Any) -> None:
+        """Change limits or the radius of a segment (0 = first; None: of all): arguments of `Segment`."""
+        chosen = (
+            range(len(self.robot)) if segment is None else [checks.integer("segment", segment, 0, len(self.robot) - 1)]
+        )
+        segments: list[Segment] = list(self.robot.segments)
+        for k in chosen:
+            with checks.inside(f"segments[{k}]"):
+                segments[k] = segments[k].changed(**values)
+        self._change(robot=self.robot.changed(segments=segments))
+
+    def choose(self, index: int) -> None:
+        """Show one of the distinct solutions."""
+        solution = self.ghosts[checks.integer("solution", index, 0, len(self.ghosts) - 1)]
+        self.answer, self.q, self.by_hand = solution, solution.q, False
+
+    def begin_here(self) -> None:
+        """Let motions begin in the shape on the page; where obstacles move, at the time on the page."""
+        self.begin = self.time if self.scene.moves else 0.0
+        self._change(start=self.shown)
+
+    def show_motion(self, motion: Motion) -> None:
+        """Show a motion, from its beginning.
+
+        Raises
+        ------
+        InputError
+            When it goes nowhere.
+        """
+        if len(motion.q) < 2:
+            raise InputError("motion", "goes nowhere", str(motion.status), "one with at least two knots")
+        self.motion, self.time = motion, float(motion.times[0])
+
+    def play(self, time: float) -> None:
+        """Show the motion at one of its times; without one, obstacles that move: what is asked is asked then."""
+        first, last = self.window
+        if first == last:
+            raise InputError("time", "nothing moves", time, "a motion that was found, or obstacles that move")
+        self.time = checks.number("time", time, low=first, high=last)
+        if self.motion is None and not self.by_hand:
+            self._asked_anew()
+
+    @property
+    def step_is_proved(self) -> bool:
+        """Whether the step of the motion that is on the page is proved clear."""
+        if self.motion is None:
+            return False
+        step = int(np.searchsorted(self.motion.times, self.time, side="right")) - 1
+        return bool(self.motion.steps.proved[min(step, len(self.motion.steps.proved) - 1)])
+
+    # The obstacles
+
+    def grasp(self, index: int | None) -> None:
+        """Choose an obstacle, or none."""
+        self.grasped = None if index is None else checks.integer("obstacle", index, 0, len(self.scene) - 1)
+        obstacle = self.chosen
+        self.grip = None if obstacle is None else edits.place_of(obstacle)
+        self._held = None if obstacle is None or self.grip is None else (obstacle, self.grip)
+
+    @property
+    def chosen(self) -> Obstacle | None:
+        """The obstacle that is chosen."""
+        return None if self.grasped is None else self.scene.obstacles[self.grasped]
+
+    def carry(self, place: Floats) -> None:
+        """Move the chosen obstacle so that its pose, as it was grasped, becomes `place` (4, 4)."""
+        self.put(place, self.carried(place))
+
+    def carried(self, place: Floats) -> Obstacle:
+        """Return the chosen obstacle as it is when its pose becomes `place`; see `edits.carried`."""
+        if self._held is None:
+            raise InputError("obstacle", "cannot be moved", self.chosen, "an obstacle that can")
+        obstacle, before = self._held
+        return edits.carried(obstacle, place @ np.linalg.inv(before))
+
+    def put(self, place: Floats, obstacle: Obstacle) -> None:
+        """Put an obstacle into the place of the chosen one, whose pose is `place` now."""
+        self._replace_obstacle(obstacle)
+        self.grip = place
+
+    def resize(self, **sizes: float) -> None:
+        """Change lengths of the chosen obstacle; see `edits.resized`."""
+        if self.chosen is None:
+            raise InputError("obstacle", "", None, "one that is chosen")
+        self._replace_obstacle(edits.resized(self.chosen, **sizes))
+        self.grasp(self.grasped)
+
+    def add(self, kind: str) -> None:
+        """Add an obstacle beside the robot, and choose it."""
+        size = self.robot.mean_length / 6.0
+        side = self.robot.base[:3, 3] + self.robot.base[:3, 2] * 0.5 * self.robot.mean_length
+        center = side + self.robot.base[:3, 0] * 2.0 * size
+        named = [each.named(self.scene.name(i)) for i, each in enumerate(self.scene.obstacles)]
+        self._change(scene=Scene([*named, edits.made(kind, center, size).named(self._free_name(kind))]))
+        self.grasp(len(self.scene) - 1)
+
+    def delete(self) -> None:
+        """Take the chosen obstacle away; the others keep their names."""
+        if self.grasped is None:
+            raise InputError("obstacle", "", None, "one that is chosen")
+        gone = self.grasped
+        self.grasp(None)
+        kept = [each.named(self.scene.name(i)) for i, each in enumerate(self.scene.obstacles) if i != gone]
+        self._change(scene=Scene(kept))
+
+    def _free_name(self, kind: str) -> str:
+        names = {self.scene.name(i) for i in range(len(self.scene))}
+        return next(name for i in range(len(names) + 1) if (name := f"{kind}[{len(names) + i}]") not in names)
+
+    def _replace_obstacle(self, obstacle: Obstacle) -> None:
+        assert self.grasped is not None
+        scene, index = self.scene, self.grasped
+        if scene.moves or not (isinstance(obstacle, Primitive) and isinstance(scene.obstacles[index], Primitive)):
+            self._change(scene=Scene.of(scene.replaced(index, obstacle)))
+            return
+        if self._mover is None or not self._mover.goes_on(scene, index):
+            self._mover = Mover(scene, index)
+        self._change(scene=Scene.of(self._mover.moved(obstacle)))
+
+    # Files
+
+    def load(self, job: Job) -> None:
+        """Begin anew with another problem."""
+        self._take(job)
+
+    @property
+    def folder(self) -> Path:
+        """Where names of files in the problem begin."""
+        return Path(self.job.file).parent
+
+
+def window_of(job: Job, motion: Motion | None) -> tuple[float, float]:
+    """Return the first and the last time of a motion, or else of all obstacles that move and of the waypoints.
+
+    Motions begin at 0, unless somebody says otherwise; so that time is among them.
+    """
+    if motion is not None:
+        return float(motion.times[0]), float(motion.times[-1])
+    courses = job.scene.snapshot().courses.values()
+    if not courses:
+        return 0.0, 0.0
+    ends = [0.0, *(float(time) for course in courses for time in (course.times[0], course.times[-1]))]
+    if job.is_path:
+        ends += [time_of(job, 0), time_of(job, len(job.waypoints) - 1)]
+    return min(ends), max(ends)
+
+
+def time_of(job: Job, waypoint: int) -> float:
+    """Return when a path is at a waypoint, 0 = first: at 0, 1, 2, ... with the start, unless they have times."""
+    return float(waypoint + (job.start is not None)) if job.times is None else float(job.times[waypoint])

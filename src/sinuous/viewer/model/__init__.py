@@ -1,1 +1,0 @@
-"""What a page of `sinuous view` knows and does, without a browser."""

@@ -1,0 +1,313 @@
+"""Robots, obstacles, targets and lines as nodes of viser. A node is sent again only where it has changed."""
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import BatchedMeshHandle, MeshHandle, SceneApi, SceneNodeHandle
+from viser.transforms import SO3
+
+from sinuous.checks import Floats
+from sinuous.display.body import BodySurface
+from sinuous.display.bounds import Bounds
+from sinuous.display.obstacles import Dotted, dots, obstacle_surface
+from sinuous.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, arrows_of, rgb, tones
+from sinuous.display.surface import Triangles, as_triangles
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
+
+GREY, CHOSEN = rgb(OBSTACLE), rgb("#cc79a7")
+"""Colours of obstacles, and of the one that is chosen."""
+
+SEE_THROUGH = 0.35
+"""Opacity of meshes and planes, which may hide the robot."""
+
+BODY_AROUND, AROUND = 16, 24
+"""Faces around a body, and around a round obstacle."""
+
+GHOST_SHARE = 0.96
+"""How much of its radius a ghost has: where it lies in a solid body, that one alone is seen."""
+
+DOT, LINE = 0.011, 0.003
+"""Radius of the point of a target, and width of a line, in spans of the page."""
+
+SHADOWLESS = {"cast_shadow": False, "receive_shadow": False}
+
+UNITS: dict[type[Obstacle], Callable[[bool], Obstacle]] = {
+    Sphere: lambda inside: Sphere((0, 0, 0), 1.0, inside),
+    Box: lambda inside: Box((0, 0, 0), (2, 2, 2), inside=inside),
+    Cylinder: lambda inside: Cylinder((0, 0, -1), (0, 0, 1), 1.0, inside),
+}
+"""Kinds of which all are one solid, scaled; so hundreds of them are one node."""
+
+
+def wxyz(rotation: Floats) -> Floats:
+    """Quaternion (4,) of a rotation (3, 3)."""
+    quaternion: Floats = np.asarray(SO3.from_matrix(rotation).wxyz, np.float64)
+    return quaternion
+
+
+def rotation_of(quaternion: Floats) -> Floats:
+    """Rotation (3, 3) of a quaternion wxyz of any length but zero."""
+    matrix: Floats = np.asarray(SO3(quaternion / np.linalg.norm(quaternion)).as_matrix(), np.float64)
+    return matrix
+
+
+def body_tones(count: int, solved: bool = True, number: int = 0) -> list[Rgb]:
+    """Colours of so many segments; `number` counts the robots on the page."""
+    pair = tones(solved, number)
+    return [rgb(pair[k % 2]) for k in range(count)]
+
+
+class Look(NamedTuple):
+    """How a body is drawn.
+
+    Attributes
+    ----------
+    span : float
+        Of the page: no body is thinner than a share of it.
+    pieces : int
+        Pieces of a segment that may have colours of their own.
+    opacity : float or None
+        Of ghosts; None is solid.
+    grain : float
+        Vertices are multiples of this, so that a recording is small; 0: as they are.
+    along : int or None
+        Bands along each segment; by default enough for a smooth picture.
+    """
+
+    span: float
+    pieces: int = 1
+    opacity: float | None = None
+    grain: float = 0.0
+    along: int | None = None
+
+
+class Body:
+    """A robot on a page. Nothing is there before `show`.
+
+    Parameters
+    ----------
+    scene : SceneApi
+    name : str
+        Name of its nodes.
+    robot : Robot
+    look : Look
+    """
+
+    def __init__(self, scene: SceneApi, name: str, robot: Robot, look: Look) -> None:
+        self.robot, self.look = robot, look
+        solid = look.opacity is None
+        self.surface = BodySurface(
+            robot,
+            THINNEST * look.span,
+            BODY_AROUND,
+            pieces=look.pieces,
+            along=look.along,
+            fittings=solid,
+            share=1.0 if solid else GHOST_SHARE,
+        )
+        self._scene, self._name = scene, name
+        self._nodes: list[MeshHandle] = []
+        self._shown: tuple[Floats | None, Sequence[Rgb]] = None, ()
+
+    def show(self, q: Floats, colours: Sequence[Rgb]) -> None:
+        """Show a configuration (n, 3) with one colour a piece of the body."""
+        if q is self._shown[0] and colours == self._shown[1]:
+            return
+        self._shown = q, colours
+        vertices = [own[0] for own in self.surface.vertices(q[None])]
+        if self.look.grain:
+            vertices = [np.round(own / self.look.grain) * self.look.grain for own in vertices]
+        every = [*colours, *[rgb(METAL)] * (len(vertices) - len(colours))]
+        if not self._nodes:
+            self._nodes = [self._mesh(i, vertices[i], every[i]) for i in range(len(vertices))]
+        for node, own, colour in zip(self._nodes, vertices, every, strict=True):
+            exact = own.astype(np.float32)
+            if not np.array_equal(node.vertices, exact):
+                node.vertices = exact
+            if node.color != colour:
+                node.color = colour
+
+    def remove(self) -> None:
+        """Take it from the page."""
+        for node in self._nodes:
+            node.remove()
+        self._nodes = []
+
+    def _mesh(self, i: int, vertices: Floats, colour: Rgb) -> MeshHandle:
+        name, faces = f"{self._name}/{i}", as_triangles(self.surface.parts[i].faces)
+        arguments: dict[str, Any] = {"color": colour, "opacity": self.look.opacity, **SHADOWLESS}
+        return self._scene.add_mesh_simple(name, vertices.astype(np.float32), faces, **arguments)
+
+
+class _Single(NamedTuple):
+    """An obstacle that is a node of its own."""
+
+    obstacle: Obstacle
+    chosen: bool
+    node: SceneNodeHandle
+
+
+_Key = tuple[type[Obstacle], bool]
+"""Obstacles in one node: their kind, and whether the body must stay inside."""
+
+
+class Obstacles:
+    """The obstacles on a page.
+
+    Parameters
+    ----------
+    scene : SceneApi
+    bounds : Bounds
+        What is looked at: half-spaces, which have no end, are drawn there.
+    on_click : callable, optional
+        Told the index of an obstacle that somebody clicks on.
+    """
+
+    def __init__(self, scene: SceneApi, bounds: Bounds, on_click: Callable[[int], None] | None = None) -> None:
+        self._scene, self._bounds, self._on_click = scene, bounds, on_click
+        self._groups: dict[_Key, tuple[BatchedMeshHandle, int]] = {}
+        self._members: dict[_Key, list[int]] = {}
+        self._singles: dict[int, _Single] = {}
+        self._rows: dict[Obstacle, tuple[Floats, Floats, Floats]] = {}
+        self._shown: tuple[object, int | None] = None, None
+
+    def show(self, obstacles: Sequence[Obstacle], chosen: int | None = None) -> None:
+        """Show these obstacles; `chosen` is the index of one that is coloured."""
+        if self._shown[0] is obstacles and self._shown[1] == chosen:
+            return
+        self._shown = obstacles, chosen
+        self._rows = {each: self._rows.get(each) or _scaled(each) for each in obstacles if type(each) in UNITS}
+        members: dict[_Key, list[int]] = {}
+        singles = [i for i, obstacle in enumerate(obstacles) if type(obstacle) not in UNITS]
+        for i, obstacle in enumerate(obstacles):
+            if type(obstacle) in UNITS:
+                members.setdefault((type(obstacle), _is_inside(obstacle)), []).append(i)
+        self._members = members
+        for key in [key for key in self._groups if key not in members]:
+            self._groups.pop(key)[0].remove()
+        for key, own in members.items():
+            self._show_group(key, [obstacles[i] for i in own], None if chosen not in own else own.index(chosen))
+        for i in [i for i in self._singles if i not in singles]:
+            self._singles.pop(i).node.remove()
+        for i in singles:
+            self._show_single(i, obstacles[i], i == chosen)
+
+    def _show_group(self, key: _Key, own: list[Obstacle], chosen: int | None) -> None:
+        places, turns, scales = (np.stack(part) for part in zip(*(self._rows[each] for each in own), strict=True))
+        colours = np.tile(_linear(GREY), (len(own), 1))
+        if chosen is not None:
+            colours[chosen] = _linear(CHOSEN)
+        arrays: dict[str, Any] = {
+            "batched_positions": places.astype(np.float32),
+            "batched_wxyzs": turns.astype(np.float32),
+            "batched_scales": scales.astype(np.float32),
+            "batched_colors": colours,
+        }
+        known = self._groups.get(key)
+        if known is not None and known[1] == len(own):
+            for name, values in arrays.items():
+                if not np.array_equal(getattr(known[0], name), values):
+                    setattr(known[0], name, values)
+            return
+        kind, inside = key
+        vertices, faces = self._surface(UNITS[kind](inside))
+        name = f"/obstacles/{kind.__name__}{'_inside' if inside else ''}"
+        arguments: dict[str, Any] = {"lod": "off", "side": "front", **SHADOWLESS, **arrays}
+        node = self._scene.add_batched_meshes_simple(name, vertices, faces, **arguments)
+        self._groups[key] = node, len(own)
+        self._listen(node, lambda event: self._members[key][event.instance_index or 0])
+
+    def _show_single(self, i: int, obstacle: Obstacle, chosen: bool) -> None:
+        known = self._singles.get(i)
+        if known is not None:
+            if known.chosen == chosen and (known.obstacle is obstacle or _move_node(known, obstacle)):
+                return
+            known.node.remove()
+        node = self._node(f"/obstacles/{i}", obstacle, CHOSEN if chosen else GREY)
+        self._singles[i] = _Single(obstacle, chosen, node)
+        self._listen(node, lambda _: i)
+
+    def _listen(self, node: Any, which: Callable[[Any], int]) -> None:
+        """Tell which obstacle is clicked on."""
+        if self._on_click is None or not hasattr(node, "on_click"):
+            return
+        clicked = self._on_click
+
+        @node.on_click  # type: ignore[untyped-decorator]
+        async def _(event: Any) -> None:
+            clicked(which(event))
+
+    def _node(self, name: str, obstacle: Obstacle, colour: Rgb) -> SceneNodeHandle:
+        if isinstance(obstacle, Dotted):
+            is_cloud = isinstance(obstacle, PointCloud)
+            size = 2.0 * float(obstacle.radii.min()) if isinstance(obstacle, PointCloud) else obstacle.spacing
+            return self._scene.add_point_cloud(
+                name,
+                dots(obstacle),
+                colour,
+                point_size=max(size, 0.004 * self._bounds.span),
+                point_shape="circle" if is_cloud else "square",
+                precision="float32",
+            )
+        hides = isinstance(obstacle, Mesh | HalfSpace) and not _is_inside(obstacle)
+        vertices, faces = self._surface(obstacle)
+        arguments: dict[str, Any] = {
+            "opacity": SEE_THROUGH if hides else None,
+            "side": "double" if hides else "front",
+            "flat_shading": isinstance(obstacle, Mesh),
+            **SHADOWLESS,
+        }
+        return self._scene.add_mesh_simple(name, vertices, faces, color=colour, **arguments)
+
+    def _surface(self, obstacle: Obstacle) -> tuple[Floats, Triangles]:
+        surface = obstacle_surface(obstacle, self._bounds.middle, 2.0 * self._bounds.span, AROUND, pieces=1)
+        return surface.vertices, surface.triangles
+
+
+def _is_inside(obstacle: Obstacle) -> bool:
+    """Whether the body must stay inside."""
+    return bool(getattr(obstacle, "inside", False))
+
+
+def _move_node(known: _Single, obstacle: Obstacle) -> bool:
+    """Move the node of an obstacle to where the same obstacle is now; say whether it is the same."""
+    (root, before), (same, now) = (each.place or (each, np.eye(4)) for each in (known.obstacle, obstacle))
+    if root is not same:
+        return False
+    motion = now @ np.linalg.inv(before)
+    known.node.position, known.node.wxyz = motion[:3, 3], wxyz(motion[:3, :3])
+    return True
+
+
+def _linear(colour: Rgb) -> NDArray[np.uint8]:
+    """The colour as batched nodes take it: pages show theirs without the gamma of all others."""
+    return np.round(255.0 * (np.array(colour) / 255.0) ** 2.2).astype(np.uint8)
+
+
+def _scaled(obstacle: Any) -> tuple[Floats, Floats, Floats]:
+    """Place, quaternion and scale of the unit solid that an obstacle is."""
+    center, rotation, half = obstacle.frame
+    return center, wxyz(rotation), np.full(3, obstacle.radius) if isinstance(obstacle, Sphere) else half
+
+
+def show_target(scene: SceneApi, name: str, target: Target, place: Floats, span: float) -> None:
+    """Draw a point at `place` (3,), an arrow where a direction is asked, three where a whole rotation is."""
+    scene.add_icosphere(name, DOT * span, color=rgb(TARGET), position=place, **SHADOWLESS)  # type: ignore[arg-type]
+    arrows = list(arrows_of(target))
+    if arrows:
+        ends = np.stack([np.zeros((len(arrows), 3)), ARROW * span * np.stack([axis for axis, _ in arrows])], axis=1)
+        shades = np.array([rgb(colour) for _, colour in arrows], np.uint8)
+        thin, wide, long = 0.003 * span, 0.008 * span, 0.025 * span
+        scene.add_arrows(f"{name}/arrow", ends, shades, shaft_radius=thin, head_radius=wide, head_length=long)
+
+
+def show_line(scene: SceneApi, name: str, points: Floats | Sequence[Floats], colour: str, span: float) -> None:
+    """Draw a line through points (k, 3)."""
+    places = np.asarray(points, np.float64)
+    scene.add_line_segments(name, np.stack([places[:-1], places[1:]], axis=1), rgb(colour), thickness=LINE * span)

@@ -1,0 +1,70 @@
+"""The page of `sinuous view`: what browsers show of a session, and what people do in them."""
+
+from viser import ClientHandle
+
+from sinuous.motion.job import Job
+from sinuous.motion.motion import Motion
+from sinuous.solution.solution import Solution
+from sinuous.viewer.panel import Panel
+from sinuous.viewer.saving import saved
+from sinuous.viewer.scenery import Scenery
+from sinuous.viewer.server import close_server, light, open_server
+from sinuous.viewer.session import Session
+from sinuous.viewer.status import judge, nearest, notice, status_of
+
+
+class Page(Session):
+    """A page that any number of browsers look at.
+
+    Parameters
+    ----------
+    job : Job
+    host : str
+    port : int
+        0: any that is free.
+    answer : Solution, Motion or None
+        What was found before, to begin with.
+    """
+
+    def __init__(
+        self, job: Job, host: str = "127.0.0.1", port: int = 0, answer: Solution | Motion | None = None
+    ) -> None:
+        super().__init__(job, answer)
+        self.server = open_server(host, port)
+        self._build()
+        self.do("begin", lambda: None)
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        return int(self.server.get_port())
+
+    def stop(self) -> None:
+        """Close the page."""
+        super().stop()
+        close_server(self.server)
+
+    def save(self, client: ClientHandle | None) -> None:
+        """Send the problem on the page to a browser, as a file; an event of the owner."""
+        text = saved(self.model)
+        if client is not None:
+            client.send_file_download("problem.yaml", text.encode(), save_immediately=True)
+
+    def _build(self) -> None:
+        self._answer_quickly()  # so that the camera looks at where the robot first gets to
+        self.server.gui.reset()
+        self.server.scene.reset()
+        light(self.server)
+        self.scenery = Scenery(self.server, self)
+        self._panel = Panel(self.server.gui, self, self.save)
+
+    def _draw(self) -> None:
+        model = self.model
+        self.near = nearest(model.robot, model.there, model.shown)
+        self.scenery.show(self.near)
+
+    def _refresh(self, busy: bool, refused: str) -> None:
+        model = self.model
+        judged = judge(model.robot, model.targets, model.q) if model.by_hand else None
+        with self.server.atomic():
+            self._panel.refresh(status_of(model, self.near, judged, busy), notice(refused))

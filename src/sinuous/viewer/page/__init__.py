@@ -1,1 +1,0 @@
-"""The page of `sinuous view`: what can be dragged, typed and pressed."""

@@ -1,0 +1,101 @@
+"""The panel beside the scene: what holds of the shape, and tabs with everything that can be changed."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from viser import GuiApi
+
+from sinuous.display.style import CONTACT, SCALE
+from sinuous.viewer import tabs
+from sinuous.viewer.session import Session
+from sinuous.viewer.status import STYLE, framed, scale
+from sinuous.viewer.tabs import Fields
+
+WIDTH = 440.0
+"""Width of the panel, in pixels: all tabs stand in one row."""
+
+Build = Callable[[Fields], None]
+"""Puts fields into the panel."""
+
+
+class Section:
+    """A part of the panel; it is built anew when what it is made for changes.
+
+    Parameters
+    ----------
+    container : handle of a tab or folder
+    build : callable
+        Puts the fields into the container.
+    made_for : callable
+        Returns what the fields are made for.
+    """
+
+    def __init__(self, container: Any, build: Build, made_for: Callable[[], object]) -> None:
+        self._container, self._build, self._made_for = container, build, made_for
+        self._fields = Fields()
+        self._now: object = None
+
+    def refresh(self) -> None:
+        """Show what the model says now."""
+        now = (self._made_for(),)
+        if now != self._now:
+            self._now = now
+            self._fields.clear()
+            with self._container:
+                self._build(self._fields)
+        self._fields.refresh()
+
+
+class Panel:
+    """The panel of a page; `save` sends the problem on the page to a browser."""
+
+    def __init__(self, gui: GuiApi, session: Session, save: Callable[[Any], object]) -> None:
+        self._session, model = session, session.model
+        self._status = gui.add_html("")
+        group = gui.add_tab_group()
+        entries: list[tuple[str, Build, Callable[[], object]]] = [
+            ("Target", partial(tabs.target_tab, gui, session), lambda: (_asked(session), model.job.is_path)),
+            ("Motion", partial(tabs.motion_tab, gui, session), lambda: model.job.is_path),
+            ("Shape", partial(tabs.shape_tab, gui, session), lambda: (_limits(session), session.first_segment)),
+            ("Scene", partial(tabs.scene_tab, gui, session), lambda: None),
+            ("Robot", partial(tabs.robot_tab, gui, session), lambda: model.robot.segment_names),
+            ("Solve", partial(tabs.solve_tab, gui, session), lambda: None),
+            ("File", partial(tabs.file_tab, gui, session, save), lambda: None),
+        ]
+        self._sections = []
+        for name, build, made_for in entries if model.targets else entries[1:]:
+            tab = group.add_tab(name)
+            self._sections.append(Section(tab, build, made_for))
+            if name == "Scene":
+                sizes = partial(tabs.size_fields, gui, session)
+                self._sections.append(Section(tab, sizes, lambda: _sizes(session)))
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(WIDTH)
+
+    def refresh(self, status: str, notice: str) -> None:
+        """Show what holds, one line about what was refused, and in every field what the model says."""
+        content = framed(STYLE, status, self._legend(), notice)
+        if self._status.content != content:
+            self._status.content = content
+        for section in self._sections:
+            section.refresh()
+
+    def _legend(self) -> str:
+        if self._session.colouring == "bending":
+            return scale("straight", "bent as far as it can", SCALE)
+        if self._session.colouring == "clearance":
+            return scale("touches", "clear", (CONTACT, *SCALE))
+        return ""
+
+
+def _asked(session: Session) -> object:
+    return tuple((target.position is None, target.segment) for target in session.model.targets)
+
+
+def _limits(session: Session) -> object:
+    return tuple((segment.max_bend, segment.length) for segment in session.model.robot.segments)
+
+
+def _sizes(session: Session) -> object:
+    return (session.model.grasped, *tabs.chosen_sizes(session))

@@ -1,0 +1,112 @@
+"""A page in one file: everything stands still, or moves with a time slider."""
+
+import html as markup
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from viser import ViserServer
+
+from sinuous.checks import Floats
+from sinuous.display.bounds import best_view, bounds_of
+from sinuous.display.contents import Arm, Contents, MovingArm
+from sinuous.display.style import ROUTE, TIP_PATH
+from sinuous.scene.courses.moving import Moving
+from sinuous.viewer.model import pace
+from sinuous.viewer.nodes import Body, Look, Obstacles, body_tones, show_line, show_target
+from sinuous.viewer.server import aim, close_server, open_server
+
+GHOST = 0.4
+"""Opacity of a ghost."""
+
+GRAIN = 1e-4
+"""Vertices of bodies that move are multiples of about this, in spans of the page: a recording is half as large."""
+
+FEWEST_FRAMES, MOST_FRAMES = 60, 400
+"""Frames of a motion: its knots, or between them where there are few, or some of them where there are many."""
+
+STYLE = """<style>
+[aria-label$="scene tree"] { display: none !important; }
+#sinuous-caption { position: fixed; left: 14px; top: 12px; z-index: 5; font: 13px/1.45 system-ui, sans-serif;
+  color: #2f343a; pointer-events: none; white-space: pre-line; max-width: 70vw; }
+</style>"""
+"""Hides the tree of nodes, and places the caption."""
+
+
+def record(contents: Contents) -> str:
+    """Return a page that shows `contents`, as one HTML text that needs nothing else."""
+    bounds = bounds_of(contents)
+    server = open_server()
+    try:
+        aim(server, bounds, best_view(contents))
+        obstacles = Obstacles(server.scene, bounds)
+        obstacles.show(contents.obstacles_at(0.0))
+        for i, (target, place) in enumerate(contents.targets):
+            show_target(server.scene, f"/targets/{i}", target, place, bounds.span)
+        for i, path in enumerate(contents.paths):
+            show_line(server.scene, f"/paths/{i}", path, TIP_PATH, bounds.span)
+        for i, route in enumerate(contents.routes):
+            show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
+        for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
+            body = Body(server.scene, f"/robots/{i}", arm.robot, Look(bounds.span, opacity=GHOST if ghost else None))
+            body.show(arm.q, body_tones(len(arm.robot), arm.solved, i))
+        page = _show_moving(server, contents, bounds.span, obstacles)
+    finally:
+        close_server(server)
+    return _finished(page, contents)
+
+
+def frames_of(moving: MovingArm) -> tuple[Floats, Floats]:
+    """Configurations (f, n, 3) of a motion that are shown, and their times (f,) in seconds from its begin."""
+    times = np.asarray(moving.times, np.float64) - moving.times[0]
+    times /= pace(float(times[-1]))
+    count = len(times)
+    if FEWEST_FRAMES <= count <= MOST_FRAMES:
+        return moving.q, times
+    shares = np.linspace(0.0, 1.0, max(FEWEST_FRAMES, min(count, MOST_FRAMES)))
+    return np.stack([moving.at(float(share)).q for share in shares]), shares * times[-1]
+
+
+def ghosts_of(arms: Sequence[Arm]) -> list[bool]:
+    """Which robots are ghosts: those after the first of the same robot."""
+    return [any(arm.robot is before.robot for before in arms[:i]) for i, arm in enumerate(arms)]
+
+
+def _show_moving(server: ViserServer, contents: Contents, span: float, obstacles: Obstacles) -> str:
+    """Show what moves, frame by frame, and return the page with everything on it."""
+    if not contents.moving:
+        return server.get_scene_serializer().as_html()
+    grain = 2.0 ** math.floor(math.log2(GRAIN * span))
+    bodies = []
+    for i, moving in enumerate(contents.moving):
+        robot = moving.robot
+        look = Look(span, grain=grain, along=max(1, min(10, 80 // len(robot))))
+        colours = body_tones(len(robot), moving.solved, len(contents.arms) + i)
+        body = Body(server.scene, f"/motions/{i}", robot, look)
+        bodies.append((body, *frames_of(moving), colours))
+        body.show(bodies[i][1][0], colours)
+    times = max((own for _, _, own, _ in bodies), key=lambda each: each[-1])
+    first = float(bodies[0][2][-1])
+    others = any(isinstance(obstacle, Moving) for obstacle in contents.obstacles)
+    recording = server.get_scene_serializer()
+    for before, now in pairwise(times.tolist()):
+        recording.insert_sleep(now - before)
+        for body, q, own_times, colours in bodies:
+            body.show(q[min(int(np.searchsorted(own_times, now)), len(q) - 1)], colours)
+        if others:
+            obstacles.show(contents.obstacles_at(min(1.0, now / first)))
+    recording.insert_sleep(float(times[-1] - times[-2]))
+    return recording.as_html()
+
+
+def _finished(page: str, contents: Contents) -> str:
+    """Put a title, a caption and our style into a page of viser."""
+    lines = [str(answer).split("\n", maxsplit=1)[0] for answer in contents.answers[:3]]
+    head = page.index("</head>")
+    page = page[:head] + STYLE + page[head:]
+    start, end = page.index("<title>"), page.index("</title>")
+    page = page[: start + len("<title>")] + "Sinuous" + page[end:]
+    body = page.index("</body>")
+    caption = f'<div id="sinuous-caption">{markup.escape(chr(10).join(lines))}</div>' if lines else ""
+    return page[:body] + caption + page[body:]

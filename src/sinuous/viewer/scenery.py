@@ -1,0 +1,202 @@
+"""What of the model stands in space: bodies, obstacles, targets with gizmos, the line to the nearest place."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+from viser import LineSegmentsHandle, TransformControlsHandle, ViserServer
+
+from sinuous.checks import Floats
+from sinuous.display.bounds import best_view, bounds_of
+from sinuous.display.clearances import clearances
+from sinuous.display.contents import Arm, Contents
+from sinuous.display.style import TIP_PATH, Rgb, by_bending, by_clearance, rgb
+from sinuous.problem.target import Target
+from sinuous.viewer.model import Model
+from sinuous.viewer.nodes import LINE, Body, Look, Obstacles, body_tones, rotation_of, show_line, wxyz
+from sinuous.viewer.server import aim
+from sinuous.viewer.session import Session
+from sinuous.viewer.status import Near
+
+BESIDE, GHOST = 0.5, 0.3
+"""Opacity of the shape of a second method, and of other solutions."""
+
+FINE, STEPS = 4, 3
+"""Pieces of a segment that are coloured by their clearance, and steps along each at which it is measured."""
+
+FAR = 0.15
+"""Clearance, in mean lengths of the robot, at the end of the scale of colours."""
+
+GIZMO = 0.16
+"""Size of a gizmo, in spans of the page."""
+
+NEAR = rgb("#333a42")
+"""Colour of the line to the nearest place."""
+
+HAND = 3
+"""Which of the pairs of tones a body has that was bent by hand."""
+
+MOST_GIZMOS = 8
+"""Targets with a gizmo."""
+
+Moved = Callable[[Floats, Floats, bool], None]
+"""Told of a gizmo: its position (3,), its rotation (3, 3), and whether it was let go."""
+
+
+class Scenery:
+    """The scene of the page."""
+
+    def __init__(self, server: ViserServer, session: Session) -> None:
+        self._server, self._session = server, session
+        self._model = model = session.model
+        contents = _contents(model)
+        self.bounds = bounds_of(contents)
+        aim(server, self.bounds, best_view(contents))
+        self._obstacles = Obstacles(server.scene, self.bounds, session.choose_obstacle)
+        self._bodies: dict[str, Body] = {}
+        self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
+        self._line: LineSegmentsHandle | None = None
+        if model.job.is_path:
+            self._show_path()
+
+    def show(self, near: Near | None) -> None:
+        """Show the model as it is."""
+        with self._server.atomic():
+            self._show_bodies()
+            self._obstacles.show(self._model.there.obstacles, self._model.grasped)
+            self._show_gizmos()
+            self._show_near(near)
+
+    def _show_bodies(self) -> None:
+        wanted = list(self._wanted_bodies())
+        for name in self._bodies.keys() - {name for name, *_ in wanted}:
+            self._bodies.pop(name).remove()
+        for name, look, q, colours in wanted:
+            body = self._bodies.get(name)
+            if body is None or body.robot is not self._model.robot or body.look != look:
+                if body is not None:
+                    body.remove()
+                body = self._bodies[name] = Body(self._server.scene, f"/{name}", self._model.robot, look)
+            body.show(q, colours)
+
+    def _wanted_bodies(self) -> Iterator[tuple[str, Look, Floats, list[Rgb]]]:
+        """Yield the bodies on the page: a name, how it is drawn, its configuration (n, 3), a colour for each piece."""
+        model, span, count = self._model, self.bounds.span, len(self._model.robot)
+        pieces = FINE if self._session.colouring == "clearance" else 1
+        yield "body", Look(span, pieces), model.shown, self._colours(model.shown, pieces)
+        if model.beside is not None and model.motion is None:
+            yield "second", Look(span, opacity=BESIDE), model.beside.q, body_tones(count, model.beside.solved, 1)
+        ghosts = {f"ghosts/{i}": each.q for i, each in enumerate(model.ghosts) if each is not model.answer}
+        if model.job.goal is not None:
+            ghosts["goal"] = model.job.goal
+        for i, (name, q) in enumerate(ghosts.items(), 1):
+            yield name, Look(span, opacity=GHOST), q, body_tones(count, True, i)
+
+    def _colours(self, q: Floats, pieces: int) -> list[Rgb]:
+        """One colour a piece of the body."""
+        model, robot = self._model, self._model.robot
+        if self._session.colouring == "bending":
+            return by_bending(robot, q)
+        if self._session.colouring == "clearance" and len(model.scene):
+            places = clearances(robot, model.there, q, FINE * STEPS)
+            least = [float(places[i : i + STEPS + 1].min()) for i in range(0, len(places) - 1, STEPS)]
+            return by_clearance(least, FAR * robot.mean_length)
+        solved = model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
+        if model.motion is not None:
+            solved = model.step_is_proved
+        own = body_tones(len(robot), solved, HAND if model.by_hand else 0)
+        return [colour for colour in own for _ in range(pieces)]
+
+    def gizmo(self, name: str) -> TransformControlsHandle | None:
+        """The gizmo of a target, `targets/0`, or of the chosen obstacle, `grip`, where there is one."""
+        return self._gizmos[name][1] if name in self._gizmos else None
+
+    def _show_gizmos(self) -> None:
+        wanted = {name: (kind, frame, moved) for name, kind, frame, moved in self._wanted_gizmos()}
+        for name, (kind, gizmo) in list(self._gizmos.items()):
+            if name not in wanted or wanted[name][0] != kind:
+                gizmo.remove()
+                del self._gizmos[name]
+        for name, (kind, frame, moved) in wanted.items():
+            if name not in self._gizmos:
+                self._gizmos[name] = kind, self._make_gizmo(f"/{name}", kind, moved)
+            _place(self._gizmos[name][1], frame)
+
+    def _wanted_gizmos(self) -> Iterator[tuple[str, str, Floats, Moved]]:
+        """Yield the gizmos on the page: a name, what each can do, its frame (4, 4), and who is told that it moves."""
+        for i, target in enumerate(self._model.targets[:MOST_GIZMOS]):
+            kind, frame = _kind_of(target), self._model.target_frame(i)
+            if kind == "position":  # the axes of the world; those of the tip would turn in the hand
+                frame[:3, :3] = np.eye(3)
+            yield f"targets/{i}", kind, frame, partial(self._target_moved, i)
+        if self._model.grip is not None:
+            yield "grip", "pose", self._model.grip, self._session.move_obstacle
+
+    def _target_moved(self, index: int, position: Floats, rotation: Floats, let_go: bool) -> None:
+        self._session.move_target(index, position, rotation)
+
+    def _make_gizmo(self, name: str, kind: str, moved: Moved) -> TransformControlsHandle:
+        endless = ((-1e9, 1e9),) * 3
+        gizmo = self._server.scene.add_transform_controls(
+            name,
+            scale=GIZMO * self.bounds.span,
+            disable_rotations=kind == "position",
+            disable_axes=kind == "turn",
+            disable_sliders=kind == "turn",
+            translation_limits=(endless[0], endless[1], endless[2]),
+            depth_test=False,
+        )
+
+        @gizmo.on_update
+        async def _(event: Any) -> None:
+            moved(np.array(gizmo.position), rotation_of(np.array(gizmo.wxyz)), event.phase == "end")
+
+        return gizmo
+
+    def _show_near(self, near: Near | None) -> None:
+        if self._line is None:
+            ends = np.zeros((1, 2, 3))
+            thick = LINE * self.bounds.span
+            self._line = self._server.scene.add_line_segments("/near", ends, NEAR, thickness=thick, visible=False)
+        if near is not None:
+            self._line.points = np.stack([near.body, near.surface])[None].astype(np.float32)
+        self._line.visible = near is not None
+
+    def _show_path(self) -> None:
+        places = [target.position for targets in self._model.job.waypoints for target in targets[:1]]
+        known = [place for place in places if place is not None]
+        if len(known) > 1:
+            show_line(self._server.scene, "/path", known, TIP_PATH, self.bounds.span)
+
+
+def _kind_of(target: Target) -> str:
+    """What the gizmo of a target can do: `position`, `turn`, or `pose`, which is both."""
+    turned = target.direction is not None or target.rotation is not None
+    return "position" if not turned else "turn" if target.position is None else "pose"
+
+
+def _place(gizmo: TransformControlsHandle, frame: Floats) -> None:
+    """Put a gizmo where the model has it, unless it is there: it may be in somebody's hand."""
+    off = float(np.abs(gizmo.position - frame[:3, 3]).max())
+    if off > 1e-12 + 1e-9 * float(np.abs(frame[:3, 3]).max()):
+        gizmo.position = frame[:3, 3]
+    if float(np.abs(_axis(gizmo.wxyz) - frame[:3, 2]).max()) > 1e-6:
+        gizmo.wxyz = wxyz(frame[:3, :3])
+
+
+def _axis(quaternion: Floats) -> Floats:
+    """The z axis (3,) of a frame whose rotation is this quaternion wxyz."""
+    w, x, y, z = quaternion.tolist()
+    axis: Floats = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    return axis
+
+
+def _contents(model: Model) -> Contents:
+    """What must be on the page: the robot, its goal, and the targets of all waypoints."""
+    shapes = [model.q] if model.job.goal is None else [model.q, model.job.goal]
+    contents = Contents(arms=[Arm(model.robot, q) for q in shapes], obstacles=list(model.scene.obstacles))
+    for targets in model.job.waypoints:
+        for target in targets:
+            contents.add_target(target, contents.arms[0])
+    return contents

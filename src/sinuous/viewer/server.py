@@ -1,0 +1,65 @@
+"""The server behind a page: its camera and its light; it says nothing on standard output."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import rich
+from viser import ViserServer
+
+from sinuous.display.bounds import Bounds, towards
+from sinuous.display.style import View
+
+FIELD = math.radians(40.0)
+"""Angle that the camera sees, from top to bottom."""
+
+
+def aim(server: ViserServer, bounds: Bounds, view: View) -> None:
+    """Let the camera of the page show all of the bounds from a side."""
+    away = 0.98 * (0.5 * float(np.linalg.norm(bounds.high - bounds.low)) or 0.5) / math.sin(0.5 * FIELD)
+    camera = server.initial_camera
+    camera.position, camera.look_at, camera.fov = bounds.middle + away * towards(view), bounds.middle, FIELD
+    camera.near, camera.far = 0.01 * away, 100.0 * away
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep viser from printing where it listens and that it stopped."""
+    console = rich.get_console()
+    before, console.quiet = console.quiet, True
+    try:
+        yield
+    finally:
+        console.quiet = before
+
+
+def open_server(host: str = "127.0.0.1", port: int = 0, label: str = "Sinuous") -> ViserServer:
+    """Start a server with an empty scene and none of viser's own signs.
+
+    `port` 0: any that is free.
+    """
+    with quiet():
+        server = ViserServer(host=host, port=port, label=label, verbose=False)
+    server.gui.configure_theme(show_logo=False, show_share_button=False)
+    server.scene.world_axes.visible = False
+    light(server)
+    server.request_share_url = lambda verbose=True: None  # type: ignore[method-assign]  # no page may open a tunnel
+    return server
+
+
+def light(server: ViserServer) -> None:
+    """Light the scene evenly and without shadows: clear colours, and quick where pages are drawn in software."""
+    scene = server.scene
+    scene.configure_environment_map(None)
+    scene.configure_default_lights(False)
+    scene.add_light_ambient("/light/all", intensity=0.6)
+    scene.add_light_hemisphere("/light/sky", sky_color=(255, 255, 255), ground_color=(150, 155, 165), intensity=1.0)
+    for name, side, strength in (("left", (-1.0, -2.0, 3.0), 1.5), ("right", (2.0, 1.0, 1.0), 0.7)):
+        scene.add_light_directional(f"/light/{name}", intensity=strength, position=side)
+
+
+def close_server(server: ViserServer) -> None:
+    """Stop a server."""
+    with quiet():
+        server.stop()

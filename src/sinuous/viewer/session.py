@@ -1,0 +1,303 @@
+"""The model of a page and the threads that work for it, without a browser."""
+
+import logging
+import threading
+import time as clock
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable
+from functools import partial
+
+from sinuous.checks import Floats
+from sinuous.display.style import Colouring
+from sinuous.errors import InputError
+from sinuous.motion.job import Job
+from sinuous.motion.motion import Motion
+from sinuous.motion.plan import TIME
+from sinuous.poses import pose
+from sinuous.scene.scene import Scene
+from sinuous.solution.solution import Solution
+from sinuous.viewer.edits import is_quick
+from sinuous.viewer.model import Model, pace
+from sinuous.viewer.saving import loaded
+from sinuous.viewer.solvers import QUICK, Question, Solvers
+from sinuous.viewer.workers import Worker
+
+PATIENCE = 0.15
+"""Seconds that a question must stand before a whole budget is spent on it."""
+
+DETAILS = 0.1
+"""Seconds between two changes of texts and fields."""
+
+TICK = 1.0 / 30.0
+"""Seconds between two pictures of what is played."""
+
+
+class Session(ABC):
+    """The model of a page, which one worker thread owns, and other workers for what takes long.
+
+    Everything that people do is an event in the queue of the owner. After each batch of events it solves for some
+    milliseconds and draws. Whole budgets, second methods, motions and files are left to the other workers; they post
+    their answers to the owner, which drops an answer when the question has changed meanwhile.
+
+    Parameters
+    ----------
+    job : Job
+    answer : Solution, Motion or None
+        What was found before, to begin with.
+
+    Attributes
+    ----------
+    model : Model
+        To be read by any thread, and changed by the owner alone.
+    playing : bool
+    colouring : str
+        What the colours of the body say.
+    first_segment : int
+        The first segment, 0 = first, that has sliders.
+    answered : callable
+        Called with the number of every state of the model as soon as it has a shape.
+    """
+
+    def __init__(self, job: Job, answer: Solution | Motion | None = None) -> None:
+        self.model = Model(job)
+        if isinstance(answer, Motion):
+            self.model.show_motion(answer)
+        elif answer is not None:
+            self.model.q = answer.q
+        self.playing = False
+        self.colouring: Colouring = "segment"
+        self.first_segment = 0
+        self.answered: Callable[[int], object] = lambda number: None
+        self._refused, self._asked, self._busy, self._refreshed = "", -1, False, 0.0
+        self._stopping = threading.Event()
+        self._quick, self._thorough, self._second = Solvers(routes=False), Solvers(routes=True), Solvers(routes=True)
+        self._solving = Worker("solving", self._failed)
+        self._solving_beside = Worker("solving-beside", self._failed)
+        self._background = Worker("background", self._failed)
+        self._player = Worker("player", self._failed)
+        self._owner = Worker("owner", self._failed, self._settle, self._refresh_now)
+
+    @abstractmethod
+    def _build(self) -> None:
+        """Make everything that is shown anew, for another problem."""
+
+    @abstractmethod
+    def _draw(self) -> None:
+        """Show the shape as it is now."""
+
+    @abstractmethod
+    def _refresh(self, busy: bool, refused: str) -> None:
+        """Show texts and fields as they are now.
+
+        `busy`: a solve goes on; `refused`: what the last event was refused for, in one line.
+        """
+
+    def do(self, key: Hashable, change: Callable[[], object]) -> None:
+        """Post an event that changes the model, in place of one under the same key; returns at once."""
+
+        def event() -> None:
+            change()
+            self._refused = ""
+
+        self._owner.post(key, event)
+
+    def wait(self) -> None:
+        """Wait until somebody stops the page, or an interrupt comes."""
+        while not self._stopping.wait(0.2):  # an interrupt is not heard within a longer wait on some systems
+            pass
+
+    def stop(self) -> None:
+        """Stop all workers."""
+        self.playing = False
+        self._stopping.set()
+        for worker in (self._player, self._background, self._solving_beside, self._solving, self._owner):
+            worker.stop()
+
+    def _failed(self, error: Exception) -> None:
+        """Show in one line what was refused."""
+        if not isinstance(error, InputError):
+            logging.getLogger("sinuous").error("the page failed", exc_info=error)
+        text = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {error}"
+        self._owner.post("refused", lambda: setattr(self, "_refused", text))
+
+    # What the owner does after every batch of events
+
+    def _settle(self) -> None:
+        model = self.model
+        if model.number != self._asked:
+            self._asked, self._busy = model.number, False
+            if model.targets and not model.by_hand:
+                self._answer()
+            self.answered(model.number)
+        self._draw()
+        if clock.monotonic() - self._refreshed > DETAILS:
+            self._refresh_now()
+
+    def _refresh_now(self) -> None:
+        self._refresh(self._busy, self._refused)
+        self._refreshed = clock.monotonic()
+
+    def _answer(self) -> None:
+        """Answer within milliseconds, and have others go on where that is not enough."""
+        model = self.model
+        self._answer_quickly()
+        if model.answer is None or not model.answer.solved:
+            self._busy = True
+            self._solving.post("solve", partial(self._solve, model.question()))
+        second = model.question_beside()
+        if second is not None:
+            self._solving_beside.post("solve", partial(self._solve_beside, second))
+
+    def _answer_quickly(self) -> None:
+        """Solve for some milliseconds, by the method that needs no more; others may have to be compiled first."""
+        question, own = self.model.question(), self.model.settings
+        if question.targets and own.method == "newton":
+            self.model.accept(question.number, self._quick.solve(question, min(QUICK, own.time)))
+
+    def _stands(self, question: Question) -> bool:
+        """Wait a moment; return whether the question is still asked."""
+        return not self._stopping.wait(PATIENCE) and question.number == self.model.number
+
+    def _solve(self, question: Question) -> None:
+        """Spend the whole budget on a question that stands."""
+        if not self._stands(question):
+            return
+        try:
+            solution = self._thorough.solve(question)
+        finally:
+            self._owner.post("busy", partial(self._rest, question.number))
+        self._owner.post("answer", lambda: self.model.accept(question.number, solution))
+
+    def _rest(self, number: int) -> None:
+        self._busy = self._busy and number != self.model.number
+
+    def _solve_beside(self, question: Question) -> None:
+        if self._stands(question):
+            solution = self._second.solve(question)
+            self._owner.post("beside", lambda: self.model.accept_beside(question.number, solution))
+
+    # What people do
+
+    def move_target(self, index: int, position: Floats, rotation: Floats) -> None:
+        """Move a target to the position (3,) and rotation (3, 3) of its gizmo."""
+        self.do(("target", index), lambda: self.model.place_target(index, position, rotation))
+
+    def move_obstacle(self, position: Floats, rotation: Floats, let_go: bool) -> None:
+        """Move the chosen obstacle with its gizmo; one that has to be prepared anew moves when it is let go."""
+        place, chosen = pose(position, rotation=rotation), self.model.chosen
+        if chosen is not None and is_quick(chosen):
+            self.do("carry", lambda: self.model.carry(place))
+        elif chosen is not None and let_go:
+            self._background.post("carry", partial(self._carry_slowly, place, self.model.number))
+
+    def _carry_slowly(self, place: Floats, number: int) -> None:
+        obstacle = self.model.carried(place)
+        Scene([obstacle]).prepare()
+        self.do("carry", lambda: self.model.put(place, obstacle) if number == self.model.number else None)
+
+    def choose_obstacle(self, index: int | None) -> None:
+        """Choose an obstacle, or none."""
+        self.do("grasp", lambda: self.model.grasp(index))
+
+    def colour(self, colouring: Colouring) -> None:
+        """Let the colours of the body say something else."""
+        self.do("colour", lambda: setattr(self, "colouring", colouring))
+
+    def show_segments(self, first: int) -> None:
+        """Show the sliders of other segments, from this one on, 0 = first."""
+        self.do("segments", lambda: setattr(self, "first_segment", first))
+
+    def find_others(self, count: int) -> None:
+        """Look for distinct solutions."""
+        question = self.model.question()
+
+        def find() -> None:
+            found = self._thorough.solver(question).solve_all(question.targets, count=count)
+            if not found:
+                raise InputError("solutions", "none was found", 0, "a target that can be met")
+            self.do("others", partial(self._show_others, question.number, found))
+
+        self._solving.post("others", find)
+
+    def _show_others(self, number: int, found: list[Solution]) -> None:
+        if number == self.model.number:
+            self.model.ghosts = found
+            self.model.choose(0)
+
+    def forget_others(self) -> None:
+        """Take other solutions from the page."""
+        self.do("others", self.model.ghosts.clear)
+
+    def move(self) -> None:
+        """Follow the path, or plan a motion to the target or goal, and play it."""
+        number, job, own, begin = self.model.number, self.model.job, self.model.settings, self.model.begin
+
+        def run() -> None:
+            if job.is_path:
+                motion = job.track(method=own.method, seed=own.seed, time=own.time)
+            else:
+                motion = job.plan(method=own.method, seed=own.seed, time=max(own.time, TIME), begin=begin)
+            self.do("motion", partial(self._show_motion, number, motion))
+
+        self._background.post("move", run)
+
+    def _show_motion(self, number: int, motion: Motion) -> None:
+        if number == self.model.number:
+            self.model.show_motion(motion)
+            self.play(True)
+
+    def load(self, name: str, content: bytes) -> None:
+        """Show another problem; one that is none changes nothing."""
+
+        def read() -> None:
+            job = loaded(name, content, self.model.folder)
+            self.do("load", partial(self.replace, job))
+
+        self._background.post("load", read)
+
+    def replace(self, job: Job) -> None:
+        """Show another problem; an event of the owner."""
+        self.playing = False
+        self.model.load(job)
+        self.first_segment, self.colouring = 0, "segment"
+        self._build()
+
+    # What moves
+
+    def play(self, running: bool) -> None:
+        """Play the motion, or the obstacles that move, from where it is, or hold it; at its end, from the beginning."""
+        self.playing = running
+        if running:
+            self._owner.post("rewind", self._rewind)
+            self._player.post("play", self._run)
+
+    def _rewind(self) -> None:
+        first, last = self.model.window
+        if first < last <= self.model.time:
+            self.model.play(first)
+
+    def _run(self) -> None:
+        """Move on with the time, until the end."""
+        last = clock.monotonic()
+        while self.playing and not self._stopping.wait(TICK):
+            now = clock.monotonic()
+            self._owner.post("tick", partial(self._tick, now - last))
+            last = now
+        self.playing = False
+
+    def _tick(self, seconds: float) -> None:
+        first, last = self.model.window
+        if first == last:
+            self.playing = False
+        if not self.playing:
+            return
+        time = self.model.time + seconds * pace(last - first)
+        if time >= last:
+            time, self.playing = last, False
+        self.model.play(max(first, time))
+
+    def go_to(self, share: float) -> None:
+        """Show what moves after this share of its time; an event of the owner."""
+        first, last = self.model.window
+        if first < last:
+            self.model.play(min(last, first + share * (last - first)))

@@ -1,0 +1,44 @@
+"""What must be seen is within the bounds, and obstacles far away do not make it small."""
+
+import numpy as np
+
+import sinuous as sn
+from sinuous.display.bounds import best_view, bounds_of, towards
+from sinuous.display.contents import gather
+from tests.helpers import random_pose
+
+ROBOT = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, base=random_pose(np.random.default_rng(3)))
+Q = np.array([[0.8, 0.3, 1.0], [-0.6, 0.5, 1.1], [0.4, -0.9, 0.9]])
+
+
+def test_bodies_targets_and_motions_are_within_the_bounds() -> None:
+    target = sn.Target((3, 3, 3), direction=(0, 0, 1))
+    motion = sn.Motion(ROBOT, [Q, 0.5 * Q + [0.0, 0.0, 0.5]])
+    bounds = bounds_of(gather([motion, target]))
+    seen = np.concatenate([ROBOT.backbone(motion.q).reshape(-1, 3), [(3, 3, 3)]])
+    assert (seen >= bounds.low).all()
+    assert (seen <= bounds.high).all()
+
+
+def test_only_what_is_near_of_obstacles_counts() -> None:
+    alone = bounds_of(gather([ROBOT, Q]))
+    far = [
+        sn.Sphere(alone.middle + 50.0, 1.0),
+        sn.HalfSpace(alone.low - 99.0, (0, 0, 1)),
+        sn.PointCloud([[90, 0, 0]], 1),
+    ]
+    np.testing.assert_array_equal(bounds_of(gather([ROBOT, Q, *far])), alone)
+    beside = sn.Sphere((*alone.high[:2], alone.middle[2]), 0.05)
+    assert (bounds_of(gather([ROBOT, Q, beside])).high[:2] >= beside.center[:2] + 0.05 - 1e-12).all()
+    around = bounds_of(gather([ROBOT, Q, sn.Sphere((0, 0, 0), 1e3, inside=True)]))
+    assert around.span < 2.0 * alone.span
+
+
+def test_the_view_is_across_the_plane_that_the_robot_reaches_out_in() -> None:
+    robot = sn.Robot.uniform(1, 1.0, max_bend=2)
+    for angle in (0.0, 1.0, -2.0):
+        q = np.array([[np.cos(angle), np.sin(angle), 1.0]])
+        reach = robot.tip(q)[:2, 3] / np.linalg.norm(robot.tip(q)[:2, 3])
+        side = towards(best_view(gather([robot, q])))
+        assert side[2] > 0.0
+        assert 0.3 < abs(float(side[:2] @ reach)) < 0.5

@@ -1,0 +1,69 @@
+"""SLInKi as a method."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.methods.slinki.search import Slinki
+from tests.helpers import refused
+from tests.methods import laws
+
+
+def test_the_papers_poses_better_than_published() -> None:
+    """Published for the first two: within a millimetre, and no error of direction."""
+    solver = sn.Solver(laws.ARM, method="slinki", tolerance=sn.Tolerance(0.01, 1e-6))
+    assert laws.solved_and_verified(solver, laws.PAPER) == 4
+
+
+@pytest.mark.parametrize("kind", ["position", "direction"])
+@pytest.mark.parametrize("max_bend", [1.2, 2.4])
+def test_reachable_targets(kind: str, max_bend: float) -> None:
+    solver = sn.Solver(laws.ARM, method="slinki", max_starts=1)
+    assert laws.solved_and_verified(solver, laws.tip_targets(laws.ARM, 50, max_bend, kind=kind)) >= 49
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 12])
+def test_any_number_of_segments(count: int) -> None:
+    robot = sn.Robot.uniform(count, (45, 70), 1.5)
+    solver = sn.Solver(robot, method="slinki")
+    targets = laws.tip_targets(robot, 20, 0.8, kind="position" if count < 3 else "direction")
+    assert laws.solved_and_verified(solver, targets) >= 17
+
+
+def test_it_goes_round_obstacles() -> None:
+    rng = np.random.default_rng(2)
+    robot = sn.Robot.uniform(5, (45, 70), 2.0, radius=4, mount=10)
+    solved = 0
+    for _ in range(4):
+        around = rng.uniform((-150, -150, 60), (150, 150, 280), (25, 3))
+        solver = sn.Solver(robot, [sn.Sphere(center, 15) for center in around], method="slinki", max_starts=3)
+        solved += laws.solved_and_verified(solver, laws.tip_targets(robot, 10, 1.5, kind="position"))
+    assert solved >= 25
+
+
+def test_it_says_when_it_has_no_more_lattices() -> None:
+    solver = sn.Solver(laws.ARM, method=Slinki(nodes=100), time=10.0)
+    solution = solver.solve(sn.Target((0, 0, -60), direction=(0, 0, -1)))
+    assert not solution.solved
+    assert solution.starts <= 4
+
+
+def test_a_tool_and_a_batch() -> None:
+    robot = sn.Robot(laws.ARM.segments, tool=sn.pose((0, 0, 20)))
+    solver = sn.Solver(robot, method="slinki")
+    assert laws.solved_and_verified(solver, laws.tip_targets(robot, 10)) == 10
+    laws.many_are_as_one(solver, laws.tip_targets(robot, 10))
+
+
+def test_limits_and_obstacles() -> None:
+    laws.keeps_its_limits(Slinki(nodes=300), laws.LIMITED)
+    laws.does_not_pretend("slinki")
+
+
+def test_what_it_cannot_mean_is_refused() -> None:
+    refused("nodes", lambda: Slinki(nodes=1))
+    refused("directions", lambda: Slinki(directions=2))
+    refused("weight", lambda: Slinki(weight=-1.0))
+    refused(
+        "target.rotation", lambda: sn.Solver(laws.ARM, method="slinki").solve(sn.Target((0, 0, 9), rotation=np.eye(3)))
+    )

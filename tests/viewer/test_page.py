@@ -1,0 +1,322 @@
+"""The page in a real browser: what people drag, type and press, and what they see then."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.viewer.nodes import rotation_of
+from sinuous.viewer.page import Page
+from tests.helpers import Floats
+from tests.viewer.browser import PATIENCE, chromium, frames, opened, pixels, projected, until
+
+ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
+JOB = sn.Job(ROBOT, sn.Target((1, 0, 2)), [sn.Sphere((0.2, 0.9, 1.2), radius=0.25, name="ball")])
+GOAL = sn.Job(
+    ROBOT,
+    scene=[sn.Sphere((0.5, 0.0, 1.8), radius=0.4, name="ball")],
+    start=[[0.9, 0.0, 1.0], [0.3, 0.0, 1.0], [0.0, 0.0, 1.0]],
+    goal=[[-0.9, 0.2, 1.0], [-0.3, 0.0, 1.0], [0.0, 0.0, 0.9]],
+)
+GATE = sn.Moving(sn.Sphere((0, 0, 0), 0.5, name="gate"), [0, 2, 3], [(1, 0, 2), (1, 0, 2), (1, 3, 2)])
+MOVING = sn.Job(ROBOT, sn.Target((1, 0, 2)), [GATE], start=[[-0.3, 0.0, 1.0]] * 3, rates=sn.Rates(bend=0.8, length=0.3))
+PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[Page]:
+    served = Page(JOB)
+    until(lambda: served.model.answer is not None, "the first answer")
+    yield served
+    served.stop()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Any, page: Page) -> Any:
+    shown = opened(browser, f"http://127.0.0.1:{page.port}")
+    until(page.server.get_clients, "a client")
+    return shown
+
+
+@pytest.fixture
+def fresh(page: Page, tab: Any) -> Iterator[Any]:
+    """The page as it was in the beginning."""
+    load(page, tab, JOB)
+    until(lambda: page.model.answer is not None, "the answer")
+    settled(page)
+    tab.get_by_role("tab", name="Target").click()
+    yield tab
+    assert tab.problems == []
+
+
+def load(page: Page, tab: Any, job: sn.Job) -> None:
+    """Load a problem, and wait until the browser shows the panel that was built for it: it forgets what was chosen."""
+    before = page.model.number
+    tab.evaluate("() => { for (const each of document.querySelectorAll('[role=tab]')) each.dataset.old = 'yes'; }")
+    page.do("load", lambda: page.replace(job))
+    until(lambda: page.model.job is job and page.model.number > before, "the problem")
+    new = "document.querySelector('[role=tab]') && !document.querySelector('[role=tab][data-old]')"
+    until(lambda: tab.evaluate(f"() => Boolean({new})"), "its panel")
+
+
+def settled(page: Page) -> None:
+    """Wait until all events are handled and no solve goes on."""
+
+    def handled() -> bool:
+        done = threading.Event()
+        page.do("settled", done.set)
+        return done.wait(PATIENCE)
+
+    until(lambda: handled() and not page._busy, "a page at rest")
+    assert handled()  # the answer of a solve comes right after its end
+
+
+def asked(page: Page) -> Floats:
+    """Where the target is."""
+    place = page.model.targets[0].position
+    assert place is not None
+    return place
+
+
+def camera_of(page: Page) -> Any:
+    return next(iter(page.server.get_clients().values())).camera
+
+
+def drag(tab: Any, begin: Floats, end: Floats) -> None:
+    """Drag with the mouse, no faster than the browser draws: what it has not drawn yet cannot be taken hold of."""
+    tab.mouse.move(*begin)
+    frames(tab, 2)
+    tab.mouse.down()
+    for share in np.linspace(0.0, 1.0, 6)[1:]:
+        tab.mouse.move(*(begin + share * (end - begin)))
+        frames(tab, 1)
+    tab.mouse.up()
+
+
+def still(page: Page, tab: Any) -> None:
+    """Wait until the camera moves no more: a drag that misses the gizmo turns it, and it comes to rest smoothly."""
+
+    def pose() -> tuple[float, ...]:
+        camera = camera_of(page)
+        return (*camera.position, *camera.look_at, *camera.up_direction)
+
+    seen: list[tuple[float, ...]] = []
+
+    def rests() -> bool:
+        frames(tab, 6)
+        time.sleep(0.3)
+        seen.append(pose())
+        return len(seen) > 2 and seen[-1] == seen[-2] == seen[-3]
+
+    until(rests, "a camera at rest")
+
+
+def pull(page: Page, tab: Any, gizmo: Callable[[], Any], place: Callable[[], Floats]) -> None:
+    """Drag a gizmo by its arrows until what it holds is elsewhere: a slow browser may not have drawn it yet."""
+    begin, camera = place(), camera_of(page)
+    position, look_at = camera.position, camera.look_at
+    for attempt in range(18):
+        still(page, tab)
+        axis = rotation_of(np.array(gizmo().wxyz))[:, attempt % 3]
+        ends = [np.array(projected(camera_of(page), begin + part * gizmo().scale * axis)) for part in (0.8, 1.5)]
+        if np.linalg.norm(ends[1] - ends[0]) < 10.0:  # seen from its end
+            continue
+        drag(tab, ends[0], ends[1])
+        still(page, tab)
+        if np.linalg.norm(place() - begin) > 0.05:
+            return
+        camera_of(page).position, camera_of(page).look_at = position, look_at
+    raise AssertionError("the gizmo does not move")
+
+
+def test_the_page_opens_with_the_robot_and_obstacles_where_they_must_be(page: Page, fresh: Any) -> None:
+    picture, camera = pixels(fresh), camera_of(page)
+    for name, point, low, high in (
+        ("body", ROBOT.backbone(page.model.q)[25], (0, 60, 110), (140, 215, 255)),  # blue
+        ("ball", np.array([0.2, 0.9, 1.2]), (80, 80, 80), (245, 245, 250)),  # grey
+    ):
+        x, y = (round(v) for v in projected(camera, point))
+        seen = picture[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3).mean(axis=0)
+        assert (seen >= low).all(), (name, seen)
+        assert (seen <= high).all(), (name, seen)
+        spread = float(seen.max() - seen.min())
+        assert spread > 40.0 if name == "body" else spread < 25.0, (name, seen)
+    assert (picture[20:40, 20:40] > 250).all()  # nothing stands in the corner
+
+
+def test_the_tip_follows_the_gizmo_to_tolerance(page: Page, fresh: Any) -> None:
+    pull(page, fresh, lambda: page.scenery.gizmo("targets/0"), lambda: asked(page))
+    settled(page)
+    until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
+    target = asked(page)
+    assert np.linalg.norm(ROBOT.tip(page.model.q)[:3, 3] - target) <= 1e-4 * ROBOT.mean_length
+    assert fresh.locator(".badge").first.inner_text() == "solved"
+
+
+def test_a_slider_bends_a_segment(page: Page, fresh: Any) -> None:
+    fresh.get_by_role("tab", name="Shape").click()
+    slider = fresh.get_by_role("slider").first
+    slider.focus()
+    before = float(page.model.q[0, 0])
+    for _ in range(20):
+        fresh.keyboard.press("ArrowRight")
+    until(lambda: page.model.by_hand and page.model.q[0, 0] > before + 0.05, "a bend")
+    until(lambda: fresh.locator(".badge").first.inner_text() == "bent by hand", "what is said of it")
+    fresh.get_by_role("button", name="Solve from here").click()
+    until(lambda: page.model.answer is not None and not page.model.by_hand, "an answer")
+
+
+def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:
+
+    def chosen() -> bool:
+        """Click on the ball; a slow browser may not have drawn it yet."""
+        fresh.mouse.click(*projected(camera_of(page), np.array([0.2, 0.9, 1.2])))
+        frames(fresh, 4)
+        return page.model.grasped == 0
+
+    until(chosen, "the ball chosen")
+    until(lambda: page.scenery.gizmo("grip") is not None, "its gizmo")
+
+    def center() -> Floats:
+        ball = page.model.scene.obstacles[0]
+        assert isinstance(ball, sn.Sphere)
+        return ball.center
+
+    pull(page, fresh, lambda: page.scenery.gizmo("grip"), center)
+    fresh.get_by_role("tab", name="Scene").click()
+    fresh.get_by_role("button", name="Delete it").click()
+    until(lambda: len(page.model.scene) == 0, "no ball")
+    fresh.get_by_role("button", name="Add one").click()
+    until(lambda: len(page.model.scene) == 1, "another one")
+
+
+def test_what_is_saved_is_what_is_on_the_page_and_can_be_loaded(page: Page, fresh: Any, tmp_path: Path) -> None:
+    page.do("move", lambda: page.model.place_target(0, np.array([0.8, 0.3, 2.1])))
+    until(lambda: page.model.answer is not None and asked(page)[0] == 0.8, "an answer")
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    with fresh.expect_download() as download:
+        fresh.get_by_role("button", name="Save as YAML").click()
+    file = tmp_path / "saved.yaml"
+    download.value.save_as(file)
+    job = sn.load(file, sn.Job)
+    assert job.robot.equals(page.model.robot)
+    assert job.scene.snapshot().equals(page.model.scene)
+    assert job.waypoints[0][0].equals(page.model.targets[0])
+    np.testing.assert_array_equal(job.start, page.model.q)
+    load(page, fresh, PATH)
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    fresh.locator("input[type=file]").set_input_files(file)
+    until(lambda: page.model.job is not PATH, "what was saved")
+    assert page.model.job.equals(job)
+
+
+def test_what_is_no_problem_changes_nothing_and_shows_one_line(page: Page, fresh: Any, tmp_path: Path) -> None:
+    before = page.model.job
+    wrong = tmp_path / "wrong.yaml"
+    wrong.write_text("robot: 3\n")
+    fresh.get_by_role("tab", name="File").click()
+    fresh.locator("input[type=file]").set_input_files(wrong)
+    line = fresh.locator(".notice")
+    line.wait_for()
+    assert "wrong.yaml: robot" in line.inner_text()
+    assert page.model.job is before
+
+
+def test_a_path_is_followed_and_played(page: Page, fresh: Any) -> None:
+    load(page, fresh, PATH)
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Follow the path").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_allclose(page.model.shown, page.model.motion.q[-1])
+    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (1, 0.2, 2), atol=1e-3)
+
+
+def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> None:
+    load(page, fresh, GOAL)
+    fresh.locator(".badge", has_text="the start").wait_for()
+    assert fresh.get_by_role("tab", name="Target").count() == 0
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    assert page.model.motion is not None
+    assert page.model.motion.solved
+    assert GOAL.start is not None
+    assert GOAL.goal is not None
+    np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
+    np.testing.assert_allclose(page.model.shown, GOAL.goal)
+    fresh.locator(".badge", has_text="proved clear here").wait_for()
+
+
+def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> None:
+    load(page, fresh, MOVING)
+    fresh.locator(".badge", has_text="target blocked").wait_for()
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_label("play").click()
+    until(lambda: page.model.time == 3.0 and not page.playing, "the obstacles played to their end")
+    fresh.locator(".badge", has_text="solved").wait_for()
+    answer = page.model.answer
+    assert answer is not None
+    assert answer.problem.scene.equals(page.model.scene.at(3.0))
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    motion = page.model.motion
+    assert motion is not None
+    assert motion.solved
+    assert page.model.there.equals(page.model.scene.at(float(motion.times[-1])))
+    fresh.locator(".badge", has_text="proved clear here").wait_for()
+
+
+def test_a_motion_begins_where_somebody_says(page: Page, fresh: Any) -> None:
+    fresh.get_by_role("tab", name="Motion").click()
+    fresh.get_by_role("button", name="Plan a motion").click()
+    fresh.locator(".notice", has_text="start").wait_for()
+    fresh.get_by_role("button", name="Start here").click()
+    until(lambda: page.model.job.start is not None, "a start")
+    start = page.model.q
+    page.do("move", lambda: page.model.place_target(0, np.array([-1.0, 0.3, 2.0])))
+    until(lambda: page.model.answer is not None and page.model.answer.solved, "a solution")
+    fresh.get_by_role("button", name="Plan a motion").click()
+    until(lambda: page.model.motion is not None and not page.playing, "the motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_array_equal(page.model.motion.q[0], start)
+    np.testing.assert_allclose(ROBOT.tip(page.model.shown)[:3, 3], (-1, 0.3, 2), atol=1e-3)
+
+
+def test_a_motion_that_was_found_before_is_played(browser: Any) -> None:
+    motion = GOAL.plan()
+    served = Page(GOAL, answer=motion)
+    try:
+        shown = opened(browser, f"http://127.0.0.1:{served.port}")
+        shown.locator(".badge", has_text="proved clear here").wait_for()
+        np.testing.assert_array_equal(served.model.shown, motion.q[0])
+        shown.get_by_role("tab", name="Motion").click()
+        shown.get_by_label("play").click()
+        until(lambda: np.allclose(served.model.shown, motion.q[-1]), "the motion played to its end")
+        assert shown.problems == []
+        shown.close()
+    finally:
+        served.stop()
+
+
+def test_two_browsers_show_the_same(page: Page, fresh: Any, browser: Any) -> None:
+    other = opened(browser, f"http://127.0.0.1:{page.port}")
+    until(lambda: len(page.server.get_clients()) == 2, "a second client")
+    page.do("move", lambda: page.model.place_target(0, np.array([0, 0, 9.0])))
+    for each in (fresh, other):
+        each.locator(".badge", has_text="out of reach").wait_for()
+    assert other.problems == []
+    other.close()

@@ -148,12 +148,10 @@ class Entry(NamedTuple):
 
 def write_entry(entry: Entry) -> dict[str, Any]:
     """Return plain values, numbers to the last digit; some may be infinite or NaN."""
-    told = entry.outcome._asdict().items()
-    outcome = {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in told}
     knots = [
         [knot.q.tolist(), None if knot.proof is None else knot.proof[0].tolist(), knot.time] for knot in entry.knots
     ]
-    return {**entry._asdict(), "outcome": outcome, "knots": knots}
+    return {**entry._asdict(), "outcome": write_outcome(entry.outcome), "knots": knots}
 
 
 def read_entry(values: dict[str, Any], segments: int) -> Entry:
@@ -164,9 +162,6 @@ def read_entry(values: dict[str, Any], segments: int) -> Entry:
     KeyError, TypeError, ValueError
         When it is something else.
     """
-    told = values["outcome"]
-    route = None if told["route"] is None else np.array(told["route"], np.float64).reshape(-1, 3)
-    outcome = Outcome(**{**told, "q": _configuration(told["q"], segments), "route": route})
     knots = [
         Knot(
             _configuration(q, segments),
@@ -177,7 +172,19 @@ def read_entry(values: dict[str, Any], segments: int) -> Entry:
         for q, came, time in values["knots"]
     ]
     rest = {key: values[key] for key in ("solve_seconds", "reconfigured", "approaches", "seconds")}
-    return Entry(outcome, knots=knots, **rest)
+    return Entry(read_outcome(values["outcome"], segments), knots=knots, **rest)
+
+
+def write_outcome(outcome: Outcome) -> dict[str, Any]:
+    """Return what was found by a solve as plain values; see `write_entry`."""
+    entries = outcome._asdict().items()
+    return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in entries}
+
+
+def read_outcome(values: dict[str, Any], segments: int) -> Outcome:
+    """Return what `write_outcome` wrote; see `read_entry`."""
+    route = None if values["route"] is None else np.array(values["route"], np.float64).reshape(-1, 3)
+    return Outcome(**{**values, "q": _configuration(values["q"], segments), "route": route})
 
 
 def _configuration(values: list[list[float]], segments: int) -> Floats:

@@ -97,21 +97,36 @@ def track(
     checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
     given_times = targets.times if times is None and isinstance(targets, Path) else times
     when = None if given_times is None else checks.increasing("times", given_times, len(path))
-    if given.get("prefer") is None:
-        given["prefer"] = wish(robot, given.get("method", "newton"))
-    place = as_scene(scene)
-    timetable = timetable_of(place, when, len(path), start is not None)
-    solver = Solver(robot, place if timetable is None else timetable.live, **given)
-    tracker = Tracker(solver, start, read_deviation(solver, deviation), timetable)
-    if tracker.blocked is not None:
-        return tracker.motion(len(path), when)
-    for i in range(len(path)):
-        solution = tracker.go_to(path.targets(i))
-        if progress is not None:
-            progress(solution)
+    tracker = tracker_of(robot, len(path), scene, start=start, times=when, deviation=deviation, **given)
+    tracker.follow(map(path.targets, range(len(path))), progress=progress)
     if wanted is not None:
         tracker.shorten(wanted)
-    return tracker.motion(times=when)
+    return tracker.motion(len(path) - tracker.tried, when)
+
+
+def tracker_of(
+    robot: Robot,
+    waypoints: int,
+    scene: SceneLike | None = None,
+    *,
+    start: Initial | None = None,
+    times: Floats | None = None,
+    deviation: Number | None = None,
+    **options: Unpack[SolveArguments],
+) -> Tracker:
+    """Return a tracker for a path of so many waypoints, for which everything is compiled; arguments as for `track`.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    """
+    if options.get("prefer") is None:
+        options["prefer"] = wish(robot, options.get("method", "newton"))
+    place = as_scene(scene)
+    timetable = timetable_of(place, times, waypoints, start is not None)
+    solver = Solver(robot, place if timetable is None else timetable.live, **options)
+    return Tracker(solver, start, read_deviation(solver, deviation), timetable)
 
 
 class Room(Preferences):

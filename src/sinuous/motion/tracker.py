@@ -2,6 +2,7 @@
 
 import math
 import time as clock
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -93,6 +94,36 @@ class Tracker:
         self._knots.append(Knot(q, None, fixed=True, time=begin))
         self.blocked = blocked_by(self._solver.robot, q, self._prover, begin)
 
+    @property
+    def tried(self) -> int:
+        """How many waypoints were tried."""
+        return len(self._tried)
+
+    def follow(
+        self,
+        waypoints: Iterable[Targets],
+        entries: Iterable[Entry] = (),
+        progress: Callable[[Solution], object] | None = None,
+    ) -> None:
+        """Go to all waypoints, one after the other, unless the start is blocked.
+
+        Parameters
+        ----------
+        waypoints : iterable of Target or list of Target
+        entries : iterable of Entry
+            What the first waypoints added, where a tracker that was interrupted has found them before.
+        progress : callable, optional
+            Called with the solution of each waypoint.
+        """
+        if self.blocked is not None:
+            return
+        known = iter(entries)
+        for targets in waypoints:
+            entry = next(known, None)
+            solution = self.go_to(targets) if entry is None else self.go_on(targets, entry)
+            if progress is not None:
+                progress(solution)
+
     def go_to(self, targets: Targets) -> Solution:
         """Solve the next waypoint from where the robot is, and move there on a way that is proved, where one is found.
 
@@ -122,7 +153,7 @@ class Tracker:
         return len(self._knots), self._approaches, clock.perf_counter() - self._began
 
     def entry(self, waypoint: int) -> Entry:
-        """Return what a waypoint (0 = first) added; see `go_on`."""
+        """Return what a waypoint (0 = first) added; see `follow`."""
         solution, (count, approaches, seconds) = self._tried[waypoint][0], self._done[waypoint + 1]
         knots, reconfigured = self._knots[self._done[waypoint][0] : count], waypoint + 1 in self._reconfigured
         return Entry(solution._outcome, solution.seconds, knots, reconfigured, approaches, seconds)
@@ -131,7 +162,7 @@ class Tracker:
         """Take the next waypoint as it was found before, by a tracker that was interrupted."""
         self._look_ahead()
         initial = self._knots[-1].q if self._knots else None
-        solution = self._solver.told(targets, entry.outcome, entry.solve_seconds, initial)
+        solution = self._solver.loaded(targets, entry.outcome, entry.solve_seconds, initial)
         self._knots += entry.knots
         if entry.knots and solution.solved:  # the last one is the waypoint
             self._knots[-1] = self._knots[-1]._replace(solution=solution)

@@ -25,6 +25,7 @@ from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
@@ -157,9 +158,16 @@ class Solver:
         outcome = self._control.within(problem, given[0], within, budget[3])
         return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given, within=within)
 
-    def told(self, target: Targets, outcome: Outcome, seconds: float, initial: Initial | None = None) -> Solution:
-        """Return the solution that `solve` made of this outcome, in so many seconds."""
-        return Solution(self._problem(target)[0], outcome, seconds, self._resolver, self._given(initial))
+    def loaded(
+        self,
+        target: Targets,
+        outcome: Outcome,
+        seconds: float,
+        initial: Initial | None = None,
+        route_class: RouteClass | None = None,
+    ) -> Solution:
+        """Return the solution that this solver found before with this outcome, in so many seconds."""
+        return Solution(self._problem(target)[0], outcome, seconds, self._resolver, self._given(initial), route_class)
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""

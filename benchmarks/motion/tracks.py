@@ -17,8 +17,8 @@ from benchmarks.paper.scenes import path_through
 from benchmarks.problems import ProblemSet
 from benchmarks.solvers.parallel import in_processes
 from sinuous.motion.motion import Motion
+from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.solution.solution import Solution
-from sinuous.solving.planning.trees import load_trees
 
 SEGMENTS, SPHERES, SEEDS = (5, 8, 10), (10, 30, 50, 70), 12
 

@@ -1,10 +1,11 @@
 """What goes wrong, in words: wrong input, and a solve that did not reach its target."""
 
 import reprlib
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:  # numpy takes long to import, and `sinuous --help` does without it
+    import numpy as np
+    from numpy.typing import NDArray
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 60
@@ -80,7 +81,7 @@ class Answer(Protocol):
         ...
 
     @property
-    def q(self) -> NDArray[np.float64]:
+    def q(self) -> "NDArray[np.float64]":
         """Configuration (n, 3), or configurations (T, n, 3)."""
         ...
 

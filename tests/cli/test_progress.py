@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from sinuous.cli import progress
-from sinuous.cli.progress import Waiting
+from sinuous.cli import reading
+from sinuous.cli.reading import Waiting
 
 
 class Terminal(io.StringIO):
@@ -25,13 +25,13 @@ def test_reading_is_shown_when_it_takes_long(
 ) -> None:
     stream = Terminal() if terminal else io.StringIO()
     monkeypatch.setattr(sys, "stderr", stream)
-    monkeypatch.setattr(progress, "PATIENCE", patience)
+    monkeypatch.setattr(reading, "PATIENCE", patience)
     with Waiting() as waiting:
         waiting.begin("engine.yaml")
         if shows:
             until = time.monotonic() + 10.0
             while "engine.yaml" not in stream.getvalue() and time.monotonic() < until:
                 time.sleep(0.01)
-        waiting.told("housing", 0.5)
+        waiting.show("housing", 0.5)
     assert ("reading engine.yaml" in stream.getvalue()) is shows
     assert ("housing" in stream.getvalue()) is shows

@@ -29,6 +29,24 @@ def test_a_map_is_told_written_and_drawn(capsys: pytest.CaptureFixture[str]) -> 
     assert main(["reach", "robot.yaml", "--spacing", "60", "--directions", "1", "--max-starts", "3"]) == 0
 
 
+def test_interrupted_it_goes_on_where_there_is_a_file(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = ["reach", "arm.yaml", "--spacing", "60", "--directions", "6"]
+    with monkeypatch.context() as patch:
+        patch.setattr(sn.Reach, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert main([*own, "--out", "map.npz"]) == 130
+        assert capsys.readouterr().err == "sinuous: interrupted; what was found is kept, the same command goes on\n"
+    assert main([*own, "--directions", "3", "--out", "map.npz"]) == 2
+    assert capsys.readouterr().err.startswith("--directions: expected 6, ")
+    with monkeypatch.context() as patch:
+        patch.setattr(sn.Solver, "solve_many", lambda *_, **__: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert main([*own, "--out", "map.npz"]) == 0  # all is there
+        capsys.readouterr()
+        assert main(own) == 130
+        assert capsys.readouterr().err == "sinuous: interrupted; nothing is written\n"
+
+
 @pytest.mark.parametrize(
     ("options", "told"),
     [

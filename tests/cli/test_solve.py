@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 from sinuous.cli.app import main
-from sinuous.cli.options import Options
 from sinuous.files.problem_file import read_problem
 from sinuous.solving.solver import Solver
 
@@ -143,10 +142,10 @@ def test_an_interrupt_keeps_the_results_so_far(
 
     solve = work._solve
 
-    def interrupted(solver: Any, asked: Any, bar: Any) -> Any:
+    def interrupted(solver: Any, asked: Any, *rest: Any) -> Any:
         if asked.file.endswith("far.yaml"):
             raise KeyboardInterrupt
-        return solve(solver, asked, bar)
+        return solve(solver, asked, *rest)
 
     monkeypatch.setattr(work, "_solve", interrupted)
     out = tmp_path / "results.jsonl"
@@ -155,7 +154,10 @@ def test_an_interrupt_keeps_the_results_so_far(
     captured = capsys.readouterr()
     assert captured.out == out.read_text()
     assert strict(captured.out)["file"] == files[0]
-    assert captured.err.splitlines()[-1] == "sinuous: interrupted after 1 of 3 files; the results so far are written"
+    done = "sinuous: interrupted after 1 of 3 files; the results so far are written"
+    assert captured.err.splitlines()[-1] == f"{done}, the same command goes on"
+    assert main(["solve", *files, "--json"]) == 130
+    assert capsys.readouterr().err.splitlines()[-1] == done
 
 
 def test_distinct_solutions_are_a_table(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
@@ -245,8 +247,7 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
     problem: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The second has obstacles: the search for routes must not be compiled between two results."""
-    from sinuous.cli import work
-    from sinuous.cli.answers.output import Output
+    from sinuous.cli.answers import Answers
     from sinuous.solving.routing.searches import Searches
 
     events: list[str] = []
@@ -259,11 +260,11 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
         return call
 
     monkeypatch.setattr(Searches, "load", noted("load", Searches.load))
-    monkeypatch.setattr(Output, "write", noted("write", Output.write))
-    assert work.solve_files([problem("easy.yaml"), problem("scene.yaml")], Options(json=True)) == 0
+    monkeypatch.setattr(Answers, "write", noted("write", Answers.write))
+    assert main(["solve", problem("easy.yaml"), problem("scene.yaml"), "--json"]) == 0
     assert events == ["load", "write", "load", "write"]
     events.clear()
-    assert work.solve_files([problem("scene.yaml")], Options(json=True)) == 0
+    assert main(["solve", problem("scene.yaml"), "--json"]) == 0
     assert events == ["write"]  # one alone compiles what it turns out to need
 
 

@@ -13,7 +13,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.cli.app import main
-from sinuous.motion.following.tracker import Tracker
+from sinuous.motion.tracker import Tracker
 from sinuous.solution.solution import Solution
 from tests.cli.conftest import ROBOT
 from tests.cli.test_solve import KEYS, strict

@@ -7,8 +7,8 @@ import pytest
 
 from sinuous.cli import warm
 from sinuous.cli.app import main
+from sinuous.cli.warm_steps import Step
 from sinuous.kernels.compiling import pieces
-from sinuous.solving.warm import Step
 from tests.cli.test_progress import Terminal
 
 FIRST, SECOND = pieces.PIECES[:2]

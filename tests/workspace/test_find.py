@@ -1,10 +1,13 @@
 """A map says of every voxel and direction what solving it says, and no proof of it is false."""
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.workspace import rounds
+from sinuous.workspace import find, rounds
 from sinuous.workspace.verdicts import Verdict
 from tests.workspace.maps import ROBOT, WALL, made
 
@@ -95,6 +98,55 @@ def test_a_base_that_is_blocked_is_said_of_all() -> None:
     assert blocked.volume().found == 0.0
 
 
+def test_wherever_it_ends_the_same_call_goes_on(
+    found: sn.Reach, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rounds, "TOGETHER", 3000)
+    monkeypatch.setattr(find, "TOGETHER", 3000)
+    calls, solve_many = 0, sn.Solver.solve_many
+
+    def interrupted(*arguments: Any, **options: Any) -> Any:
+        nonlocal calls
+        calls += 1
+        if calls % 5 == 0:
+            raise KeyboardInterrupt
+        return solve_many(*arguments, **options)
+
+    out = tmp_path / "map.npz"
+    with monkeypatch.context() as patch:
+        patch.setattr(sn.Solver, "solve_many", interrupted)
+        for _ in range(100):
+            try:
+                made(out=out)
+                break
+            except KeyboardInterrupt:
+                assert out.with_name("map.npz.parts").exists()
+    assert calls > 10
+    other = sn.Reach.load(out)
+    for name in ("verdicts", "free", "obstacles", "directions"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(found, name))
+    assert [file.name for file in tmp_path.iterdir()] == ["map.npz"]
+
+
+@pytest.mark.parametrize(
+    ("key", "options"),
+    [
+        ("seed", {"seed": 1}),
+        ("directions", {"directions": 6}),
+        ("low", {"low": (-20, -20, 0)}),
+        ("high", {"high": (0, 0, 60)}),
+    ],
+)
+def test_a_map_that_was_begun_otherwise_is_refused_by_name(key: str, options: dict[str, Any], tmp_path: Path) -> None:
+    box: dict[str, Any] = {"low": (-20, 0, 0), "high": (20, 0, 60), "out": tmp_path / "map.npz"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sn.Reach, "save", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            made(**box)
+    with pytest.raises(sn.InputError, match=rf"^{key}: .*changed since this map began"):
+        made(**(box | options))
+
+
 @pytest.mark.parametrize(
     ("options", "key"),
     [
@@ -106,6 +158,7 @@ def test_a_base_that_is_blocked_is_said_of_all() -> None:
         ({"low": (1, 1, 1), "high": (2, 2, 2), "spacing": 20.0}, "spacing"),
         ({"workers": 0}, "workers"),
         ({"time": -1.0}, "time"),
+        ({"out": f"{__file__}/map.npz", "spacing": 60.0}, "out"),
     ],
 )
 def test_wrong_arguments_are_refused(options: dict[str, object], key: str) -> None:

@@ -123,6 +123,10 @@ class Checkpoint:
         with draft_of(self._file(number)) as draft, draft.open("wb") as out:
             np.savez(out, **chunk)  # type: ignore[arg-type]
 
+    def delete(self, number: int) -> None:
+        """Delete a chunk."""
+        self._file(number).unlink()
+
     def remove(self) -> None:
         """Delete the folder, if it is there."""
         if self.begun:

@@ -7,6 +7,7 @@ import numpy as np
 import typer
 
 from sinuous.checks import Floats
+from sinuous.cli.options import BAD_INPUT, SOLVED, UNSOLVED
 from sinuous.cli.reading import read_all
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
@@ -18,8 +19,6 @@ from sinuous.words import number, span
 MOST = 12
 """Most obstacles of which sizes are printed."""
 
-GOOD, NO_ANSWER, BAD_INPUT = 0, 1, 2
-
 
 def check_files(files: list[str], *, json: bool) -> int:
     """Say of each file what it contains, or what is wrong with it.
@@ -29,7 +28,7 @@ def check_files(files: list[str], *, json: bool) -> int:
     int
         2 when a file is wrong, else 1 when a start does not meet its target, else 0.
     """
-    code = GOOD
+    code = SOLVED
     for file in files:
         try:
             (read,) = read_all([file])
@@ -40,7 +39,7 @@ def check_files(files: list[str], *, json: bool) -> int:
         problem = read.problem
         start = _verified(problem)
         if start is not None and not start.ok:
-            code = max(code, NO_ANSWER)
+            code = max(code, UNSOLVED)
         typer.echo(json_line(_contents(problem, start)) if json else _description(problem, start))
     return code
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from sinuous.cli.options import check_writable
+from sinuous.cli.options import SOLVED, check_writable
 from sinuous.errors import InputError
 
 KINDS = {
@@ -38,4 +38,4 @@ def write_new(kind: str, file: Path, *, force: bool) -> int:
     file.write_text(text.replace("FILE", typed), encoding="utf-8", newline="\n")
     command = "track" if "\npath:" in text else "solve"
     typer.echo(f"{file}: {KINDS[kind]}; next: sinuous {command} {typed}")
-    return 0
+    return SOLVED

@@ -1,77 +1,158 @@
-"""What the commands that solve have in common."""
+"""Options of the command line: each is declared once, in a group that commands take whole.
 
+Nothing heavy is imported here, so that `sinuous --help` answers at once.
+"""
+
+import inspect
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from sinuous.errors import InputError
+from sinuous.writing.documents import written
 
 if TYPE_CHECKING:
     from sinuous.methods.registry import Choice
     from sinuous.problem.preferences import Preferences
     from sinuous.problem.target import Tolerance
 
+SOLVED = 0
+"""Exit code: everything is solved."""
+
+UNSOLVED = 1
+"""Exit code: something is not solved, or could not be written."""
+
+BAD_INPUT = 2
+"""Exit code: the input is wrong, which one line on standard error says."""
+
+INTERRUPTED = 130
+"""Exit code of a command that was interrupted."""
+
+
+def methods_like(begun: str) -> list[str]:
+    """Return names of methods, for the shell to complete one."""
+    from sinuous.methods.registry import METHODS  # noqa: PLC0415
+
+    return [name for name in METHODS if name.startswith(begun)]
+
+
+Files = Annotated[list[str], typer.Argument(metavar="FILE", help="Problem files, YAML or JSON.", show_default=False)]
+Place = Annotated[
+    str, typer.Argument(metavar="FILE", help="A problem file, whose targets are left alone.", show_default=False)
+]
+MostStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of one solve.")]
+Routes = Annotated[bool, typer.Option(help="Search for routes through free space where the first starts fail.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
+Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or processes; by default one a core.")]
+
 
 @dataclass(frozen=True)
-class Options:
-    """The options of one call; `check` says what is wrong with them.
+class Solving:
+    """How solves are done."""
 
-    Attributes
-    ----------
-    method : str
-    options : tuple of str
-        Options of the method, `KEY=VALUE` each.
-    time : float
-        Budget per solve, in seconds.
-    max_starts : int
-        Most starts of one solve.
-    routes : bool
-        Whether to search for routes through free space where the first starts fail.
-    seed : int
-    json : bool
-        Results on standard output as JSON lines.
-    plot : Path or None
-        Where a picture goes.
-    out : Path or None
-        Where the results go as JSON lines.
-    why : bool
-        Whether to explain every answer.
-    csv : Path or None
-        Where configurations and the values of actuators go, as a table.
-    rate : float or None
-        Rows of that table of a motion, in a unit of time.
-    """
+    method: Annotated[
+        str, typer.Option(help="Algorithm; docs/methods.md has them all.", autocompletion=methods_like)
+    ] = "newton"
+    option: Annotated[
+        list[str] | None, typer.Option(metavar="KEY=VALUE", help="Option of the algorithm; may be repeated.")
+    ] = None
+    time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one solve.")] = 1.0
+    max_starts: Annotated[
+        int | None, typer.Option(metavar="COUNT", help="Most starts of one solve; else as many as the time allows.")
+    ] = None
+    routes: Routes = True
+    seed: Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")] = 0
 
-    method: str = "newton"
-    options: tuple[str, ...] = ()
-    time: float = 1.0
-    max_starts: int | None = None
-    routes: bool = True
-    seed: int = 0
-    json: bool = False
-    plot: Path | None = None
-    out: Path | None = None
-    why: bool = False
-    csv: Path | None = None
-    rate: float | None = None
-
-    def check(self, files: list[str]) -> None:
-        """Refuse values that cannot be meant, before any file is read or written.
+    def arguments(self, tolerance: "Tolerance | None" = None, prefer: "Preferences | None" = None) -> dict[str, Any]:
+        """Return the options of `Solver`, with what the problem file says.
 
         Raises
         ------
         InputError
             That names the option.
         """
-        self.solve_options()
-        if self.rate is not None:
-            from sinuous import checks  # noqa: PLC0415
+        from sinuous.solving.options import SolveOptions  # noqa: PLC0415
 
-            checks.number("--rate", self.rate, above=0.0)
-            if self.csv is None:
-                raise InputError("--rate", "is for --csv", self.rate, "--csv FILE beside it")
+        typed = {key: getattr(self, key) for key in ("time", "max_starts", "routes", "seed")}
+        with as_typed(*typed):
+            return vars(SolveOptions.of({"method": self.choice(), "tolerance": tolerance, "prefer": prefer, **typed}))
+
+    def choice(self) -> "Choice":
+        """Return the method with its options.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        from sinuous.methods import registry  # noqa: PLC0415
+
+        if self.method not in registry.METHODS:
+            raise InputError("--method", "", self.method, "one of " + ", ".join(registry.METHODS))
+        try:
+            return registry.with_options(self.method, tuple(self.option or ()))
+        except InputError as error:
+            raise InputError(f"--option {error.key}".rstrip(), error.problem, error.value, error.expected) from None
+
+
+@dataclass(frozen=True)
+class PlanSolving(Solving):
+    """How a plan is solved."""
+
+    time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one plan.")] = 5.0
+
+
+@dataclass(frozen=True)
+class BatchSolving(Solving):
+    """How each target of a batch is solved."""
+
+    max_starts: MostStarts = 1000
+
+
+@dataclass(frozen=True)
+class MapSolving(Solving):
+    """How each direction of a map is solved."""
+
+    max_starts: MostStarts = 1
+    routes: Routes = False
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where answers go."""
+
+    json: Json = False
+    plot: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Draw it: .png, .svg, .pdf; .gif, .mp4 move; .html to turn; several files are numbered.",
+        ),
+    ] = None
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the results as JSON lines.")] = None
+    csv: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write configurations and actuators as a table; several files are numbered."),
+    ] = None
+
+    @property
+    def file(self) -> Path | None:
+        """A file of the answers; beside it stands what is done until all is."""
+        return self.out or self.csv or self.plot
+
+    def check(self, files: list[str]) -> None:
+        """Refuse files that cannot be written, before any problem file is read.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
         for option, file in (("--out", self.out), ("--plot", self.plot), ("--csv", self.csv)):
             if file is not None:
                 check_writable(option, file, files)
@@ -84,43 +165,59 @@ class Options:
 
             check_picture("--plot", self.plot)
 
-    def solve_options(
-        self, tolerance: "Tolerance | None" = None, prefer: "Preferences | None" = None
-    ) -> dict[str, Any]:
-        """Return the options of `Solver`, with what the problem file says.
 
-        Raises
-        ------
-        InputError
-            That names the option.
-        """
-        from sinuous.solving.options import SolveOptions  # noqa: PLC0415
+@dataclass(frozen=True)
+class MotionOutput(Output):
+    """Where motions go."""
 
-        typed = {key: getattr(self, key) for key in ("time", "max_starts", "routes", "seed")}
-        try:
-            return vars(SolveOptions.of({"method": self.choice(), "tolerance": tolerance, "prefer": prefer, **typed}))
-        except InputError as error:
-            if error.key not in typed:
-                raise
-            option = "--" + error.key.replace("_", "-")
-            raise InputError(option, error.problem, error.value, error.expected) from None
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="Rows of --csv in a unit of time; by default one a knot.")
+    ] = None
 
-    def choice(self) -> "Choice":
-        """Return the method with its options.
+    def check(self, files: list[str]) -> None:
+        """See `Output.check`."""
+        if self.rate is not None:
+            from sinuous import checks  # noqa: PLC0415
 
-        Raises
-        ------
-        InputError
-            That names the option.
-        """
-        from sinuous.methods import registry as methods  # noqa: PLC0415
+            checks.number("--rate", self.rate, above=0.0)
+            if self.csv is None:
+                raise InputError("--rate", "is for --csv", self.rate, "--csv FILE beside it")
+        super().check(files)
 
-        if self.method not in methods.METHODS:
-            raise InputError("--method", "", self.method, "one of " + ", ".join(methods.METHODS))
-        try:
-            return methods.with_options(self.method, self.options)
-        except InputError as error:
-            raise InputError(f"--option {error.key}".rstrip(), error.problem, error.value, error.expected) from None
+
+def with_groups(command: Callable[..., int]) -> Callable[..., None]:
+    """Return a command for Typer that takes each option of its groups as an option of its own, and exits.
+
+    A group is a parameter of `command` whose type is a dataclass; its fields are declared as options.
+    """
+    own = inspect.signature(command).parameters
+    groups: dict[str, Any] = {name: each.annotation for name, each in own.items() if is_dataclass(each.annotation)}
+    flat: list[inspect.Parameter] = []
+    for name, each in own.items():
+        options = [(f.name, f.type, f.default) for f in fields(groups[name])] if name in groups else []
+        options = options or [(name, each.annotation, each.default)]
+        flat += [inspect.Parameter(n, each.KEYWORD_ONLY, annotation=a, default=d) for n, a, d in options]
+
+    def run(**typed: Any) -> None:
+        made = {name: group(**{f.name: typed.pop(f.name) for f in fields(group)}) for name, group in groups.items()}
+        raise typer.Exit(command(**typed, **made))
+
+    run.__name__, run.__doc__ = command.__name__, command.__doc__
+    run.__annotations__ = {each.name: each.annotation for each in flat}
+    run.__signature__ = inspect.Signature(flat)  # type: ignore[attr-defined]
+    return run
+
+
+@contextmanager
+def as_typed(*names: str) -> Iterator[None]:
+    """Name the option in the place of the argument of this name, where one of these is refused."""
+    try:
+        yield
+    except InputError as error:
+        if error.key not in names or error.file is not None:
+            raise
+        option = "--" + error.key.replace("_", "-")
+        raise InputError(option, error.problem, error.value, error.expected) from None
 
 
 def is_page(file: Path) -> bool:
@@ -141,12 +238,8 @@ def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:
     if any(Path(name).resolve() == file.resolve() for name in inputs):
         raise InputError(option, "would overwrite a problem file", str(file), "another file")
     there = file.exists()
-    try:
+    with written(file, option):
         with file.open("ab"):
             pass
         if not there:
             file.unlink()
-    except OSError as error:
-        raise InputError(
-            option, f"cannot be written: {error.strerror}", str(file), "a file that can be written"
-        ) from None

@@ -1,13 +1,27 @@
-"""All problem files of a command, read before anything is answered."""
+"""All problem files of a command, read before the first is answered; a person who waits sees how far that is."""
 
-import time as clock
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import typer
 
-from sinuous.cli.progress import Waiting
-from sinuous.errors import InputError
+from sinuous import checks
 from sinuous.files.problem_file import ProblemFile, read_problem
+from sinuous.files.setting import Setting, read_setting
+from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.progress import rich_progress
+
+PATIENCE = 0.5
+"""Seconds of the process, from its start, after which a person wants to know what takes so long."""
+
+LEAST = 0.1
+"""Seconds that reading takes at least until it is shown, however long the start of Python took."""
 
 
 @dataclass(frozen=True)
@@ -30,17 +44,60 @@ def read_all(files: list[str]) -> list[Read]:
     with Waiting() as waiting:
         for file in files:
             waiting.begin(file)
-            began = clock.perf_counter()
+            began = time.perf_counter()
             problem = read_problem(file)
-            try:
-                problem.scene.prepare(waiting.told)
-            except InputError as error:
-                raise error.in_file(file) from None
-            result.append(Read(problem, clock.perf_counter() - began))
+            with checks.in_file(file):
+                problem.scene.prepare(waiting.show)
+            result.append(Read(problem, time.perf_counter() - began))
     return result
 
 
-def say_notes(problems: list[ProblemFile]) -> None:
-    """Print what files hold that is not as it should be, each note once, on standard error."""
-    for note in dict.fromkeys(f"{problem.file}: {note}" for problem in problems for note in problem.notes):
+def say_notes(notes: dict[str, tuple[str, ...]]) -> None:
+    """Print what is not as it should be in each file, each note once, on standard error."""
+    for note in dict.fromkeys(f"{file}: {note}" for file, own in notes.items() for note in own):
         typer.echo(f"note: {note}", err=True)
+
+
+@contextmanager
+def setting_of(file: str) -> Iterator[Setting]:
+    """Read a problem file but for its targets, and say its notes, which are not repeated as warnings within."""
+    setting = read_setting(file)
+    say_notes({file: setting.notes})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuspiciousInput)
+        yield setting
+
+
+class Waiting:
+    """Says what is being read, and how much of it is done; shows nothing when it is quick or nobody looks."""
+
+    def __init__(self) -> None:
+        self._progress: Any = None
+        if sys.stderr.isatty():
+            from rich.progress import BarColumn, SpinnerColumn, TextColumn  # noqa: PLC0415
+
+            self._progress = rich_progress(SpinnerColumn(), TextColumn("{task.description}"), BarColumn())
+            self._task = self._progress.add_task("reading", total=None)
+            self._late = threading.Timer(max(LEAST, PATIENCE - time.process_time()), self._progress.start)
+            self._late.daemon = True
+
+    def __enter__(self) -> "Waiting":
+        if self._progress is not None:
+            self._late.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._progress is not None:
+            self._late.cancel()
+            self._late.join()
+            self._progress.stop()
+
+    def begin(self, file: str) -> None:
+        """Name what is read from now on."""
+        if self._progress is not None:
+            self._progress.update(self._task, description=f"reading {file}", total=None)
+
+    def show(self, what: str, share: float) -> None:
+        """Show the share of `what`, 0 to 1, that is ready."""
+        if self._progress is not None:
+            self._progress.update(self._task, description=f"preparing {what}", total=1.0, completed=share)

@@ -7,14 +7,13 @@ from pathlib import Path
 
 import typer
 
-from sinuous.cli.options import check_writable
+from sinuous.cli.options import SOLVED, check_writable
+from sinuous.cli.reading import say_notes
 from sinuous.errors import InputError
 from sinuous.motion.job import Job, load
 from sinuous.motion.motion import Motion
 from sinuous.solution.solution import Solution
 from sinuous.viewer.show import check_page, require_viser, show
-
-DONE = 0
 
 TURN = 0.001
 """Seconds after which a thread hands on Python's lock: what answers the mouse shall not wait for what sends."""
@@ -35,11 +34,10 @@ def view_file(file: str, html: Path | None, host: str, port: int, result: Path |
     alone = is_loopback(host)
     job = load(file, Job)
     answer = None if result is None else job.result(result)
-    for note in job.notes:
-        typer.echo(f"note: {file}: {note}", err=True)
+    say_notes({file: job.notes})
     if html is not None:
         show(answer or answer_of(job), path=html)
-        return DONE
+        return SOLVED
     if not alone:
         folder = Path(file).resolve().parent
         typer.echo(f"warning: whoever reaches {host} can use this page, and read files in {folder} by it", err=True)
@@ -87,4 +85,4 @@ def _serve(job: Job, host: str, port: int, browser: bool, answer: Solution | Mot
         typer.echo("", err=True)
     finally:
         page.stop()
-    return DONE
+    return SOLVED

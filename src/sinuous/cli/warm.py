@@ -1,6 +1,5 @@
 """The command warm: compile everything now, so that nobody waits for it later."""
 
-import os
 import signal
 import sys
 import time as clock
@@ -12,12 +11,13 @@ from typing import Any
 
 import typer
 
+from sinuous.cli.options import INTERRUPTED, SOLVED
+from sinuous.cli.warm_steps import Step, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
 from sinuous.methods.registry import METHODS
-from sinuous.solving.warm import Step, steps
-
-DONE, INTERRUPTED = 0, 130
+from sinuous.progress import rich_progress
+from sinuous.solving.crew import cores
 
 
 def warm_up(methods: Sequence[str]) -> int:
@@ -45,12 +45,7 @@ def warm_up(methods: Sequence[str]) -> int:
         return INTERRUPTED
     seconds = clock.perf_counter() - began
     typer.echo(f"everything is compiled, in {seconds:.0f} s" if shown.compiled else "everything was compiled before")
-    return DONE
-
-
-def cores() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return SOLVED
 
 
 def _use_here(listed: list[Step], shown: "_Lines") -> None:
@@ -145,16 +140,8 @@ def _shown(total: int) -> Iterator[_Lines]:
     if not sys.stderr.isatty():
         yield _Lines(total)
         return
-    from rich.console import Console  # noqa: PLC0415
-    from rich.progress import (  # noqa: PLC0415
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        SpinnerColumn,
-        TextColumn,
-        TimeElapsedColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415
 
     columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False) as progress:
+    with rich_progress(*columns) as progress:
         yield _Bar(total, progress)

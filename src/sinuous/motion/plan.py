@@ -1,8 +1,10 @@
 """Plan a motion from a start to a goal, proved clear all the way."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property, partial
-from typing import Any, Unpack, cast
+from typing import Any, NamedTuple, Unpack, cast
 
 import numpy as np
 
@@ -13,14 +15,10 @@ from sinuous.errors import InputError
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
-from sinuous.motion.in_time.find import standing
-from sinuous.motion.in_time.search import InTime
 from sinuous.motion.motion import Motion
-from sinuous.motion.planning.goals import FixedGoal, Goals, waypoints_of
-from sinuous.motion.planning.question import Question
-from sinuous.motion.planning.watch import Watch
-from sinuous.motion.planning.ways import find_way
-from sinuous.motion.planning.workspaces import Workspace, Workspaces
+from sinuous.motion.planning.find import find_path, find_timed_path, standing
+from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, Goals, ProvedPath, Query, TimedQuery
+from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
@@ -33,9 +31,8 @@ from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
-from sinuous.solving.between.steps import Steps, load_motions
+from sinuous.solving.between.steps import Prover, Steps, load_motions
 from sinuous.solving.options import SolveArguments, SolveOptions
-from sinuous.solving.planning.trees import Way
 from sinuous.solving.solver import Initial, Solver
 
 TIME = 5.0
@@ -45,10 +42,6 @@ MOST_SHORTCUTS = 1_000_000
 
 Goal = Targets | Initial
 """Where a plan may end: at a target, at several that are met at once, or at a configuration."""
-
-
-Made = Callable[..., Motion]
-"""Makes the motion of a plan, of what is told of it."""
 
 
 class PlanArguments(SolveArguments, total=False):
@@ -108,6 +101,49 @@ def plan(
     return Planner(robot, scene, **options).plan(start, goal)
 
 
+class Workspace(NamedTuple):
+    """Memory for plans of a robot in a scene: what proves motions, and what grows trees."""
+
+    scene: Snapshot
+    prover: Prover
+    trees: RRTConnect
+
+
+class Workspaces:
+    """Workspaces of one robot. Each is lent to one plan at a time, so that threads may share them.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._free: list[Workspace] = []
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._robot,)
+
+    @contextmanager
+    def lent(self, scene: Snapshot) -> Iterator[Workspace]:
+        """Lend a workspace for a scene in which nothing moves: one that was given back, or a new one."""
+        work = self._take(scene)
+        try:
+            yield work
+        finally:
+            self._free.append(work)
+
+    def _take(self, scene: Snapshot) -> Workspace:
+        while self._free:
+            try:
+                work = self._free.pop()
+            except IndexError:  # another thread was quicker
+                break
+            if work.scene is scene:
+                return work
+        return Workspace(scene, Prover(self._robot, scene), RRTConnect(self._robot, scene))
+
+
 class Planner:
     """A robot in a scene, prepared once for many plans.
 
@@ -137,9 +173,8 @@ class Planner:
         warn_of(suspicions(robot, self._scene.snapshot()))
         load_motions(robot, self._scene.snapshot())
         self._workspaces = Workspaces(robot)
-        work = self._workspaces.take(standing(self._scene.snapshot()))
-        work.trees.load()
-        self._workspaces.give_back(work)
+        with self._workspaces.lent(standing(self._scene.snapshot())) as work:
+            work.trees.load()
         # What is kept of a robot is looked up now: the first plan takes no longer than others.
         violated_by(robot, np.zeros((len(robot), 3)))
         lever_metric(robot)
@@ -151,48 +186,103 @@ class Planner:
     def plan(self, start: Initial, goal: Goal) -> Motion:
         """Plan a motion from a start to a goal; see the function `plan`."""
         begin, end = self._configuration("start", start), self._end(goal)
-        if self._scene.snapshot().moves:
-            return self._plan_in_time(begin, end)
+        scene = self._scene.snapshot()
+        if scene.moves:
+            return self._plan_in_time(scene, begin, end)
         if not isinstance(end, np.ndarray):
             _ = self._solver  # loaded now, because compiling is no planning
-        spent, work = Watch(self._options.time), self._workspaces.take(self._scene.snapshot())
-        try:
-            return self._plan_still(begin, end, spent, work)
-        finally:
-            self._workspaces.give_back(work)
+        deadline = Deadline(self._options.time)
+        with self._workspaces.lent(scene) as work:
+            return self._plan_still(work, deadline, begin, end)
 
-    def _plan_still(self, begin: Floats, end: Floats | list[Target], spent: Watch, work: Workspace) -> Motion:
+    def _plan_still(self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]) -> Motion:
         """Plan a motion among obstacles that stand still."""
-        made, scene = partial(self._made, spent, begin), work.scene
-        worst = blocked_by(self._robot, begin, work.prover)
-        if worst is not None:
-            return made(scene, ended=Status.START_BLOCKED, blocking=worst, remaining=waypoints_of(end))
+        made = partial(self._made, work.scene, deadline, begin)
+        report = self._blocked(begin, end, work.prover, work.prover)
+        if report is not None:
+            return made(report)
+        goals: FixedGoal | Goals
         if isinstance(end, np.ndarray):
-            worst = overlap_at(self._robot, end, work.prover)
-            if worst is not None:
-                return made(scene, ended=Status.TARGET_BLOCKED, blocking=worst)
-            goals: FixedGoal | Goals = FixedGoal(end)
+            goals, scene = FixedGoal(end), work.scene
         else:
             solution = self._solver.solve(end, begin)
-            spent.but_for(solution.seconds)
+            deadline.set_spent(solution.seconds)
             if not solution.solved:
-                return made(scene, solutions=(solution,), waypoint_knots=(None,))
+                return made(_of_waypoint(solution))
             goals, scene = Goals(self._solver, solution), solution.problem.scene
-        seed, shortcuts = self._options.seed, self._shortcuts
-        trees = work.trees if scene is work.scene else None
-        question = Question(self._robot, scene, begin, goals, seed, shortcuts, spent, trees)
-        return self._arrived(made, question, goals)
+        seed, trees = self._options.seed, work.trees if scene is work.scene else None
+        path = find_path(Query(self._robot, scene, begin, goals, seed, self._shortcuts, deadline), trees)
+        return self._made(scene, deadline, begin, _arrived(path, goals), path)
 
-    def _plan_in_time(self, begin: Floats, end: Floats | list[Target]) -> Motion:
-        """Plan a motion among obstacles that move."""
-        scene = self._scene.snapshot()
+    def _plan_in_time(self, scene: Snapshot, begin: Floats, end: Floats | list[Target]) -> Motion:
+        """Plan a motion among obstacles that move.
+
+        Where the duration is given, the goal is solved, and must be clear, among what is there then; otherwise among
+        what stands still.
+        """
+        duration = self._timing.duration
+        there = standing(scene) if duration is None else scene.at(self._timing.begin + duration)
+        solver = None
         if not isinstance(end, np.ndarray):  # loaded now, because compiling is no planning
-            Solver.prepared(self._robot, Scene.of(scene.at(self._timing.begin)), self._options)
-        spent = Watch(self._options.time)
-        way, told = InTime(self._robot, scene, self._options, self._timing, spent.seconds_left).find(begin, end)
-        if way is None:
-            return self._made(spent, begin, scene, **told)
-        return self._made(spent, begin, scene, Way(way.q, way.answers), way.times, **told)
+            solver = Solver.prepared(self._robot, Scene.of(there), self._options)
+        deadline, prover = Deadline(self._options.time), Prover(self._robot, scene)
+        made = partial(self._made, scene, deadline, begin)
+        report = self._blocked(begin, end, prover, Prover(self._robot, there))
+        if report is not None:
+            return made(report)
+        goals: FixedGoal | Goals
+        if solver is None:
+            goals, goal = FixedGoal(cast(Floats, end)), cast(Floats, end)
+        else:
+            solution = solver.solve(cast(list[Target], end), begin)
+            if not solution.solved:
+                return made(_of_waypoint(solution))
+            goals, goal = Goals(solver, solution), solution.q
+        query = self._timed_query(prover, begin, goals, goal, deadline)
+        if solver is None and not query.early:
+            soonest, window = query.soonest(goal - begin), query.end - query.begin
+            if soonest > window * (1.0 + ROUNDING):
+                return made(Report(ended=Status.RATE_BOUND))
+        path = find_timed_path(query)
+        report = _arrived(path, goals)
+        if path is not None and path.times is not None and query.early and report.solutions:
+            report = replace(report, solutions=(self._again(report.solutions[0], scene.at(float(path.times[-1]))),))
+        return made(report, path)
+
+    def _timed_query(
+        self, prover: Prover, start: Floats, goals: FixedGoal | Goals, goal: Floats, deadline: Deadline
+    ) -> TimedQuery:
+        timing = self._timing
+        asked = TimedQuery(
+            robot=self._robot,
+            prover=prover,
+            start=start,
+            begin=timing.begin,
+            end=timing.begin,
+            early=timing.duration is None,
+            goals=goals,
+            rates=timing.rates,
+            seed=self._options.seed,
+            deadline=deadline,
+        )
+        return replace(asked, end=timing.end(prover.scene, asked.soonest(goal - start)))
+
+    def _again(self, solution: Solution, scene: Snapshot) -> Solution:
+        """Return the same solution, solved again among all that is there when the motion ends."""
+        solver = Solver.prepared(self._robot, Scene.of(scene), self._options)
+        again = solver.solve(list(solution.problem.targets), solution.q)
+        return again if np.array_equal(again.q, solution.q) else solution
+
+    def _blocked(
+        self, begin: Floats, end: Floats | list[Target], prover: Prover, prover_there: Prover
+    ) -> Report | None:
+        """Say what keeps the robot from beginning, or from being at a configuration as goal; `None`: nothing does."""
+        to_configuration = isinstance(end, np.ndarray)
+        worst = blocked_by(self._robot, begin, prover, self._timing.begin)
+        if worst is not None:
+            return Report(ended=Status.START_BLOCKED, blocking=worst, remaining=0 if to_configuration else 1)
+        worst = overlap_at(self._robot, end, prover_there) if isinstance(end, np.ndarray) else None
+        return None if worst is None else Report(ended=Status.TARGET_BLOCKED, blocking=worst)
 
     @cached_property
     def _solver(self) -> Solver:
@@ -202,33 +292,18 @@ class Planner:
     def _configuration(self, key: str, given: Initial) -> Floats:
         return checks.array(key, given.q if isinstance(given, Solution) else given, (len(self._robot), 3))
 
-    def _arrived(self, made: Made, question: Question, goals: FixedGoal | Goals) -> Motion:
-        """Look for a way, and say which of the goals it leads to."""
-        way = find_way(question)
-        solutions = tuple(goals.solutions) if isinstance(goals, Goals) else ()
-        if way is None:
-            first = solutions[:1]
-            return made(question.scene, ended=Status.TIME_LIMIT, solutions=first, waypoint_knots=(None,) * len(first))
-        met = tuple(solution for solution in solutions if np.array_equal(solution.q, way.q[-1]))[:1]
-        return made(question.scene, way, solutions=met, waypoint_knots=(len(way.q) - 1,) * len(met))
-
     def _made(
-        self,
-        spent: Watch,
-        start: Floats,
-        scene: Snapshot,
-        way: Way | None = None,
-        times: Floats | None = None,
-        **told: Any,
+        self, scene: Snapshot, deadline: Deadline, start: Floats, report: Report, path: ProvedPath | None = None
     ) -> Motion:
+        """Make the motion along a path, or one that stays at the start."""
         robot = self._robot
-        q, answers = (start[None], np.zeros((0, ANSWER_WIDTH))) if way is None else way
-        fixed = np.array([0] if way is None else [0, len(q) - 1])
+        found = path or ProvedPath(start[None], np.zeros((0, ANSWER_WIDTH)))
+        times = found.times
         if times is None:
-            times = self._timing.spread(spread_times(robot, q, fixed, np.arange(float(len(fixed)))))
-        method, seed = name_of(self._options.method), self._options.seed
-        found = Report(seconds=spent.seconds, method=method, seed=seed, **told)
-        return Motion.made(robot, scene, q, times, Steps(answers), found)
+            fixed = np.unique([0, len(found.q) - 1])
+            times = self._timing.spread(spread_times(robot, found.q, fixed, np.arange(float(len(fixed)))))
+        told = replace(report, seconds=deadline.spent, method=name_of(self._options.method), seed=self._options.seed)
+        return Motion.made(robot, scene, found.q, times, Steps(found.answers), told)
 
     def _end(self, goal: Goal) -> Floats | list[Target]:
         """The configuration (n, 3) or the targets that are meant."""
@@ -239,3 +314,18 @@ class Planner:
         end = self._configuration("goal", cast(Initial, goal))
         check_limits(self._robot, "goal", end)
         return end
+
+
+def _of_waypoint(solution: Solution) -> Report:
+    """Tell that the motion does not come to a waypoint, for which there may be a solution."""
+    return Report(solutions=(solution,), waypoint_knots=(None,))
+
+
+def _arrived(path: ProvedPath | None, goals: FixedGoal | Goals) -> Report:
+    """Tell to which of the goals a path leads, or that none was found in time."""
+    if path is None:
+        report = _of_waypoint(goals.solutions[0]) if isinstance(goals, Goals) else Report()
+        return replace(report, ended=Status.TIME_LIMIT)
+    if isinstance(goals, FixedGoal):
+        return Report()
+    return Report(solutions=(goals.solution_at(path.q[-1]),), waypoint_knots=(len(path.q) - 1,))

@@ -8,15 +8,14 @@ from sinuous.arguments import Number, Shortest, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
-from sinuous.motion.following.room import Room
-from sinuous.motion.following.tracker import Tracker
 from sinuous.motion.motion import Motion
 from sinuous.motion.report import MOST_WAYPOINTS
 from sinuous.motion.times import Timetable
-from sinuous.problem.asked import read_asked
+from sinuous.motion.tracker import Tracker
 from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
+from sinuous.problem.target_sets import read_target_sets
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solution.solution import Solution
@@ -25,6 +24,9 @@ from sinuous.solving.solver import Initial, Solver
 
 ROOM = 0.02
 """Clearance that is wished for by default, in mean lengths of a segment."""
+
+HALF = 0.5
+"""Share of the wished clearance with which a robot on its way stays as it is."""
 
 SHORTEST: tuple[Shortest, ...] = ("configuration", "actuators")
 """What a motion may be shortest in."""
@@ -88,28 +90,55 @@ def track(
         When an argument is not what it should be; nothing is solved then.
     """
     given: dict[str, Any] = dict(options)
-    path = read_asked(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
+    path = read_target_sets(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
     wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)
     if wanted == "actuators" and not robot.actuators:
         raise InputError("shortest", "the robot has no actuators", shortest, "configuration")
     checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
     given_times = targets.times if times is None and isinstance(targets, Path) else times
     when = None if given_times is None else checks.increasing("times", given_times, len(path))
-    if given.get("prefer") is None:
-        given["prefer"] = wish(robot, given.get("method", "newton"))
-    place = as_scene(scene)
-    timetable = timetable_of(place, when, len(path), start is not None)
-    solver = Solver(robot, place if timetable is None else timetable.live, **given)
-    tracker = Tracker(solver, start, read_deviation(solver, deviation), timetable)
-    if tracker.blocked is not None:
-        return tracker.motion(len(path), when)
-    for i in range(len(path)):
-        solution = tracker.go_to(path.targets(i))
-        if progress is not None:
-            progress(solution)
+    tracker = tracker_of(robot, len(path), scene, start=start, times=when, deviation=deviation, **given)
+    tracker.follow(map(path.targets, range(len(path))), progress=progress)
     if wanted is not None:
         tracker.shorten(wanted)
-    return tracker.motion(times=when)
+    return tracker.motion(len(path) - tracker.tried, when)
+
+
+def tracker_of(
+    robot: Robot,
+    waypoints: int,
+    scene: SceneLike | None = None,
+    *,
+    start: Initial | None = None,
+    times: Floats | None = None,
+    deviation: Number | None = None,
+    **options: Unpack[SolveArguments],
+) -> Tracker:
+    """Return a tracker for a path of so many waypoints, for which everything is compiled; arguments as for `track`.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    """
+    if options.get("prefer") is None:
+        options["prefer"] = wish(robot, options.get("method", "newton"))
+    place = as_scene(scene)
+    timetable = timetable_of(place, times, waypoints, start is not None)
+    solver = Solver(robot, place if timetable is None else timetable.live, **options)
+    return Tracker(solver, start, read_deviation(solver, deviation), timetable)
+
+
+class Room(Preferences):
+    """A clearance that is wished for on the way: a robot that has half of it goes on as it is.
+
+    It is there for the steps, which are then proved sooner. To strive for the last of it at every waypoint would take
+    longer than the steps do.
+    """
+
+    def satisfied(self, clearance: float) -> bool:
+        """Say whether a solution with this clearance is left as it is."""
+        return super().satisfied(clearance / HALF)
 
 
 def timetable_of(scene: Scene, times: Floats | None, waypoints: int, started: bool) -> Timetable | None:

@@ -1,6 +1,7 @@
 """`reach`: every voxel in every direction, without obstacles and among them."""
 
 import time as clock
+from pathlib import Path
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Number, Rows, Truth, Vector, Whole
+from sinuous.batch.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.progress import ProgressBar
@@ -17,11 +19,10 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.many import read_workers
 from sinuous.solving.options import SolveArguments
 from sinuous.solving.solver import Solver
-from sinuous.workspace.blame import deepest, nearest
 from sinuous.workspace.grid import Voxels, directions_of
 from sinuous.workspace.reach import Reach
-from sinuous.workspace.rounds import TOGETHER, Answers, Rounds, neighbours_of
-from sinuous.workspace.verdicts import Codes, Verdict, verdicts_of
+from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, neighbours_of
+from sinuous.workspace.verdicts import Codes, Verdict
 
 
 class ReachArguments(SolveArguments, total=False):
@@ -31,6 +32,14 @@ class ReachArguments(SolveArguments, total=False):
     high: Vector | None
     workers: Whole | None
     progress: Truth
+    out: str | Path | None
+
+
+SAMPLES = 6
+"""Points of a segment at which it is looked for the obstacle that a body runs into."""
+
+BODIES_TOGETHER = 20_000
+"""Bodies that are looked at in one step: it bounds memory."""
 
 
 class _Work(NamedTuple):
@@ -41,8 +50,7 @@ class _Work(NamedTuple):
     places: Floats
     neighbours: NDArray[np.int64]
     directions: Floats
-    workers: int
-    options: dict[str, Any]
+    calls: Calls
 
 
 def reach(
@@ -72,6 +80,9 @@ def reach(
         Most threads; by default one a core.
     progress : bool
         Whether to show on a terminal how far it is.
+    out : path, optional
+        A file (`.npz`) for the map, see `Reach.save`. Until it is complete, what is found is kept in a folder beside
+        it: the same call goes on where an earlier one ended.
     **options
         As for `Solver`, but `max_starts` is 1 and `routes` false by default: what more starts find costs much.
 
@@ -82,7 +93,8 @@ def reach(
     Raises
     ------
     InputError
-        When an argument is not what it should be, or there would be too many voxels.
+        When an argument is not what it should be, there would be too many voxels, or `out` was begun with another
+        problem, grid or version.
     """
     began = clock.perf_counter()
     given: dict[str, Any] = {"max_starts": 1, "routes": False, **options}
@@ -90,12 +102,18 @@ def reach(
         raise InputError("robot", "", robot, "a Robot")
     workers = read_workers(given.pop("workers", None))
     shown = checks.truth("progress", given.pop("progress", False))
+    out = given.pop("out", None)
+    out = None if out is None else Path(out)
     voxels = Voxels.about(robot, spacing, given.pop("low", None), given.pop("high", None))
     axes, place = directions_of(directions), as_scene(scene)
     free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
-    taken = _within_reach(free, voxels, workers)
+    checkpoint = None if out is None else Checkpoint(out, _record(solver, voxels, axes), "this map")
+    if checkpoint is not None:
+        checkpoint.open()
+    calls = Calls(workers, checkpoint)
+    taken = _within_reach(free, voxels, calls)
     points = voxels.middles[taken]
-    work = _Work(robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, workers, given)
+    work = _Work(robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
     with ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
         alone = _without_obstacles(work, free, bar)
         among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
@@ -103,7 +121,7 @@ def reach(
     obstacles = np.full(voxels.shape, -1, np.int16)
     if blamed is not None:
         obstacles[taken] = blamed
-    return Reach(
+    found = Reach(
         voxels=voxels,
         directions=np.array(axes),
         verdicts=verdicts,
@@ -113,20 +131,35 @@ def reach(
         base=np.array(robot.base[:3, 3]),
         seconds=clock.perf_counter() - began,
     )
+    if out is not None and checkpoint is not None:
+        found.save(out)
+        checkpoint.remove()
+    return found
 
 
-def _within_reach(free: Solver, voxels: Voxels, workers: int) -> NDArray[np.bool_]:
+def _record(solver: Solver, voxels: Voxels, directions: Floats) -> dict[str, str]:
+    """Return all that a map depends on."""
+    return {
+        **problem_record(solver.robot, solver.scene.snapshot(), solver.options),
+        "spacing": str(voxels.spacing),
+        "low": str(voxels.first.tolist()),
+        "high": f"{' x '.join(map(str, voxels.shape))} voxels from there",
+        "directions": f"{len(directions)}, {hash_of(directions.tobytes())}",
+    }
+
+
+def _within_reach(free: Solver, voxels: Voxels, calls: Calls) -> NDArray[np.bool_]:
     """Which voxels (x, y, z) are not proved to be out of reach, whatever the direction."""
     points = voxels.middles.reshape(-1, 3)
     near = []
     for first in range(0, len(points), TOGETHER):
-        found = free.solve_many(positions=points[first : first + TOGETHER], workers=workers)
-        near.append(verdicts_of(found) != Verdict.OUT_OF_REACH)
+        codes, _ = calls.solve(free, positions=points[first : first + TOGETHER])
+        near.append(codes != Verdict.OUT_OF_REACH)
     return np.concatenate(near).reshape(voxels.shape)
 
 
 def _without_obstacles(work: _Work, free: Solver, bar: ProgressBar) -> Answers:
-    rounds = Rounds(free, work.places, work.neighbours, work.directions, work.workers)
+    rounds = Rounds(free, work.places, work.neighbours, work.directions, work.calls)
     rounds.begin(np.arange(rounds.answers.codes.size), None, bar)
     rounds.from_neighbours()
     return rounds.answers
@@ -134,7 +167,7 @@ def _without_obstacles(work: _Work, free: Solver, bar: ProgressBar) -> Answers:
 
 def _among_obstacles(work: _Work, solver: Solver, alone: Answers, bar: ProgressBar) -> tuple[Codes, NDArray[np.int16]]:
     """Verdicts (m, d), and the obstacle (m,) that takes most directions away, -1 where none does."""
-    rounds = Rounds(solver, work.places, work.neighbours, work.directions, work.workers)
+    rounds = Rounds(solver, work.places, work.neighbours, work.directions, work.calls)
     codes = rounds.answers.codes
     free = alone.codes == Verdict.SOLVED
     rounds.begin(np.flatnonzero(free), alone.q.reshape(-1, *alone.q.shape[2:]), bar)
@@ -154,8 +187,8 @@ def _blocked_places(work: _Work, solver: Solver) -> NDArray[np.int64]:
     near = np.flatnonzero(work.scene.distance(work.places) < max(work.robot.radii))
     if not len(near):
         return near
-    found = solver.solve_many(positions=work.places[near], workers=work.workers)
-    blocked: NDArray[np.int64] = near[verdicts_of(found) == Verdict.TARGET_BLOCKED]
+    codes, _ = work.calls.solve(solver, positions=work.places[near])
+    blocked: NDArray[np.int64] = near[codes == Verdict.TARGET_BLOCKED]
     return blocked
 
 
@@ -163,14 +196,28 @@ def _blame(work: _Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:
     """Which obstacle takes most directions away from each place."""
     hit, taken = np.nonzero(codes == Verdict.OBSTACLE), np.nonzero(codes == Verdict.TARGET_BLOCKED)
     at = np.concatenate([hit[0], taken[0]])
-    of_bodies = deepest(work.robot, work.scene, alone.q[hit])
-    which = np.concatenate([of_bodies, nearest(work.scene, work.places[taken[0]])]).astype(np.int64)
+    of_bodies = _deepest(work.robot, work.scene, alone.q[hit])
+    which = np.concatenate([of_bodies, work.scene.nearest(work.places[taken[0]])]).astype(np.int64)
     result = np.full(len(codes), -1, np.int16)
     pairs, counts = np.unique(at * len(work.scene) + which, return_counts=True)
     order = np.argsort(counts, kind="stable")  # the most frequent one is written last
     place, obstacle = np.divmod(pairs[order], len(work.scene))
     result[place] = obstacle
     return result
+
+
+def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
+    """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
+    found = np.empty(len(q), np.int16)
+    radii = np.repeat(np.array(robot.radii), SAMPLES)
+    for first in range(0, len(q), BODIES_TOGETHER):
+        some = q[first : first + BODIES_TOGETHER].astype(np.float64)
+        points = robot.backbone(some, SAMPLES)[:, 1:]
+        along = np.cumsum(np.repeat(some[..., 2] / SAMPLES, SAMPLES, axis=1), axis=1)
+        gaps = np.where(along >= robot.mount, scene.distance(points) - radii, np.inf)
+        worst = gaps.argmin(axis=1)
+        found[first : first + BODIES_TOGETHER] = scene.nearest(points[np.arange(len(some)), worst])
+    return found
 
 
 def _whole(codes: Codes, taken: NDArray[np.bool_]) -> Codes:

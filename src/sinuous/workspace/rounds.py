@@ -1,32 +1,62 @@
 """Every direction of every voxel, solved in rounds: each by itself, then what is left from neighbours.
 
 Measured, the single arc that a solve begins with is as good a start as the solution of a neighbour, so that all are
-tried from it first; neighbours help where it fails. A round depends on the rounds before it alone, and so on nothing
-that threads do.
+tried from it first; neighbours help where it fails. A round depends only on the rounds before it, and so on nothing
+that threads do: the calls of a solver always come in the same order, and a checkpoint may hold those that were made.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.batch.checkpoint import Checkpoint
 from sinuous.checks import Floats
 from sinuous.progress import ProgressBar
-from sinuous.solution.solutions import Solutions
 from sinuous.solving.solver import Solver
 from sinuous.workspace.verdicts import Codes, Verdict, verdicts_of
 
 Whole = NDArray[np.int64]
 
 TOGETHER = 200_000
-"""Questions that are solved in one call: what is in memory of them."""
+"""Questions that are solved in one call: it bounds memory, and what is lost when a map is interrupted."""
 
 TRIES = 2
 """Neighbours that a voxel begins from in one direction."""
 
 ROUNDS = 12
+"""Most rounds in which what is left begins from neighbours."""
 
 FACES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]])
+
+
+class Calls:
+    """Calls of `Solver.solve_many`, numbered in the order in which a map makes them.
+
+    Parameters
+    ----------
+    workers : int
+        Most threads.
+    checkpoint : Checkpoint, optional
+        Holds the calls that were made, by their numbers.
+    """
+
+    def __init__(self, workers: int, checkpoint: Checkpoint | None = None) -> None:
+        self._workers, self._checkpoint = workers, checkpoint
+        self._made = set[int]() if checkpoint is None else set(checkpoint.done())
+        self._next = 0
+
+    def solve(self, solver: Solver, **goals: Any) -> tuple[Codes, NDArray[np.float32]]:
+        """Return the verdicts (m,) of a call, and its configurations (m, n, 3) in single precision."""
+        number, self._next = self._next, self._next + 1
+        if self._checkpoint is not None and number in self._made:
+            call = self._checkpoint.read(number)
+            return call["codes"], call["q"]
+        found = solver.solve_many(workers=self._workers, **goals)
+        codes, q = verdicts_of(found), found.q.astype(np.float32)
+        if self._checkpoint is not None:
+            self._checkpoint.write(number, {"codes": codes, "q": q})
+        return codes, q
 
 
 class Answers(NamedTuple):
@@ -37,7 +67,7 @@ class Answers(NamedTuple):
     codes : ndarray (m, d)
         Verdicts.
     q : ndarray (m, d, n, 3)
-        The best configurations, of half precision: what neighbours begin from.
+        The best configurations, in single precision: what neighbours begin from.
     """
 
     codes: Codes
@@ -54,13 +84,12 @@ class Rounds:
     neighbours : ndarray (m, 6)
         Numbers of the places beside each, -1 where there is none.
     directions : ndarray (d, 3)
-    workers : int
-    bar : ProgressBar
+    calls : Calls
     """
 
-    def __init__(self, solver: Solver, places: Floats, neighbours: Whole, directions: Floats, workers: int) -> None:
+    def __init__(self, solver: Solver, places: Floats, neighbours: Whole, directions: Floats, calls: Calls) -> None:
         self._solver, self._places, self._directions = solver, places, directions
-        self._neighbours, self._workers = neighbours, workers
+        self._neighbours, self._calls = neighbours, calls
         shape = len(places), len(directions)
         self.answers = Answers(
             np.full(shape, Verdict.NOT_FOUND, np.uint8), np.zeros((*shape, len(solver.robot), 3), np.float32)
@@ -107,16 +136,12 @@ class Rounds:
     def _solve(self, asked: Whole, initial: NDArray[np.float32] | None) -> None:
         place, direction = np.divmod(asked, len(self._directions))
         given = None if initial is None else initial.astype(np.float64)
-        goals = self._places[place], self._directions[direction]
-        found = self._solver.solve_many(positions=goals[0], directions=goals[1], initial=given, workers=self._workers)
-        self._keep(asked, found)
-
-    def _keep(self, asked: Whole, found: Solutions) -> None:
-        codes = verdicts_of(found)
+        goals = {"positions": self._places[place], "directions": self._directions[direction], "initial": given}
+        codes, q = self._calls.solve(self._solver, **goals)
         flat = self.answers.codes.ravel()
         better = (flat[asked] >= Verdict.OBSTACLE) & ((codes != Verdict.NOT_FOUND) | (flat[asked] > codes))
         flat[asked[better]] = codes[better]
-        self._flat_q[asked[better]] = found.q[better]
+        self._flat_q[asked[better]] = q[better]
 
 
 def neighbours_of(taken: NDArray[np.bool_]) -> Whole:

@@ -6,9 +6,10 @@ import pytest
 import sinuous as sn
 from sinuous.kernels.planning.query import GLANCES
 from sinuous.kernels.planning.trees import GONE, Trees, cut, path_through
+from sinuous.motion.planning.query import Deadline
+from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import prove_steps
-from sinuous.solving.planning.trees import Trees as GrownTrees
 from tests.helpers import Floats
 from tests.kernels.between.motions import shape
 
@@ -74,18 +75,18 @@ def test_what_looks_miss_is_on_no_path_and_in_no_tree() -> None:
     met = 0
     for seed in range(24):
         scene, ends = thin_walls(seed)
-        trees = GrownTrees(ROBOT, scene.snapshot())
-        way = trees.grow(ends, seed, (0, GLANCES), 60.0)
-        if way is None:
+        trees = RRTConnect(ROBOT, scene.snapshot())
+        path = trees.grow(ends, seed, (0, GLANCES), Deadline(60.0))
+        if path is None:
             reached = trees.reached
             assert np.isfinite(reached).all()
             np.testing.assert_array_equal(reached[0], ends[0])
             assert sum(trees.sizes) >= 2
             for q in reached:
                 assert prove_steps(ROBOT, scene.snapshot(), np.stack([q, q]), slack=1.0).proved.all()
-            way = trees.grow(ends[:1], seed, (GLANCES, 4096), 60.0)
+            path = trees.grow(ends[:1], seed, (GLANCES, 4096), Deadline(60.0))
             met += 1
-        assert way is not None, seed
-        np.testing.assert_array_equal(way.q[[0, -1]], ends)
-        assert prove_steps(ROBOT, scene.snapshot(), way.q).proved.all()
+        assert path is not None, seed
+        np.testing.assert_array_equal(path.q[[0, -1]], ends)
+        assert prove_steps(ROBOT, scene.snapshot(), path.q).proved.all()
     assert met > 0

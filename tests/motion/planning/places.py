@@ -4,6 +4,8 @@ import numpy as np
 
 import sinuous as sn
 from benchmarks.places.traps.boxes import box_between, channel
+from sinuous.motion.planning.query import Deadline, FixedGoal, Query
+from sinuous.scene.scene import Scene
 from tests.helpers import Floats
 
 ROBOT = sn.Robot.uniform(5, 1.0, 2.4, radius=0.1)
@@ -22,3 +24,10 @@ def bore(q: Floats = INSIDE) -> list[sn.Box]:
     depth = 0.55 + AHEAD
     low, high = np.array([-0.6, -0.6, depth]), np.array([0.6, 0.6, depth + 0.1])
     return [*channel(mouth, HALF, depth, 0.46), box_between(mouth, low, high, "bottom")]
+
+
+def query(
+    scene: Scene, start: Floats = OUTSIDE, goal: Floats = INSIDE, seconds: float = 60.0, robot: sn.Robot = ROBOT
+) -> Query:
+    """Ask for a path from one configuration to another."""
+    return Query(robot, scene.snapshot(), start, FixedGoal(goal), 0, 0, Deadline(seconds))

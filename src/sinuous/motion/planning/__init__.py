@@ -1,1 +1,1 @@
-"""What a plan is made of: its question, its goals, and the sources of ways."""
+"""Planners: what they are asked, RRT-Connect, retraction, and paths in time."""

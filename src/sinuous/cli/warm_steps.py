@@ -1,0 +1,98 @@
+"""Everything that is compiled, by using it once: what a solve will need is then on disk."""
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.methods.registry import METHODS, name_of
+from sinuous.motion.planning.rrt_connect import load_trees
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.moving import Moving
+from sinuous.scene.obstacles import Sphere
+from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import least_gap
+from sinuous.solving.between.steps import load_motions
+from sinuous.solving.between.tip import Tip
+from sinuous.solving.classes.curves import Curves
+from sinuous.solving.options import SolveOptions
+from sinuous.solving.routing.searches import Searches
+from sinuous.solving.solver import Solver
+
+ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
+MOVING = Scene([Moving(Sphere((9.0, 0.0, 0.0), 0.5), [0.0], [(0.0, 0.0, 0.0)])])
+FAR = Scene([Sphere((9.0, 0.0, 0.0), 0.5)])
+TARGET = Target((0.5, 0.0, 1.5))
+
+
+class Step(NamedTuple):
+    """A use of something that is compiled.
+
+    Attributes
+    ----------
+    what : str
+    use : callable
+    """
+
+    what: str
+    use: Callable[[], object]
+
+
+def steps(methods: Iterable[str] = METHODS) -> list[Step]:
+    """List what to use so that these methods, and all that goes with them, are compiled; what most need comes first.
+
+    Neighbours share little, so that two processes that take turns at the list seldom compile the same at once.
+    """
+    chosen = tuple(dict.fromkeys(map(name_of, methods)))
+    own = [
+        Step("single solves", partial(Solver.once, ROBOT)),
+        Step("routes among obstacles", Searches(ROBOT, FAR, SolveOptions.of({}).tolerance.for_robot(ROBOT)).load),
+        Step("single solves among obstacles", partial(Solver.once, ROBOT, FAR)),
+        Step("batches of solves", lambda: Solver.once(ROBOT).solve_many([TARGET])),
+        Step("batches of solves among obstacles", lambda: Solver.once(ROBOT, FAR).solve_many([TARGET])),
+        Step("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
+        Step("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
+    ]
+    others = [
+        Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
+    ]
+    geometry = [
+        Step("kinematics", _kinematics),
+        Step("distances", _distances),
+        Step("classes of routes", Curves(ROBOT, FAR.snapshot()).load),
+        Step("motions", _motions),
+        Step("plans", _plans),
+        Step("control loops", _loops),
+    ]
+    return [*(own if "newton" in chosen else []), *geometry, *others]
+
+
+def _motions() -> None:
+    load_motions(ROBOT, MOVING.snapshot())
+    Tip(ROBOT)
+
+
+def _plans() -> None:
+    load_trees(ROBOT, FAR.snapshot())
+
+
+def _loops() -> None:
+    Solver.prepared(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
+
+
+def _kinematics() -> None:
+    straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
+    ROBOT.forward(straight)
+    ROBOT.backbone(straight)
+    ROBOT.jacobian(straight)
+
+
+def _distances() -> None:
+    corners = np.vstack([np.zeros(3), np.eye(3)])
+    scene = Scene([Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])])
+    scene.distance([1.0, 1.0, 1.0])
+    least_gap(corners, np.zeros(len(corners)), scene.snapshot())

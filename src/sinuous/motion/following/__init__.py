@@ -1,1 +1,0 @@
-"""From waypoint to waypoint: what `track` does."""

@@ -1,1 +1,0 @@
-"""Ways through space and time, past obstacles that move."""

@@ -1,0 +1,162 @@
+"""The local planner: moves a body to a configuration nearby that has room, and proves the motion there.
+
+A solution of a robot with a thicker body leaves the robot itself room. So a configuration that is too near to an
+obstacle, for a proof or for a tree to leave it, is solved again with a thicker body, and the motion there is proved.
+"""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import VERDICT
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.motion.planning.query import Query
+from sinuous.motion.planning.tree import Chain
+from sinuous.problem.preferences import Preferences
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+from sinuous.solving.between.steps import Prover
+from sinuous.solving.options import SolveOptions
+from sinuous.solving.solver import Solver
+
+ROOMS = (0.2, 0.05)
+"""Room that retractions ask for, in radii of each segment: by so much thicker robots are solved."""
+
+END_ROOMS = (0.4, 0.2, 0.1, 0.05, 0.02)
+"""Room that the ends of a path are given, in radii of each segment: the most is tried first."""
+
+ENOUGH = 0.1
+"""A configuration with so much room, in radii, is left as it is."""
+
+LOOSE = 0.3
+"""How far the tip may move while a body is given room, in the largest radius of the body."""
+
+WISHED = 0.02
+"""Clearance that is preferred where no room is asked for, in mean lengths of a segment."""
+
+FINEST = 3e-4
+"""Length below which the proof of an edge gives up, in robot lengths: another edge is tried sooner than that."""
+
+CLOSE = 1e-6
+"""The same for an edge from the end of a path to where there is room: it may begin in contact."""
+
+
+class LocalPlanner:
+    """Solvers of a robot and of thicker ones, and proofs of short motions; made once for a query.
+
+    Parameters
+    ----------
+    query : Query
+    """
+
+    def __init__(self, query: Query) -> None:
+        self.deadline = query.deadline
+        self.robot = query.robot.changed(tool=None)
+        self._scene = query.scene
+        self._prover = Prover(query.robot, query.scene, FINEST)
+        self._close_prover = Prover(query.robot, query.scene, CLOSE)
+        self._solvers: dict[tuple[float, float], Solver] = {}
+
+    def lead(self, target: Target, begin: Floats, room: float) -> Floats | None:
+        """Lead the tip (not the tool) to a target from a configuration (n, 3), with so much room (radii).
+
+        `None` where that fails.
+        """
+        return self._solve(target, begin, room, 0.0)
+
+    def retract(self, q: Floats, room: float) -> Floats | None:
+        """Return a configuration near one (n, 3) that may overlap: with room (radii), and the tip about where it is."""
+        return self._solve(Target(self.robot.tip(q)[:3, 3]), q, room, LOOSE * max(self.robot.radii))
+
+    def with_room(self, q: Floats) -> Chain:
+        """Return a configuration (n, 3) alone, or also one with more room, the motion to which is proved clear.
+
+        It is alone where it has enough room, and where nothing near it has any.
+        """
+        enough = self.retract(q, ENOUGH)
+        if enough is not None and np.array_equal(enough, q):
+            return [q]
+        for room in END_ROOMS:
+            roomy = self.retract(q, room)
+            if roomy is not None and self._proves(self._close_prover, q, roomy):
+                return [q] if np.array_equal(roomy, q) else [q, roomy]
+        return [q]
+
+    def is_clear(self, p: Floats, q: Floats) -> bool:
+        """Whether the motion from `p` to `q` (n, 3) is proved clear."""
+        return self._proves(self._prover, p, q)
+
+    def _proves(self, prover: Prover, p: Floats, q: Floats) -> bool:
+        answers = prover.prove(np.stack([p, q]), slack=1.0, seconds=self.deadline.left())
+        return bool(answers[0, VERDICT] == CLEAR)
+
+    def _solve(self, target: Target, begin: Floats, room: float, loose: float) -> Floats | None:
+        if (room, loose) not in self._solvers:
+            with self.deadline.paused():  # compiling is no planning
+                self._solvers[room, loose] = self._prepared(room, loose)
+        solver = self._solvers[room, loose]
+        solution = solver.solve(target, begin, time=max(0.0, self.deadline.left()))
+        return np.array(solution.q) if solution.solved else None
+
+    def _prepared(self, room: float, loose: float) -> Solver:
+        """A solver that goes to one target from one configuration, or not at all."""
+        wished = WISHED * self.robot.mean_length / len(self.robot) if room == 0.0 else 0.0
+        tolerance = Tolerance(position=loose) if loose > 0.0 else Tolerance()
+        options = replace(
+            SolveOptions(), max_starts=1, routes=False, prefer=Preferences(clearance=wished), tolerance=tolerance
+        )
+        return Solver.prepared(with_radii(self.robot, 1.0 + room), Scene.of(self._scene), options)
+
+
+class Ends:
+    """The start and the goals of a query, each with a chain from it to where there is room.
+
+    Trees grow from there where the ends themselves are too near to contact.
+
+    Parameters
+    ----------
+    query : Query
+
+    Attributes
+    ----------
+    narrow : bool
+        Whether trees that grew a little did not come far from one of them; the planner that grows trees sets it.
+    """
+
+    def __init__(self, query: Query) -> None:
+        self._query, self.narrow = query, False
+        self._chains: dict[bytes, Chain] = {}
+
+    @cached_property
+    def local(self) -> LocalPlanner:
+        """What moves them; made when it is needed first."""
+        return LocalPlanner(self._query)
+
+    @property
+    def start(self) -> Chain:
+        """The chain of the start."""
+        return self.with_room(self._query.start)
+
+    def goals(self, reached: Floats) -> list[Chain]:
+        """Return the chains of all goals, after looking for more; see `Query`."""
+        return [self.with_room(q) for q in self._query.goals(reached)]
+
+    def with_room(self, q: Floats) -> Chain:
+        """Return the chain of any configuration (n, 3)."""
+        key = q.tobytes()
+        if key not in self._chains:
+            self._chains[key] = self.local.with_room(q)
+        return self._chains[key]
+
+
+def roots_of(start: Chain, goals: list[Chain]) -> Floats:
+    """Return the roots of trees (1 + g, n, 3): the last of the start's chain, and of each goal's."""
+    return np.stack([start[-1], *(chain[-1] for chain in goals)])
+
+
+def with_radii(robot: Robot, share: float) -> Robot:
+    """Return a robot whose segments have a share of their radii, less or more than all of it."""
+    return robot.changed(segments=[segment.changed(radius=share * segment.radius) for segment in robot.segments])

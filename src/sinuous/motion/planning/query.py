@@ -1,0 +1,249 @@
+"""What a planner is asked: from where to where, in which scene, until when; and what it answers."""
+
+import time as clock
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import VERDICT
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.motion.configurations import distances
+from sinuous.motion.timing import largest
+from sinuous.robot.rates import Rates, Spread
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.solution import Solution
+from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
+from sinuous.solving.solver import Solver
+
+GOALS_AT_ONCE = 8
+"""Solves that look for more goals each time a planner asks for them."""
+
+MOST_GOALS = 64
+"""Goals of one plan; no more are looked for after that."""
+
+APART = 0.02
+"""Two configurations nearer to each other than this, in robot lengths, count as one goal; see `distances`."""
+
+ROUNDING = 1e-9
+"""Share by which a step may be quicker than rates allow: rounding."""
+
+
+class Deadline:
+    """The seconds that a plan may take; compiling does not count.
+
+    Parameters
+    ----------
+    seconds : float
+        The budget.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self._budget, self._began = seconds, clock.perf_counter()
+
+    @property
+    def spent(self) -> float:
+        """Seconds until now."""
+        return clock.perf_counter() - self._began
+
+    def left(self) -> float:
+        """Seconds that are left; negative after the end."""
+        return self._budget - self.spent
+
+    def set_spent(self, seconds: float) -> None:
+        """Count only so many seconds of the time until now; the rest of it was compiling."""
+        self._began = clock.perf_counter() - seconds
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Do not count what is done in the meantime: it may compile."""
+        began = clock.perf_counter()
+        try:
+            yield
+        finally:
+            self._began += clock.perf_counter() - began
+
+
+class FixedGoal:
+    """One configuration (n, 3) is the goal, whatever is reached."""
+
+    def __init__(self, q: Floats) -> None:
+        self._q = q[None]
+
+    def __call__(self, reached: Floats) -> Floats:
+        """Return it as the only goal (1, n, 3)."""
+        return self._q
+
+
+class Goals:
+    """Configurations that meet the same targets. Each call solves from some configurations that the start reaches.
+
+    Parameters
+    ----------
+    solver : Solver
+    first : Solution
+        A solved one: its problem has the targets.
+    """
+
+    def __init__(self, solver: Solver, first: Solution) -> None:
+        once = replace(solver.options, max_starts=1, routes=False)
+        self._solver = type(solver).prepared(solver.robot, solver.scene, once)
+        self._targets = list(first.problem.targets)
+        self.solutions = [first]
+
+    def __call__(self, reached: Floats) -> Floats:
+        """Return all goals (g, n, 3), after looking for more from some of what is reached (m, n, 3)."""
+        if len(reached) > 1 and len(self.solutions) < MOST_GOALS:
+            for i in np.unique(np.linspace(0, len(reached) - 1, GOALS_AT_ONCE).round().astype(np.intp)):
+                solution = self._solver.solve(self._targets, reached[i])
+                if solution.solved and self._is_new(solution.q):
+                    self.solutions.append(solution)
+        return np.stack([solution.q for solution in self.solutions])
+
+    def solution_at(self, q: Floats) -> Solution:
+        """Return the solution whose configuration (n, 3) this is."""
+        return next(solution for solution in self.solutions if np.array_equal(solution.q, q))
+
+    def _is_new(self, q: Floats) -> bool:
+        robot = self._solver.robot
+        apart = (float(distances(robot, np.stack([q, other.q]))[0]) for other in self.solutions)
+        return min(apart) > APART * robot.mean_length
+
+
+class ProvedPath(NamedTuple):
+    """Configurations from a start to a goal, each edge between neighbours proved clear.
+
+    Attributes
+    ----------
+    q : ndarray (T, n, 3)
+        The knots.
+    answers : ndarray (T - 1, 14)
+        What is proved of the edges; see `kernels.between.query`.
+    times : ndarray (T,) or None
+        When the robot is at each knot, where obstacles move.
+    """
+
+    q: Floats
+    answers: Floats
+    times: Floats | None = None
+
+
+@dataclass(frozen=True)
+class Query:
+    """What a planner is asked among obstacles that stand still.
+
+    Attributes
+    ----------
+    robot : Robot
+    scene : Snapshot
+    start : ndarray (n, 3)
+        Within all limits and clear.
+    goals : callable
+        Takes configurations (m, n, 3) that the start is known to reach, and returns all goals so far (g, n, 3): within
+        all limits and clear. There may be more of them each time.
+    seed : int
+    shortcuts : int
+        How many random shortcuts are tried on a path that was found.
+    deadline : Deadline
+    """
+
+    robot: Robot
+    scene: Snapshot
+    start: Floats
+    goals: Callable[[Floats], Floats]
+    seed: int
+    shortcuts: int
+    deadline: Deadline
+
+
+@dataclass(frozen=True)
+class TimedQuery:
+    """What a planner is asked among obstacles that move.
+
+    Attributes
+    ----------
+    robot : Robot
+    prover : Prover
+        Of the scene whose obstacles move.
+    start : ndarray (n, 3)
+        Within all limits, and clear at the time `begin`.
+    begin : float
+    end : float
+        When the robot is at a goal; where `early`, at the latest.
+    early : bool
+        Whether it may be there before, as early as it can.
+    goals : callable
+        As for `Query`; goals need not be clear at all times.
+    rates : Rates or None
+    seed : int
+    deadline : Deadline
+    """
+
+    robot: Robot
+    prover: Prover
+    start: Floats
+    begin: float
+    end: float
+    early: bool
+    goals: Callable[[Floats], Floats]
+    rates: Rates | None
+    seed: int
+    deadline: Deadline
+
+    @property
+    def scene(self) -> Snapshot:
+        """The obstacles, which move."""
+        return self.prover.scene
+
+    @property
+    def accelerations(self) -> Rates | None:
+        """How fast rates may change; `None` where nothing limits it."""
+        return None if self.rates is None else self.rates.acceleration
+
+    def speeds(self, moves: Floats) -> Floats:
+        """How many times straight moves (m, n, 3) can be made in a unit of time (m,), by the rates."""
+        return _largest(self.robot, self._spreads[0], moves)
+
+    def gains(self, moves: Floats) -> Floats:
+        """How much `speeds` may change in a unit of time (m,), by the accelerations."""
+        return _largest(self.robot, self._spreads[1], moves)
+
+    @cached_property
+    def _spreads(self) -> tuple[Spread | None, Spread | None]:
+        """Rates and accelerations of every segment and actuator."""
+        both = self.rates, self.accelerations
+        rates, accelerations = (None if each is None else each.spread(self.robot) for each in both)
+        return rates, accelerations
+
+    def least(self, moves: Floats) -> Floats:
+        """Least durations (m,) of straight moves (m, n, 3) that the rates allow: a lower bound for any path."""
+        durations: Floats = 1.0 / self.speeds(moves)
+        return durations
+
+    def soonest(self, move: Floats) -> float:
+        """Return a lower bound of the duration of any path from rest to rest whose ends differ by `move` (n, 3).
+
+        Under an acceleration a it takes at least 2 sqrt(d / a) to get as far as d.
+        """
+        return max(float(self.least(move[None])[0]), 2.0 / float(np.sqrt(self.gains(move[None])[0])))
+
+    def prove(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
+        """Return what is proved of an edge (14,); `None` where it is not proved clear."""
+        answer: Floats = self.prover.prove(np.stack([q0, q1]), 1.0, LOOSE_SECONDS, np.array([t0, t1]))[0]
+        return answer if answer[VERDICT] == CLEAR else None
+
+    def prove_in_time(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
+        """Return the same for an edge that may be too quick for the rates; `None` where it is."""
+        if t1 <= t0 or self.least((q1 - q0)[None])[0] > (t1 - t0) * (1.0 + ROUNDING):
+            return None
+        return self.prove(q0, q1, t0, t1)
+
+
+def _largest(robot: Robot, most: Spread | None, moves: Floats) -> Floats:
+    """Return the largest multiple of each move (m, n, 3) that is allowed (m,); infinite where nothing limits it."""
+    return np.full(len(moves), np.inf) if most is None else largest(robot, most, moves)

@@ -1,0 +1,180 @@
+"""RRT-Connect (Kuffner & LaValle 2000): two trees of straight edges, from the start and from the goals.
+
+The trees grow in a kernel, see `kernels.planning.trees`. This module holds their memory, and says how long they grow
+before more goals are looked for and before they are planted anew.
+"""
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
+from sinuous.kernels.between.sweep import sweep_size
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.planning.query import nodes_of, plan, plan_size, tighten
+from sinuous.motion.planning.local_planner import Ends, roots_of
+from sinuous.motion.planning.query import Deadline, ProvedPath, Query
+from sinuous.motion.planning.tree import Chain
+from sinuous.robot.robot import Robot, robot_group
+from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
+
+MOST_NODES = 20_000
+"""Nodes of one tree."""
+
+MOST_NUMBERS = 8_000_000
+"""Numbers (float64) of all nodes: robots of many segments have fewer nodes."""
+
+MOST_KNOTS = 4_000
+"""Knots of a path."""
+
+ROUNDS = (64, 256, 1024)
+"""Draws after which more goals are looked for. Then the trees are planted anew with other draws, twice as many."""
+
+NARROW = 0.1875
+"""A tree with no more nodes than this share of the draws of the first round grows from a narrow place."""
+
+
+class RRTConnect:
+    """The memory of both trees, for one plan after the other of a robot in a scene."""
+
+    def __init__(self, robot: Robot, scene: Snapshot) -> None:
+        n = len(robot)
+        nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
+        self._scene, self._robot = scene, robot
+        self._groups = robot_group(robot), scene._kernel_group
+        self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
+        self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
+
+    def grow(
+        self, roots: Floats, seed: int, draws: tuple[int, int], deadline: Deadline, shortcuts: int = 0
+    ) -> ProvedPath | None:
+        """Grow both trees by the draws from the first to before the last of `draws`.
+
+        Parameters
+        ----------
+        roots : ndarray (1 + g, n, 3)
+            The start and goals. When the first draw is 0, both trees are planted anew; otherwise the goals are more
+            roots of the second tree.
+        shortcuts : int
+            How many random shortcuts are tried on the path.
+
+        Returns
+        -------
+        ProvedPath or None
+            `None` where the trees did not meet, or an edge between them could not be proved in time.
+        """
+        asked = self._asked(seed, draws, deadline, shortcuts)
+        count, _, _ = plan(*self._groups, roots, asked, *self._work)
+        path = self._proved(self._q[:count].copy(), self._answers[: count - 1].copy(), deadline) if count else None
+        return path if path is not None and (path.answers[:, VERDICT] == CLEAR).all() else None
+
+    def shorten(self, q: Floats, seed: int, deadline: Deadline, shortcuts: int = 0) -> ProvedPath:
+        """Leave out knots (T, n, 3) where the motion past them is clear; what lies between neighbours is clear."""
+        if len(q) > MOST_KNOTS:
+            return self._proved(q, unproved(len(q) - 1), deadline)
+        self._q[: len(q)] = q
+        asked = self._asked(seed, (0, 0), deadline, shortcuts)
+        count = tighten(*self._groups, len(q), asked, *self._work)
+        return self._proved(self._q[:count].copy(), self._answers[: count - 1].copy(), deadline)
+
+    def load(self) -> None:
+        """Compile the kernels, or load them."""
+        still, over = np.zeros((1, len(self._robot), 3)), Deadline(0.0)
+        self.grow(still, 0, (0, 0), over)
+        self.shorten(still, 0, over)
+
+    @property
+    def reached(self) -> Floats:
+        """The nodes of the start's tree (m, n, 3)."""
+        return nodes_of(self._workspace, len(self._robot))
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """How many nodes the tree of the start has, and that of the goals."""
+        first, second = (len(nodes_of(self._workspace, len(self._robot), side)) for side in (0, 1))
+        return first, second
+
+    @property
+    def _work(self) -> tuple[Floats, Floats, Floats, Floats]:
+        return self._scratch, self._workspace, self._q, self._answers
+
+    def _asked(
+        self, seed: int, draws: tuple[int, int], deadline: Deadline, shortcuts: int
+    ) -> tuple[float, float, float, int, int, int, int]:
+        """Return the numbers that the kernels take; see `kernels.planning.query.Asked`."""
+        return float(self._robot.mount), self._robot.mean_length, deadline.left(), seed, *draws, shortcuts
+
+    @cached_property
+    def _prover(self) -> Prover:
+        return Prover(self._robot, self._scene)
+
+    def _proved(self, q: Floats, answers: Floats, deadline: Deadline) -> ProvedPath:
+        """Prove edges again that took too long to prove with a tight bound: that they are clear, without a bound.
+
+        Among clouds and meshes a tight bound takes long. The first edge that is not proved is the last that is tried.
+        """
+        for i in np.flatnonzero(answers[:, VERDICT] != CLEAR).tolist():
+            seconds = min(LOOSE_SECONDS, deadline.left())
+            if seconds <= 0.0:
+                break
+            answers[i] = self._prover.prove(q[i : i + 2], slack=1.0, seconds=seconds)[0]
+            if answers[i, VERDICT] != CLEAR:
+                break
+        return ProvedPath(q, answers)
+
+
+def load_trees(robot: Robot, scene: Snapshot) -> None:
+    """Compile what grows trees, or load it."""
+    RRTConnect(robot, scene).load()
+
+
+def rrt_connect(query: Query, ends: Ends, trees: RRTConnect) -> Iterator[ProvedPath | None]:
+    """Yield the path that straight trees find, or `None` after each round; see `find.find_path`.
+
+    In the first round the trees grow from the ends as they are, then from configurations near them that have room.
+    Where an end is in a narrow place, others have two turns for one of trees that are planted anew.
+    """
+    seed, deadline = query.seed, query.deadline
+    goals, first, last = query.goals(query.start[None]), 0, ROUNDS[0]
+    roots = roots_of([query.start], [[goal] for goal in goals])
+    path = trees.grow(roots, seed, (first, last), deadline, query.shortcuts)
+    ends.narrow = path is None and min(trees.sizes[0], trees.sizes[1] - len(goals) + 1) <= NARROW * last
+    yield path
+    known = len(goals) if not any(len(ends.with_room(q)) > 1 for q in roots) else 0
+    for following in ROUNDS[1:]:
+        first, last = last if known else 0, following
+        chains = ends.goals(trees.reached)
+        yield _joined(query, ends, trees, chains, known, (seed, first, last))
+        known = len(chains)
+    while True:
+        if ends.narrow:
+            yield None
+        seed, last = (seed + 1) % 2**31, 2 * last
+        yield _joined(query, ends, trees, ends.goals(trees.reached), 0, (seed, 0, last))
+
+
+def _joined(
+    query: Query, ends: Ends, trees: RRTConnect, goals: list[Chain], known: int, draws: tuple[int, int, int]
+) -> ProvedPath | None:
+    """Let trees grow from the end of the start's chain to those of the goals' chains, and lead on into the ends.
+
+    `known`: how many of the goals are in the trees already. `draws`: the seed, the first draw, and the one after the
+    last.
+    """
+    seed, first, last = draws
+    start = ends.start
+    alone = len(start) == 1 and all(len(chain) == 1 for chain in goals)
+    shortcuts = query.shortcuts if alone else 0
+    path = trees.grow(roots_of(start, goals[known:]), seed, (first, last), query.deadline, shortcuts)
+    if path is None or alone:
+        return path
+    into = next(chain for chain in goals if np.array_equal(chain[-1], path.q[-1]))
+    return shortened(query, trees, [*start[:-1], *path.q, *into[-2::-1]])
+
+
+def shortened(query: Query, trees: RRTConnect, chain: Chain) -> ProvedPath:
+    """Return the path through the configurations of a chain from the start to a goal, shortened."""
+    return trees.shorten(np.stack(chain), query.seed, query.deadline, query.shortcuts)

@@ -1,0 +1,376 @@
+"""Goes from waypoint to waypoint, and proves the way."""
+
+import math
+import time as clock
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from sinuous.arguments import Shortest
+from sinuous.checks import Floats
+from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
+from sinuous.kernels.body.proof import CLEAR
+from sinuous.motion.configurations import blocked_by
+from sinuous.motion.knots import Entry, Knot, Line
+from sinuous.motion.motion import Motion
+from sinuous.motion.planning.find import find_path, find_timed_path
+from sinuous.motion.planning.query import Deadline, Goals, ProvedPath, Query, TimedQuery
+from sinuous.motion.planning.rrt_connect import load_trees
+from sinuous.motion.report import Report
+from sinuous.motion.shortest import metric_of, shorten
+from sinuous.motion.times import Timetable, spread_times, with_start
+from sinuous.problem.target import Target, Targets
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import Status
+from sinuous.solution.worst import Worst
+from sinuous.solving.between.steps import Prover, Steps, load_motions
+from sinuous.solving.between.tip import Tip
+from sinuous.solving.solver import Initial, Solver
+
+SLACK = 0.5
+"""How far below the true clearance its proved bound may be, as a share of it: close to obstacles more takes longer."""
+
+SHORTCUTS = 10
+"""How many are tried on a way around."""
+
+SHORTEST = 1.0 / 64.0
+"""Share of the way between two waypoints below which steps are not halved."""
+
+
+class Tracker:
+    """A motion while it is found, waypoint after waypoint.
+
+    Parameters
+    ----------
+    solver : Solver
+    start : Solution or array_like (n, 3), optional
+        The configuration that the robot is in.
+    deviation : float
+        How far the tip may be from the straight line between waypoints (length unit).
+    timetable : Timetable, optional
+        Where obstacles move: its live scene is that of the solver.
+
+    Attributes
+    ----------
+    blocked : Worst or None
+        What keeps the robot from beginning at the start.
+
+    Raises
+    ------
+    InputError
+        When the start is no configuration of the robot.
+    """
+
+    def __init__(
+        self,
+        solver: Solver,
+        start: Initial | None = None,
+        deviation: float = math.inf,
+        timetable: Timetable | None = None,
+    ) -> None:
+        scene = solver.scene.snapshot() if timetable is None else timetable.scene
+        self._timetable = timetable
+        load_motions(solver.robot, scene)
+        self._solver, self._began = solver, clock.perf_counter()
+        self._prover = Prover(solver.robot, scene)
+        self._outdated = 0  # number of knots, from the first on, whose steps were proved before the last update
+        self._knots: list[Knot] = []
+        self._tried: list[tuple[Solution, int | None]] = []
+        self._at: tuple[Target, ...] | None = None
+        self._deviation = deviation
+        self._reconfigured: list[int] = []
+        self._follows: Solver | None = None
+        self._ends, self._known = np.empty((2, len(solver.robot), 3)), np.empty((2, 2))
+        self._tip = Tip(solver.robot)
+        self._approaches = start is not None
+        self.blocked: Worst | None = None
+        if start is not None:
+            self._begin_at(solver.configuration("start", start))
+        self._done = [self._now()]
+
+    def _begin_at(self, q: Floats) -> None:
+        begin = 0.0 if self._timetable is None else self._timetable.begin
+        self._knots.append(Knot(q, None, fixed=True, time=begin))
+        self.blocked = blocked_by(self._solver.robot, q, self._prover, begin)
+
+    @property
+    def tried(self) -> int:
+        """How many waypoints were tried."""
+        return len(self._tried)
+
+    def follow(
+        self,
+        waypoints: Iterable[Targets],
+        entries: Iterable[Entry] = (),
+        progress: Callable[[Solution], object] | None = None,
+    ) -> None:
+        """Go to all waypoints, one after the other, unless the start is blocked.
+
+        Parameters
+        ----------
+        waypoints : iterable of Target or list of Target
+        entries : iterable of Entry
+            What the first waypoints added, where a tracker that was interrupted has found them before.
+        progress : callable, optional
+            Called with the solution of each waypoint.
+        """
+        if self.blocked is not None:
+            return
+        known = iter(entries)
+        for targets in waypoints:
+            entry = next(known, None)
+            solution = self.go_to(targets) if entry is None else self.go_on(targets, entry)
+            if progress is not None:
+                progress(solution)
+
+    def go_to(self, targets: Targets) -> Solution:
+        """Solve the next waypoint from where the robot is, and move there on a way that is proved, where one is found.
+
+        The tip goes straight there, with as many knots as that takes. Where it cannot, because the body is stopped by
+        an obstacle or a limit, the robot changes its configuration on another way; where no way is found either, the
+        step is left unproved.
+        """
+        self._look_ahead()
+        solution = self._solver.solve(targets, self._knots[-1].begin if self._knots else None)
+        if solution.solved:
+            solution = self._move_to(solution)
+        self._keep(solution)
+        return solution
+
+    def _look_ahead(self) -> None:
+        """Let obstacles that move be where they are when the next waypoint is."""
+        if self._timetable is not None:
+            self._timetable.look_at(self._timetable.of(len(self._tried)))
+
+    def _keep(self, solution: Solution) -> None:
+        """Count a waypoint that was tried."""
+        self._tried.append((solution, len(self._knots) - 1 if solution.solved else None))
+        self._done.append(self._now())
+
+    def _now(self) -> tuple[int, bool, float]:
+        """How many knots there are, whether the way from the start is a step of its own, and seconds so far."""
+        return len(self._knots), self._approaches, clock.perf_counter() - self._began
+
+    def entry(self, waypoint: int) -> Entry:
+        """Return what a waypoint (0 = first) added; see `follow`."""
+        solution, (count, approaches, seconds) = self._tried[waypoint][0], self._done[waypoint + 1]
+        knots, reconfigured = self._knots[self._done[waypoint][0] : count], waypoint + 1 in self._reconfigured
+        return Entry(solution._outcome, solution.seconds, knots, reconfigured, approaches, seconds)
+
+    def go_on(self, targets: Targets, entry: Entry) -> Solution:
+        """Take the next waypoint as it was found before, by a tracker that was interrupted."""
+        self._look_ahead()
+        initial = self._knots[-1].q if self._knots else None
+        solution = self._solver.loaded(targets, entry.outcome, entry.solve_seconds, initial)
+        self._knots += entry.knots
+        if entry.knots and solution.solved:  # the last one is the waypoint
+            self._knots[-1] = self._knots[-1]._replace(solution=solution)
+        self._approaches = entry.approaches
+        if entry.reconfigured:
+            self._reconfigured.append(len(self._tried) + 1)
+        if solution.solved:
+            self._at = solution.problem.targets
+        self._began = clock.perf_counter() - entry.seconds
+        self._keep(solution)
+        return solution
+
+    def _move_to(self, solution: Solution) -> Solution:
+        """Move to a waypoint; return its solution, which another may replace that is nearer."""
+        when = self._when()
+        self._look_at(solution)
+        if not self._knots:
+            self._knots.append(Knot(solution.q, None, solution.problem.targets, solution, time=when))
+        elif self._timetable is None and self._stays(solution):
+            self._approaches = False  # the robot is at its first waypoint already
+        else:
+            solution = self._go_straight(solution) or self._go_around(solution)
+        self._at = solution.problem.targets
+        return solution
+
+    def _look_at(self, solution: Solution) -> None:
+        """Prove from now on in the scene that a solution was found in: the robot moves after an update."""
+        if self._timetable is None and self._prover.scene is not solution.problem.scene:
+            self._prover = Prover(self._solver.robot, solution.problem.scene)
+            self._outdated = len(self._knots)
+
+    def _prove_anew(self) -> None:
+        """Prove in the scene of now what was proved before it was updated: a motion is proved in one scene."""
+        count, self._outdated = self._outdated, 0
+        if count > 1:
+            answers = self._prover.prove(np.array([knot.q for knot in self._knots[:count]]), SLACK)
+            for i, proof in enumerate(np.split(answers, count - 1), start=1):
+                self._knots[i] = self._knots[i]._replace(proof=proof)
+
+    def _clear(self, knot: Knot) -> tuple[float, float]:
+        """Proved clearance and self-clearance of a knot in the scene of now; 0 where they are not known."""
+        current = (
+            self._timetable is not None or knot.solution is None or self._prover.scene is knot.solution.problem.scene
+        )
+        return knot.clear if current else (0.0, 0.0)
+
+    def _stays(self, solution: Solution) -> bool:
+        """Whether a robot that is at its start is at the first waypoint already."""
+        return len(self._knots) == 1 and self._approaches and np.array_equal(self._knots[0].q, solution.q)
+
+    def _go_straight(self, solution: Solution) -> Solution | None:
+        """Lead the tip straight to a waypoint, in smaller steps where one is not proved or leaves the line.
+
+        Where obstacles move, it goes on evenly in time.
+        """
+        goal, begin, end = solution.problem.targets, self._knots[-1].time, self._knots[-1].time
+        if self._timetable is not None:
+            end = self._timetable.of(len(self._tried))
+        line = Line.between(self._at, goal)
+        done, step = 0.0, 1.0
+        while done < 1.0:
+            share = min(1.0, done + step)
+            before, when = self._knots[-1], (1.0 - share) * begin + share * end
+            found: Solution | None = solution
+            if line is not None and (share < 1.0 or done > 0.0):
+                if self._timetable is not None:
+                    self._timetable.look_at(when)
+                found = self._follower().solve(line.at(share) if share < 1.0 else goal, before.begin)
+            knot = None
+            if found is not None and found.solved:
+                self._look_at(found)
+                knot = Knot(found.q, None, found.problem.targets, found, line, (done, share), time=when)
+            proof = None if knot is None else self._prove(before, knot)
+            if found is not None and knot is not None and proof is not None:
+                self._knots.append(knot._replace(proof=proof))
+                done, step, solution = share, min(2.0 * step, 1.0), found
+            elif line is None or step <= SHORTEST:
+                return None
+            else:
+                step *= 0.5
+        return solution
+
+    def _prove(self, before: Knot, knot: Knot) -> Floats | None:
+        """Return what is proved of a step that stays near enough to the line and is clear; `None` of any other."""
+        ends, times = self._two(before.q, knot.q), None
+        if knot.line is not None:
+            knot.line.draw(knot.shares, self._tip.line)
+            if self._tip.deviation(ends, self._deviation) > self._deviation:
+                return None
+        self._known[0], self._known[1] = self._clear(before), self._clear(knot)
+        if self._timetable is not None:
+            times = np.array([before.time, knot.time])
+        proof = self._prover.prove(ends, SLACK, times=times, known=self._known)
+        return proof if proof[0, VERDICT] == CLEAR else None
+
+    def _go_around(self, solution: Solution) -> Solution:
+        """Change the configuration to one of a waypoint on any path; the step is not proved where none is found.
+
+        Where obstacles move, the robot is at the waypoint when the waypoint is.
+        """
+        self._reconfigured.append(len(self._tried) + 1)
+        last, when, times = self._knots[-1], self._when(), None
+        if self._timetable is not None:
+            self._timetable.look_at(when)
+            times = np.array([last.time, when])
+        goals = Goals(self._solver, solution)
+        path = self._find_path(last, when, goals)
+        if path is None:
+            proof = self._prover.prove(self._two(last.q, solution.q), SLACK, times=times)
+            self._knots.append(Knot(solution.q, proof, solution.problem.targets, solution, time=when))
+            return solution
+        steps = np.split(path.answers, len(path.answers))
+        at = np.zeros(len(path.q)) if path.times is None else path.times
+        between = zip(path.q[1:-1], steps[:-1], at[1:-1].tolist(), strict=True)
+        self._knots += [Knot(q, proof, time=t) for q, proof, t in between]
+        reached = goals.solution_at(path.q[-1])
+        self._knots.append(Knot(reached.q, steps[-1], reached.problem.targets, reached, time=when))
+        return reached
+
+    def _find_path(self, last: Knot, when: float, goals: Goals) -> ProvedPath | None:
+        """Plan a path from where the robot is to a waypoint, in the time that a solve may take."""
+        robot, options, scene = self._solver.robot, self._solver.options, self._prover.scene
+        if self._timetable is None:
+            began = clock.perf_counter()
+            load_trees(robot, scene)
+            self._began += clock.perf_counter() - began  # compiling is no planning
+            return find_path(Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time)))
+        return find_timed_path(
+            TimedQuery(
+                robot=robot,
+                prover=self._prover,
+                start=last.q,
+                begin=last.time,
+                end=when,
+                early=False,
+                goals=goals,
+                rates=None,
+                seed=options.seed,
+                deadline=Deadline(options.time),
+            )
+        )
+
+    def _when(self) -> float:
+        """When the robot is at the next waypoint, where obstacles move; otherwise 0."""
+        return 0.0 if self._timetable is None else self._timetable.of(len(self._tried))
+
+    def _two(self, q0: Floats, q1: Floats) -> Floats:
+        """Put two configurations into one array (2, n, 3), always the same."""
+        self._ends[0], self._ends[1] = q0, q1
+        return self._ends
+
+    def _follower(self) -> Solver:
+        """The solver for what lies between waypoints: it goes on from where the robot is, or not at all."""
+        if self._follows is None:
+            options = replace(self._solver.options, max_starts=1, routes=False)
+            self._follows = Solver.prepared(self._solver.robot, self._solver.scene, options)
+        return self._follows
+
+    def shorten(self, shortest: Shortest) -> None:
+        """Make the motion so far shorter in configurations or actuators, all knots together."""
+        if len(self._knots) < 3 or self.blocked is not None:
+            return
+        self._prove_anew()
+        robot = self._solver.robot
+        durations = np.diff(self.motion().times)
+        self._knots = shorten(robot, self._knots, metric_of(robot, shortest), durations, self._meet, self._prove)
+        self._tried = [
+            (solution if at is None else self._knots[at].solution or solution, at) for solution, at in self._tried
+        ]
+
+    def _meet(self, knot: Knot, q: Floats) -> Knot | None:
+        """Meet the targets of a knot from a configuration beside it."""
+        if self._timetable is not None:
+            self._timetable.look_at(knot.time)
+        found = self._follower().solve(knot.targets, q)
+        return knot._replace(q=found.q, proof=None, solution=found) if found.solved else None
+
+    def motion(self, remaining: int = 0, times: Floats | None = None) -> Motion:
+        """Return the motion so far; `remaining` waypoints were not tried, `times` (m,) are those of all waypoints."""
+        self._prove_anew()
+        robot = self._solver.robot
+        q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
+        answers = [knot.proof for knot in self._knots if knot.proof is not None]
+        steps = Steps(np.concatenate(answers) if answers else np.zeros((0, ANSWER_WIDTH)))
+        found = Report(
+            solutions=tuple(solution for solution, _ in self._tried),
+            waypoint_knots=tuple(knot for _, knot in self._tried),
+            reconfigured=tuple(self._reconfigured),
+            remaining=remaining,
+            seconds=clock.perf_counter() - self._began,
+            method=self._solver.method,
+            seed=self._solver.options.seed,
+            ended=None if self.blocked is None else Status.START_BLOCKED,
+            blocking=self.blocked,
+        )
+        when = self._times(q, times) if self._timetable is None else np.array([knot.time for knot in self._knots])
+        return Motion.made(robot, self._prover.scene, q, when, steps, found)
+
+    def _times(self, q: Floats, of_waypoints: Floats | None = None) -> Floats:
+        """Times of the knots: the first one is at 0, and every waypoint takes 1, unless they have times."""
+        knots = [knot for _, knot in self._tried]
+        fixed = [(i + self._approaches, knot) for i, knot in enumerate(knots) if knot is not None]
+        if self._approaches:
+            fixed.insert(0, (0, 0))
+        if not fixed:
+            return np.empty(0)
+        numbers, given = np.array(fixed).T
+        when = numbers.astype(np.float64)
+        if of_waypoints is not None:
+            when = (with_start(of_waypoints) if self._approaches else of_waypoints)[numbers]
+        return spread_times(self._solver.robot, q, given, when)

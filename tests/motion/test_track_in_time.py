@@ -1,0 +1,84 @@
+"""Paths past obstacles that move: every waypoint at its time, every step proved in time."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from tests.motion.timed_judge import least_clearance
+
+ROBOT = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, max_bend=2.5)
+START = np.tile([0.6, 0.0, 1.0], (3, 1))
+PASSING = sn.Moving(sn.Sphere((0, 0, 0), 0.4), [0, 2, 4], [(-2, 0, 2.2), (0.2, 0.3, 2.2), (2, 0, 2.2)])
+BLOCKING = sn.Moving(sn.Sphere((0, 0, 0), 0.5), [0, 2], [(0, 2, 1.8), (0, 0.5, 1.8)])
+TIMES = np.linspace(0.5, 4.0, 6)
+PATH = [sn.Target((1.5 - 3.0 * share, 0.5, 1.8)) for share in np.linspace(0.0, 1.0, 6)]
+
+
+@pytest.mark.parametrize("started", [False, True])
+def test_a_path_is_followed_in_time(started: bool) -> None:
+    motion = sn.track(ROBOT, PATH, [PASSING], times=TIMES, start=START if started else None)
+    assert motion.solved
+    np.testing.assert_allclose(motion.times[np.array(motion.waypoint_knots)], TIMES)
+    for solution, when in zip(motion.solutions, TIMES.tolist(), strict=True):
+        assert solution.problem.scene.equals(motion.scene.at(when))
+        assert solution.verify().ok
+    assert motion.clearance is not None
+    assert 0.0 < motion.clearance <= least_clearance(motion) + 1e-9
+    assert sn.Motion(ROBOT, motion.q, [PASSING], motion.times).between == "proved"
+
+
+def test_the_same_path_at_other_times_is_another_motion() -> None:
+    """The obstacle is in the way at some times only: the path of the tip is as free as if there were none at others."""
+    late = sn.track(ROBOT, PATH, [PASSING], times=TIMES + 100.0)
+    gone = sn.Sphere((2, 0, 2.2), 0.4)
+    still = sn.track(ROBOT, PATH, [gone], times=TIMES + 100.0)
+    one, other = (motion.q[np.array(motion.waypoint_knots)] for motion in (late, still))
+    np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+def test_where_an_obstacle_blocks_the_path_it_is_said() -> None:
+    motion = sn.track(ROBOT, PATH, [BLOCKING], times=TIMES)
+    assert not motion.solved
+    assert motion.status is sn.Status.TARGET_BLOCKED
+    assert motion.worst is not None
+    assert motion.worst.obstacle == "sphere[0]"
+    hit = sn.Moving(sn.Sphere((0, 0, 0), 0.5), [0], [tuple(ROBOT.tip(START)[:3, 3])])
+    assert sn.track(ROBOT, PATH, [hit], start=START).status is sn.Status.START_BLOCKED
+
+
+def test_a_body_that_stands_still_is_proved_in_time() -> None:
+    """The same waypoint three times, and a ball that comes meanwhile: the robot has to get out of its way."""
+    ball = sn.Moving(sn.Sphere((0, 0, 0), 0.2), [0, 1, 2], [(9, 0, 1), (1.0, 0, 1.2), (9, 0, 1)])
+    target = sn.Target((1.4, 0.0, 2.0))
+    motion = sn.track(ROBOT, [target] * 3, [ball], times=[0, 1, 2])
+    assert motion.solved
+    assert least_clearance(motion) > 0.0
+
+
+def test_shorter_motions_are_proved_in_time_too() -> None:
+    away = sn.Moving(sn.Sphere((0, 0, 0), 0.4), [0, 4], [(-2, 1.5, 1.2), (2, 1.5, 1.2)])
+    first = sn.track(ROBOT, PATH, [away], times=TIMES)
+    motion = sn.track(ROBOT, PATH, [away], times=TIMES, shortest="configuration")
+    assert motion.solved
+    assert least_clearance(motion) > 0.0
+    assert np.abs(np.diff(motion.q, axis=0)).sum() <= np.abs(np.diff(first.q, axis=0)).sum() * 1.01
+
+
+def test_results_are_read_again(tmp_path: Path) -> None:
+    job = sn.Job(ROBOT, path=PATH, times=TIMES, scene=[PASSING])
+    job.save(tmp_path / "job.yaml")
+    again = sn.load(tmp_path / "job.yaml", sn.Job)
+    assert again.equals(job)
+    motion = again.track()
+    (tmp_path / "result.json").write_text(json.dumps(motion.to_dict()))
+    read = again.result(tmp_path / "result.json")
+    assert isinstance(read, sn.Motion)
+    assert read.status is motion.status
+    assert read.scene.moves
+    assert read.clearance == motion.clearance
+    assert all(check.ok for check in read.verify())
+    motion.to_npz(tmp_path / "motion.npz")
+    assert sn.Motion.from_npz(tmp_path / "motion.npz", ROBOT, [PASSING]).between == "proved"

@@ -1,0 +1,137 @@
+"""Grids: distances and occupancy, NPZ files, and bad input."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sinuous.errors import InputError
+from sinuous.scene.grids import Grid
+from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
+
+ORIGIN = (-1.0, -2.0, -3.0)
+SPACING = 0.5
+
+
+def distances(kind: Any = np.float64, shape: tuple[int, ...] = (6, 7, 8)) -> Any:
+    """Distances to a ball at the origin, on the grid of this file."""
+    points = np.array(ORIGIN) + SPACING * np.moveaxis(np.indices(shape), 0, -1)
+    return (np.linalg.norm(points, axis=-1) - 0.7).astype(kind)
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.float16])
+def test_distances(kind: Any) -> None:
+    grid = Grid(distances(kind), ORIGIN, SPACING, name="field")
+    assert not grid.occupancy
+    assert grid.values.dtype == np.float64
+    assert not grid.values.flags.writeable
+    np.testing.assert_allclose(grid.values, distances(), rtol=1e-3)
+    np.testing.assert_array_equal(grid.origin, ORIGIN)
+    assert (grid.spacing, grid.name) == (SPACING, "field")
+
+
+@pytest.mark.parametrize("kind", [np.bool_, np.uint8, np.int64])
+def test_occupancy(kind: Any) -> None:
+    occupied = distances() < 0.0
+    grid = Grid(occupied.astype(kind), ORIGIN, SPACING)
+    assert grid.occupancy
+    assert grid.values.dtype == np.bool_
+    np.testing.assert_array_equal(grid.values, occupied)
+    assert Grid(np.ones((1, 1, 1), bool), ORIGIN, 1).occupancy
+
+
+def test_a_cut_off_distance_is_one() -> None:
+    assert Grid(np.clip(distances(), -0.2, 0.3), ORIGIN, SPACING).values.max() == 0.3
+
+
+@pytest.mark.parametrize("step", [(1, 0, 0), (0, 0, -1), (1, 1, 0), (1, -1, 1), (-1, 1, 1), (0, 1, -1)])
+def test_what_changes_too_fast_is_refused(step: tuple[int, int, int]) -> None:
+    """One value is wrong by more than a distance can be to one of its 26 neighbours, if not to the others."""
+    far = float(np.linalg.norm(step))
+    place = np.array([3, 3, 3])
+    values = np.zeros((6, 7, 8))
+    for other in np.ndindex(values.shape):
+        values[other] = SPACING * np.linalg.norm(place - other)
+    fine = Grid(values, ORIGIN, SPACING)
+    assert fine.values.min() == 0.0
+    values[tuple(place + step)] += 1e-3 * far
+    error = refused("values", lambda: Grid(values, ORIGIN, SPACING), "times as fast as a distance can")
+    pair = [list(place), list(place + step)]
+    assert any(str([int(i) for i in end]) in error.problem for end in pair)
+    assert abs(error.value[0] - error.value[1]) > SPACING
+
+
+def test_a_wrong_unit_is_refused_with_the_number() -> None:
+    refused("values", lambda: Grid(1000.0 * distances(), ORIGIN, SPACING), "changes 1000 times as fast", "[")
+    refused("values", lambda: Grid(distances(), ORIGIN, 0.5 * SPACING), "changes 2 times as fast")
+
+
+def test_wrong_values_are_refused() -> None:
+    good = distances()
+    refused("values", lambda: Grid(good[0], ORIGIN, 1), "(shape (7, 8))")
+    refused("values", lambda: Grid(good[None], ORIGIN, 1), "(shape (1, 6, 7, 8))")
+    refused("values", lambda: Grid(good[:1], ORIGIN, 1), "at least two points along every axis")
+    refused("values", lambda: Grid(np.zeros((0, 3, 3)), ORIGIN, 1), "(shape (0, 3, 3))")
+    refused("values", lambda: Grid(3 * np.ones((3, 3, 3), int), ORIGIN, 1), "only 0 and 1", "got 3")
+    refused("values", lambda: Grid(-np.ones((3, 3, 3), int), ORIGIN, 1), "got -1")
+    refused("values", lambda: Grid("values", ORIGIN, 1))  # type: ignore[arg-type]
+    refused("values", lambda: Grid([[[0, 1], [2]]], ORIGIN, 1))
+    refused("values", lambda: Grid(good.astype(complex), ORIGIN, 1), "complex128")
+    for bad in (np.nan, np.inf):
+        wrong = good.copy()
+        wrong[1, 2, 3] = bad
+        refused("values[1, 2, 3]", partial(Grid, wrong, ORIGIN, SPACING), "a distance")
+    refused_each("origin", NOT_VECTORS, lambda value: Grid(good, value, SPACING))
+    refused_each("spacing", [*NOT_NUMBERS, 0.0, -1.0], lambda value: Grid(good, ORIGIN, value))
+
+
+def test_files(tmp_path: Path) -> None:
+    file = tmp_path / "grid.npz"
+    for values in (distances(np.float32), distances() < 0.0):
+        for save in (np.savez, np.savez_compressed):
+            save(file, values=values, origin=ORIGIN, spacing=SPACING)
+            grid = Grid.load(file, name="mask")
+            np.testing.assert_array_equal(grid.values, values)
+            np.testing.assert_array_equal(grid.origin, ORIGIN)
+            assert (grid.spacing, grid.name) == (SPACING, "mask")
+    np.savez(file, values=distances(), origin=ORIGIN, spacing=np.array([SPACING]))
+    assert Grid.load(file).spacing == SPACING
+
+
+def test_wrong_files_are_refused(tmp_path: Path) -> None:
+    good: dict[str, Any] = {"values": distances(), "origin": ORIGIN, "spacing": SPACING}
+    file = tmp_path / "grid.npz"
+    for change, message in (
+        (
+            {"values": None},
+            r"grid\.npz: values: expected .* values, .*, got \['origin', 'spacing'\] \(missing\)",
+        ),
+        ({"spacing": None}, r"grid\.npz: spacing: expected .* \(missing\)"),
+        ({"spacing": [0.5, 0.5, 0.6]}, r"grid\.npz: spacing: expected the same spacing along all axes"),
+        ({"spacing": True}, r"grid\.npz: spacing: expected a number greater than 0, got True"),
+        ({"values": distances()[0]}, r"grid\.npz: values: expected .* \(shape \(7, 8\)\)"),
+        ({"values": 9.0 * distances()}, r"grid\.npz: values: expected .* \(changes 9 times as fast"),
+        ({"origin": [0, 0]}, r"grid\.npz: origin: expected 3 finite numbers"),
+    ):
+        np.savez(file, **{key: value for key, value in (good | change).items() if value is not None})
+        with pytest.raises(InputError, match=message):
+            Grid.load(file)
+    refused("file", lambda: Grid.load(tmp_path / "none.npz"), "No such file")
+    refused("file", lambda: Grid.load(tmp_path / "grid.npy"), "ends in .npz")
+    for content in (b"", b"no archive", b"PK\x03\x04 no archive either"):
+        file.write_bytes(content)
+        refused("file", lambda: Grid.load(file), "NPZ")
+
+
+def test_arrays_of_objects_are_never_unpickled(tmp_path: Path) -> None:
+    file = tmp_path / "evil.npz"
+    np.savez(file, values=np.array([Unpickled()], object), origin=ORIGIN, spacing=1.0)
+    with pytest.raises(InputError, match=r"evil\.npz: values: expected .*, got .*Object arrays.* \(cannot be read\)"):
+        Grid.load(file)
+
+
+class Unpickled:
+    def __reduce__(self) -> Any:
+        return pytest.fail, ("unpickled",)

@@ -20,7 +20,7 @@ ATTEMPTS = {
     "cells": "routes over the cells of a grid, coarse and then fine ones",
     "laid": "chains laid along routes",
     "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
-    "gates": "chains through the narrowest place of a route, part by part",
+    "gates": "chains through the narrowest place of a route, of which each half is solved by itself",
     "passages": "for `solve_all`: routes through passages that no solution leads through yet",
 }
 """All attempts, by the names with which they are switched off, and what each makes."""

@@ -31,8 +31,7 @@ from sinuous.solving.attempts import EDGES, SCATTERED, SIDE_TUBES, Attempts
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
-from sinuous.solving.routing.chains import FIRST_WIDTH, LAST_WIDTH
-from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME
+from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
 from sinuous.solving.routing.searches import CELLS, Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 
@@ -88,20 +87,14 @@ double as long as there is time."""
 GROWN_SEVERAL = 16
 """Width of beams where several solutions are wanted: chains along one route are much alike."""
 
-GATES_COSTS = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
-"""By beam, the cost of chains through the gates at the first place of a passage, part after part (doors, cells)."""
+GATES_COSTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
+"""By scattered starts of each part, the cost of chains through the narrowest place of a route (doors, cells, halls)."""
 
-GATES_LATER = (1.0, 1.5, 3.0)
-"""By place, how many times as dear chains through the gates of a passage are: they succeed less often."""
-
-GATES_BLIND = 3.0
-"""How many times as dear chains through gates of routes over coarse cells are: many of these cut through walls."""
-
-GATES_GLANCE_BLIND = 4
-"""Price of the first glance at the gates of such a route."""
+GATES_BLIND = 1.5
+"""How many times as dear these are along routes over coarse cells: many lead through walls."""
 
 GROWN_ROUTES = 2
-"""Routes of one search along which chains are grown; chains are led through the gates of the first one alone."""
+"""Routes of one search along which chains are grown; chains of halves along the first one alone."""
 
 AT_ONCE = 0
 """Price of what comes first."""
@@ -322,7 +315,7 @@ class RouteAttempts:
                 self._add_grown(candidate)
                 if place == 0 and not self._question.several:
                     self._add_gates(candidate)
-        price = GATES_COSTS[GLANCE] if stowed else AT_ONCE
+        price = min(GATES_COSTS.values()) if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
     def _add_along(
@@ -343,13 +336,9 @@ class RouteAttempts:
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""
-        for beam, cost in GATES_COSTS.items():
-            for place, later in enumerate(GATES_LATER[: 1 if beam == GLANCE else None]):
-                times = later * (1.0 if candidate.finest else GATES_BLIND)
-                if beam == GLANCE and not candidate.finest:
-                    times = GATES_GLANCE_BLIND / cost
-                make = partial(self._candidates.through, candidate, beam, place)
-                self._add_along("gates", candidate, cost, make, times)
+        times = 1.0 if candidate.finest else GATES_BLIND
+        for starts, cost in GATES_COSTS.items():
+            self._add_along("gates", candidate, cost, partial(self._candidates.halves, candidate, starts), times)
 
 
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:

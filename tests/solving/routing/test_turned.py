@@ -18,7 +18,7 @@ from sinuous.poses import pose
 from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
 from sinuous.solving.polylines import respaced
-from sinuous.solving.routing.growth import Beam, grown, settled
+from sinuous.solving.routing.growth import Grown, settled
 from sinuous.solving.routing.turned import Groups, turned, turned_back
 from tests.helpers import kernel_groups
 
@@ -45,7 +45,10 @@ def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray 
     route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
     there = turned(here, route)
     assert there is not None
-    chains = grown(there, respaced(route[::-1], 100)[None], Beam(4, 32), 60.0)
+    beam = Grown(
+        there, respaced(route[::-1], 100)[None], there[0][None, -2 * POSE_WIDTH : -POSE_WIDTH].copy(), 32, 60.0
+    )
+    chains = [beam.whole(i)[0] for i in range(4)]
     ends = settled(there, chains, lambda: 60.0)
     shapes = [turned_back(here, there, chain) for chain in ends]
     assert max(robot.excess(q) for q in shapes) <= 1e-12
@@ -116,14 +119,6 @@ def test_an_elbow_is_passed_along_the_same_tangent_the_other_way(asked: dict[str
     assert row[ORIENTATION] == DIRECTION
     assert row[TARGET_SEGMENT] == 1.0
     np.testing.assert_allclose(row[GOAL : GOAL + 3], -tangent, atol=1e-12)
-
-
-def test_no_chains_are_grown_along_more_legs_than_there_are_ends_of_segments_for() -> None:
-    both = [Target((0.5, 0.0, 2.5)), Target((0.0, 0.0, 1.0), segment=3)]
-    legs = np.stack([respaced(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.5], [0.5, 0.0, 2.5]]), 100)] * 2)
-    here = groups(Robot([Segment(1.0, 2.0)] * 3), both)
-    assert len(grown(here, legs, Beam(4, 32), 60.0)) == 0
-    assert len(grown(here, legs[:1], Beam(4, 32), 60.0)) > 0
 
 
 @pytest.mark.parametrize("count", [2, 3, 100])

@@ -19,7 +19,7 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.candidates import Candidates
-from sinuous.solving.routing.chains import FIRST_WIDTH
+from sinuous.solving.routing.growth import FIRST_WIDTH
 from sinuous.solving.routing.searches import Plan, Searches
 from sinuous.solving.starts import Batch, Question
 

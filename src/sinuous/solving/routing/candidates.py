@@ -4,7 +4,6 @@ What of this is tried, and in which order, is `solving.strategy`'s.
 """
 
 from collections.abc import Collection, Iterator
-from functools import partial
 from itertools import compress
 from typing import NamedTuple
 
@@ -15,14 +14,22 @@ from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SO
 from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.chains import Chains
-from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, leg_queries
-from sinuous.solving.routing.narrow.narrows import Narrows
+from sinuous.solving.routing.growth import (
+    LEG_POINTS,
+    divided,
+    gone_on,
+    leg_queries,
+)
+from sinuous.solving.routing.halves import Halves
 from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.starts import Batch, Question
 
 CUT = 0.9
 """Distance from the obstacles, in radii of the body, below which a route over coarse cells may lead through a wall."""
+
+ENDS = 0.04
+"""Share of a route at either end of which that is not asked."""
 
 STOWED = 1.1
 """Least length of a chain, in lengths of its route, from which on some of it has to be stowed beside the route."""
@@ -92,8 +99,7 @@ class Candidates:
         self.enclosed = False
         self._without, self._problem, self._left = without, question.problem, question.seconds_left
         self._groups = searches.groups(question.problem)
-        looks = partial(searches.room, question.problem), partial(searches.beside, question.problem)
-        self._narrows = Narrows(self._groups, *looks, question.seconds_left)
+        self._halves: dict[int, Halves] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
         self._between = between
@@ -205,16 +211,18 @@ class Candidates:
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
-    def through(self, candidate: Candidate, beam: Beam, place: int) -> Iterator[Batch]:
-        """Yield chains through the narrowest place of a route, of which each part is solved by itself."""
+    def halves(self, candidate: Candidate, starts: int) -> Iterator[Batch]:
+        """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
         legs = self._legs_of(candidate)
-        if legs is None or not self.clear(candidate):
+        if legs is None or self._left() <= 0.0 or not self.clear(candidate):
             return
-        crossing = self._narrows.crossing(candidate.rank, legs)
-        if place >= len(crossing):
+        if candidate.rank not in self._halves:
+            room = np.stack([self.searches.beside(self._problem, leg) for leg in legs])
+            self._halves[candidate.rank] = Halves(self._groups, legs, room)
+        if not self._halves[candidate.rank].any:
             return
         yield self._nothing()
-        for chain in crossing.chains(place, beam, self._left):
+        for chain in self._halves[candidate.rank].chains(starts, self._left):
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
@@ -222,8 +230,9 @@ class Candidates:
         """Whether a route is known not to lead through walls."""
         if candidate.finest:
             return True
-        legs = self._legs_of(candidate)
-        return legs is not None and self._narrows.room(candidate.rank, legs) > CUT
+        room = self.searches.room(self._problem, candidate.route)
+        skipped = max(1, round(ENDS * len(room)))
+        return bool(room[skipped:-skipped].min() > CUT * self.query[QUERY_RADIUS])
 
     def _nothing(self) -> Batch:
         """A batch without any start."""

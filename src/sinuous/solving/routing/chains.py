@@ -35,7 +35,7 @@ from sinuous.kernels.tables import (
     UNIT,
 )
 from sinuous.poses import pose
-from sinuous.solving.routing.growth import Grown, settled
+from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, settled
 from sinuous.solving.routing.parts import before
 from sinuous.solving.routing.turned import FLIP, Groups, turned, turned_back
 
@@ -56,9 +56,6 @@ TURN = 0.5
 
 DEAR = 2.0
 """What a gap of a segment counts beside the scores of both parts."""
-
-FIRST_WIDTH, LAST_WIDTH = 4, 1024
-"""Chains of every number of segments that are kept, at first and at most: powers of two."""
 
 TANGENT = slice(2, POSE_POSITION, 3)
 """The tangent (3,) in a pose (12,)."""

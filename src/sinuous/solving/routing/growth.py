@@ -1,7 +1,6 @@
 """Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple
 
 import numpy as np
 
@@ -33,16 +32,9 @@ from sinuous.kernels.tables import (
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.turned import Groups
 
-
-class Beam(NamedTuple):
-    """How chains are grown: how many, and how many are kept of every number of segments, a power of two."""
-
-    chains: int
-    width: int
-
-
-GLANCE, ONE, SOME, FEW, MANY = Beam(1, 2), Beam(1, 4), Beam(1, 8), Beam(2, 16), Beam(8, 64)
-"""What is tried first, and where that does not lead to a solution."""
+FIRST_WIDTH, LAST_WIDTH = 4, 1024
+"""Chains of every number of segments that are kept, at first and at most: powers of two. The widest beam takes 4 MB for
+a robot of 20 segments."""
 
 LEG_POINTS = 160
 """Points of each leg of a route."""
@@ -128,20 +120,6 @@ def gone_on(query: Floats, leg: Floats) -> None:
     if not query[axis].any():
         ahead = leg[-1] - leg[-1 - ARRIVAL]
         query[axis] = ahead / np.linalg.norm(ahead)
-
-
-def grown(groups: Groups, legs: Floats, beam: Beam, seconds: float) -> Floats:
-    """Return chains (m, n, 3) that are grown along the legs of a route (l, K, 3), the best first.
-
-    None where two targets are of one segment, so that there are more legs than ends of segments for them.
-    """
-    n = int(groups[0][0])
-    if len(legs) > len(_in_order(groups)):
-        return np.empty((0, n, 3))
-    base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
-    found = Grown(groups, legs, base[None].copy(), beam.width, seconds)
-    chains = [found.whole(i)[0] for i in range(min(found.wholes, beam.chains))]
-    return np.array(chains).reshape(len(chains), n, 3)
 
 
 class Grown:

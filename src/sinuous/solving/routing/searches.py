@@ -16,7 +16,7 @@ from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
-from sinuous.kernels.tables import QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
+from sinuous.kernels.tables import POSE_WIDTH, QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
 from sinuous.kernels.tubes.axis import MOUTH
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
@@ -26,9 +26,9 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.routing.buffers import BufferPool
 from sinuous.solving.routing.edges import Walls, rims_of, walls_of
-from sinuous.solving.routing.gates import FAR, WIDE
-from sinuous.solving.routing.growth import FEW, grown, query_of, settled
-from sinuous.solving.routing.narrow.openings import route_through, tubes_beside
+from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, query_of, settled
+from sinuous.solving.routing.halves import WIDE
+from sinuous.solving.routing.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond, segments_in
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
@@ -284,7 +284,8 @@ class Searches:
             self.room(problem, line)
             self.beside(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
-            grown(groups, line[None], FEW, 1.0)
+            base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
+            Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
             next(settled(groups, still[None], lambda: 1.0))
             turned_back(groups, groups, still)
             if query is not None:
@@ -295,9 +296,9 @@ class Searches:
         return monotonic() - began
 
     def room(self, problem: Problem, points: Floats) -> Floats:
-        """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `FAR` radii."""
+        """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
         distances = np.empty(len(points))
-        room_along(problem.scene._kernel_group, points, FAR * max(self._radius, *self._robot.radii), distances)
+        room_along(problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.radii), distances)
         return distances
 
     def beside(self, problem: Problem, line: Floats) -> Floats:

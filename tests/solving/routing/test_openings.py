@@ -14,7 +14,7 @@ from sinuous.kernels.tables import (
     QUERY_WIDTH,
 )
 from sinuous.solving.polylines import lengths_along
-from sinuous.solving.routing.narrow.openings import LEGS, route_through, tubes_beside
+from sinuous.solving.routing.openings import LEGS, route_through, tubes_beside
 from tests.helpers import Floats
 
 MOST = 400

@@ -103,13 +103,13 @@ def test_words_are_those_that_the_code_has() -> None:
         (sn.Segment, SegmentArguments),
         (sn.Target, TargetArguments),
         (sn.Problem, ProblemArguments),
-        (sn.OptiPath, OptiPathArguments),
+        (sn.methods.OptiPath, OptiPathArguments),
         (SolveOptions, SolveArguments),
     ],
 )
 def test_keyword_arguments_are_those_of_the_constructor(constructor: Any, keywords: Any) -> None:
     parameters = inspect.signature(constructor).parameters
     assert set(get_type_hints(keywords)) == set(parameters)
-    if constructor in (sn.Robot, sn.Segment, sn.OptiPath):
+    if constructor in (sn.Robot, sn.Segment, sn.methods.OptiPath):
         for key, hint in get_type_hints(keywords).items():
             assert hint == parameters[key].annotation, key

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +44,16 @@ def test_what_lessons_show_works(page: Path, tmp_path: Path, monkeypatch: pytest
 
 def test_every_public_name_is_in_the_reference() -> None:
     listed = re.findall(
-        r"^\.\. auto(?:class|function):: (\w+)$",
+        r"^\.\. auto(?:class|function):: ([\w.]+)$",
         "".join(page.read_text(encoding="utf-8") for page in (DOCS / "reference").glob("*.md")),
         re.MULTILINE,
     )
-    assert sorted(listed) == sorted(name for name in sn.__all__ if name != "__version__")
+    assert sorted(name for name in listed if "." not in name) == sorted(n for n in sn.__all__ if n != "__version__")
+    for name in listed:
+        home, _, last = name.rpartition(".")
+        assert isinstance(getattr(import_module(home or "sinuous"), last), object)
+    methods = {options.rpartition(".")[2] for options in METHODS.values()}
+    assert {name.removeprefix("sinuous.methods.") for name in listed if ".methods." in name} == methods
 
 
 def test_pictures_are_made_by_one_command() -> None:

@@ -11,9 +11,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import sinuous as sn
+from sinuous.export.chain import JointChain
 from sinuous.frozen import Frozen
-from sinuous.scene.placement import Placement
 from sinuous.scene.prepared.parts import Part
+from sinuous.scene.reading import Placement
 from tests.scene.shapes import cube
 
 ROBOT = sn.Robot(
@@ -73,7 +74,7 @@ NOUNS: dict[str, Callable[[], Any]] = {
     "solution": solution,
     "curve": lambda: sn.Curve(np.eye(3), start=(3, 0, 0)),
     "path": lambda: sn.Path([0, 1, 2], positions=np.eye(3)),
-    "chain": lambda: sn.JointChain(ROBOT, 2),
+    "chain": lambda: JointChain(ROBOT, 2),
 }
 
 

@@ -15,7 +15,7 @@ from sinuous.packing import pose_row
 from sinuous.poses import as_pose, least_rotation, pose, rotation_matrix
 from sinuous.problem.target import Target
 from sinuous.scene.obstacles import Box
-from sinuous.scene.placement import Placement
+from sinuous.scene.reading import Placement
 from tests.helpers import NOT_VECTORS, Floats, random_pose, random_rotation, refused, refused_each
 
 coordinates = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, 1e-8, -1e-16, 1e-100, -1e-200, 5e-324, 1.0, -1.0]))

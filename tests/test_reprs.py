@@ -8,11 +8,15 @@ import pytest
 from numpy.typing import NDArray
 
 import sinuous as sn
+from sinuous import methods
+from sinuous.export.chain import JointChain
 from sinuous.reprs import LONGEST, text
 from sinuous.solution.binding import Binding
 from sinuous.solution.reasons import Reason
 from sinuous.solution.remedies import Remedy
+from sinuous.solution.step import Active
 from sinuous.solution.worst import Worst
+from sinuous.workspace.verdicts import Verdict
 from tests.helpers import refused
 from tests.scene.shapes import cube
 
@@ -53,13 +57,13 @@ OBJECTS: list[Any] = [
     *(SOLUTION, sn.solve(ROBOT, sn.Target((0, 0, 1e3))), SOLUTION.explain(), SOLUTION.verify()),
     sn.check(ROBOT, [SOLUTION.q, SOLUTION.q]),
     *(MOTION := sn.Motion(ROBOT, [SOLUTION.q, SOLUTION.q * (0.5, 0.5, 1)], SCENE), MOTION.timed(sn.Rates(1.0, 1.0))),
-    *(sn.JointChain(ROBOT), sn.Rates(1.0, acceleration=sn.Rates(2.0))),
+    *(JointChain(ROBOT), sn.Rates(1.0, acceleration=sn.Rates(2.0))),
     *(CURVE := sn.Curve(np.eye(3)), MOTION.deviation(CURVE), sn.Path([0, 1, 2], positions=np.eye(3))),
     *(sn.Solver(ROBOT, SCENE), sn.Solver(ROBOT).solve_many([TARGET, sn.Target((0, 0, 1e3))]), sn.Status.SOLVED),
     *(
         sn.Planner(ROBOT, SCENE),
         sn.Solver(ROBOT, SCENE).step(SOLUTION, (0, 0, 0), dt=0.01),
-        sn.Active("clearance", 3, LONG),
+        Active("clearance", 3, LONG),
     ),
     *(
         sn.Rates(1.0) * 0.1,
@@ -68,13 +72,20 @@ OBJECTS: list[Any] = [
         sn.assess(ROBOT, [TARGET]),
         sn.solve_batch(ROBOT, np.eye(3)),
     ),
-    *(sn.reach(ROBOT, spacing=24, directions=6), sn.Verdict.SOLVED, sn.UnfinishedError("no room")),
+    *(sn.reach(ROBOT, spacing=24, directions=6), Verdict.SOLVED, sn.UnfinishedError("no room")),
     Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
     Reason("route", 1 / 3, 2 / 3, LONG, True),
     Remedy("start", None, SOLUTION.q.tolist()),
     Worst("clearance", 3, LONG, 1 / 3),
-    *(sn.Newton(), sn.OptiPath.faithful(), sn.Dls(damping=0.2), sn.Fabrikc(), sn.Fabrikx(), sn.FabrikAvoid()),
-    *(sn.MonteCarlo(), sn.Slinki()),
+    *(
+        methods.Newton(),
+        methods.OptiPath.faithful(),
+        methods.Dls(damping=0.2),
+        methods.Fabrikc(),
+        methods.Fabrikx(),
+        methods.FabrikAvoid(),
+    ),
+    *(methods.MonteCarlo(), methods.Slinki()),
     *(WRONG, sn.NotSolvedError("stalled: no", SOLUTION), sn.SuspiciousInput("odd")),
 ]
 
@@ -101,7 +112,7 @@ def test_what_is_short_is_shown_whole_and_can_be_typed() -> None:
     assert repr(turned) == "Box(center=(0, 0, 0), size=(1, 2, 3), rotation=(0.707107, 0, 0, 0.707107))"
     assert eval(repr(turned), {"Box": sn.Box}).rotation == pytest.approx(turned.rotation, abs=1e-5)
     assert repr(sn.Tolerance(0.1)) == "Tolerance(position=0.1)"
-    assert repr(sn.OptiPath(iterations=100)) == "OptiPath(iterations=100)"
+    assert repr(methods.OptiPath(iterations=100)) == "OptiPath(iterations=100)"
     assert repr(sn.Mesh(*cube(), name="crate")) == "Mesh(8 vertices, 12 triangles, solid, name='crate')"
     assert repr(ROBOT.segments[0]) == "Segment(length=(0.8, 1.2), max_bend=3.14159, radius=0.05, 3 tendons)"
 

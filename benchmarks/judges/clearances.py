@@ -18,11 +18,10 @@ from benchmarks.judges.kinematics import arc_ends, segment_ends
 from benchmarks.judges.primitives import Distance, distances_to
 from sinuous.checks import Floats
 from sinuous.robot.robot import Robot
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 Indices = NDArray[np.intp]

@@ -17,11 +17,10 @@ from benchmarks.judges.kinematics import body_points
 from sinuous.checks import Floats
 from sinuous.poses import least_rotation
 from sinuous.robot.robot import Robot
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 FEWEST_SAMPLES = 50

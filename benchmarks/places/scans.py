@@ -11,9 +11,9 @@ from benchmarks.places.place import ROOM, Draw, Sketch
 from sinuous.checks import Floats
 from sinuous.display.obstacles import obstacle_surface
 from sinuous.display.surface import arc
-from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Capsule, Cylinder, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 THICKNESS = 0.15

@@ -16,9 +16,9 @@ from benchmarks.harness.times import Times
 from benchmarks.problems import arm, reachable
 from benchmarks.solvers.answers import solve_all
 from sinuous.checks import Floats
-from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.meshes.mending import Integers
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.meshes.topology import Integers
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 SECTION = "large meshes and live clouds"

@@ -22,8 +22,7 @@ from sinuous.poses import pose
 from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene

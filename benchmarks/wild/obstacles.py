@@ -12,9 +12,9 @@ from sinuous.checks import Floats
 from sinuous.measures.obstacles import measure
 from sinuous.poses import least_rotation
 from sinuous.robot.robot import Robot
-from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 COUNTS = ((0, 1), (1, 8), (8, 61))

@@ -122,24 +122,8 @@ def scene_parts(group: Floats) -> tuple[Floats, Floats]:
     return group[t.SCENE_HEADER : end].reshape(-1, t.OBSTACLE_WIDTH), group[end:]
 
 
-def target_row(
-    segment: int | None, position: Floats | None, direction: Floats | None, rotation: Floats | None
-) -> Floats:
-    """Return the row (1, 15) of a target; `segment` 1 = first, `None` the last."""
-    row = np.zeros((1, t.TARGET_WIDTH))
-    row[0, t.TARGET_SEGMENT] = -1 if segment is None else segment - 1
-    if position is not None:
-        row[0, t.HAS_POSITION] = 1.0
-        row[0, t.TARGET_POSITION : t.TARGET_POSITION + 3] = position
-    if direction is not None:
-        row[0, t.ORIENTATION], row[0, t.GOAL : t.GOAL + 3] = t.DIRECTION, direction
-    elif rotation is not None:
-        row[0, t.ORIENTATION], row[0, t.GOAL : t.GOAL + 9] = t.ROTATION, rotation.ravel()
-    return row
-
-
 def target_rows(count: int, positions: Floats | None, directions: Floats | None, rotations: Floats | None) -> Floats:
-    """Return the rows (m, 15) of m targets of the last segment, each as `target_row` makes one."""
+    """Return the rows (m, 15) of m targets of the last segment, of arrays (m, 3), (m, 3) and (m, 3, 3)."""
     rows = np.zeros((count, t.TARGET_WIDTH))
     rows[:, t.TARGET_SEGMENT] = -1
     if positions is not None:
@@ -150,6 +134,25 @@ def target_rows(count: int, positions: Floats | None, directions: Floats | None,
     elif rotations is not None:
         rows[:, t.ORIENTATION], rows[:, t.GOAL : t.GOAL + 9] = t.ROTATION, rotations.reshape(-1, 9)
     return rows
+
+
+def target_row(
+    segment: int | None, position: Floats | None, direction: Floats | None, rotation: Floats | None
+) -> Floats:
+    """Return the row (1, 15) of a target; `segment` 1 = first, `None` the last."""
+    row = target_rows(1, position, direction, rotation)
+    if segment is not None:
+        row[0, t.TARGET_SEGMENT] = segment - 1
+    return row
+
+
+def target_parts(row: Floats) -> tuple[int | None, Floats | None, Floats | None, Floats | None]:
+    """Return segment, position, direction and rotation of a target, from its row (15,), as views: see `target_row`."""
+    segment, orientation, goal = int(row[t.TARGET_SEGMENT]), int(row[t.ORIENTATION]), row[t.GOAL : t.GOAL + 9]
+    position = row[t.TARGET_POSITION : t.TARGET_POSITION + 3] if row[t.HAS_POSITION] else None
+    direction = goal[:3] if orientation == t.DIRECTION else None
+    rotation = goal.reshape(3, 3) if orientation == t.ROTATION else None
+    return None if segment < 0 else segment + 1, position, direction, rotation
 
 
 def settings_group(

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.batch.batch import Batch
 from tests.batch.questions import BALL, ROBOT, points
 
 ROWS, CHUNK = 12_000, 200
@@ -60,7 +61,7 @@ def until(process: Process, ready: Callable[[], Any]) -> Any:
     return found
 
 
-def go_on(out: Path, **options: Any) -> sn.Batch:
+def go_on(out: Path, **options: Any) -> Batch:
     settings: dict[str, Any] = {"max_starts": 4, "routes": False, "chunk": CHUNK}
     return sn.solve_batch(ROBOT, out.with_name("in.npz"), [BALL], out, **settings, **options)
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.batch.batch import Batch
 from sinuous.batch.solve import RunOptions
 from sinuous.batch.tables.layout import STATUSES
 from tests.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write_csv
@@ -16,7 +17,7 @@ from tests.batch.questions import BAD, BALL, OPTIONS, ROBOT, loop, points, write
 COUNT = 130
 
 
-def solve(targets: Any, out: Path | None = None, **options: Any) -> sn.Batch:
+def solve(targets: Any, out: Path | None = None, **options: Any) -> Batch:
     return sn.solve_batch(ROBOT, targets, [BALL], out, **OPTIONS, **options)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.export.chain import JointChain
 
 ARM = sn.Robot(
     [
@@ -15,7 +16,7 @@ ARM = sn.Robot(
 
 
 def test_names_and_limits_are_those_of_the_segments() -> None:
-    chain = sn.JointChain(ARM, 2)
+    chain = JointChain(ARM, 2)
     assert chain.names == (
         *("stage_1_z", "s2_1_z", "s2_1_x", "s2_1_y", "s2_2_z", "s2_2_y", "s2_2_x", "s2_3_z"),
         *("s3_1_x", "s3_1_y", "s3_2_y", "s3_2_x"),
@@ -28,7 +29,7 @@ def test_names_and_limits_are_those_of_the_segments() -> None:
 
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_values_are_linear_and_make_up_the_whole(count: int) -> None:
-    chain = sn.JointChain(ARM, count)
+    chain = JointChain(ARM, count)
     q = np.random.default_rng(count).uniform(0.1, 1.0, (4, 3, 3))
     values = chain.values(q)
     np.testing.assert_allclose(values, q.reshape(4, -1) @ chain.matrix.T)
@@ -43,11 +44,11 @@ def test_values_are_linear_and_make_up_the_whole(count: int) -> None:
 
 def test_what_cannot_move_has_no_joint() -> None:
     rod = sn.Robot([sn.Segment(10, max_bend=0), sn.Segment((0, 5), max_bend=0)])
-    chain = sn.JointChain(rod)
+    chain = JointChain(rod)
     assert chain.names == ("s2_1_z",)
     assert (chain.joints[0].height, chain.end) == (10.0, 0.0)
 
 
 def test_a_count_that_is_none_is_refused() -> None:
     with pytest.raises(sn.InputError, match="joints_per_segment: expected a whole number from 1 to 1000, got 0"):
-        sn.JointChain(ARM, 0)
+        JointChain(ARM, 0)

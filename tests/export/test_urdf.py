@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import sinuous as sn
 from sinuous.checks import Floats
+from sinuous.export.chain import JointChain
 from sinuous.export.urdf import roll_pitch_yaw
 
 SEGMENTS = [
@@ -32,7 +33,7 @@ def configurations(count: int) -> Floats:
     return q
 
 
-def poses(file: Path, chain: sn.JointChain, q: Floats, body: str) -> Floats:
+def poses(file: Path, chain: JointChain, q: Floats, body: str) -> Floats:
     model = mujoco.MjModel.from_xml_path(str(file))
     data = mujoco.MjData(model)
     found = []

@@ -11,10 +11,10 @@ from sinuous.errors import InputError
 from sinuous.files.problem_file import read_problem
 from sinuous.poses import pose
 from sinuous.robot.rates import Rates
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from tests.scene.shapes import cube, together
 
 ROBOT = "robot: {segments: {count: 2, length: [1, 2]}}\n"

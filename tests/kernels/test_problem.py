@@ -18,8 +18,8 @@ from sinuous.problem.target import Target, Tolerance, target_table
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.robot.segment import Segment
-from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_pose
 from tests.kernels.workspace import same

@@ -28,7 +28,7 @@ def test_a_method_is_chosen_by_name_or_by_options(name: MethodName) -> None:
     assert set(methods.capabilities(name).limits) <= set(LIMITS)
     assert methods.name_of(chosen()) == name
     assert chosen.__name__ == METHODS[name].rpartition(".")[2]
-    assert getattr(sn, chosen.__name__) is chosen
+    assert getattr(sn.methods, chosen.__name__) is chosen
     assert chosen.__doc__
     for key in inspect.signature(chosen).parameters:
         assert key in chosen.__doc__, f"{key} is not documented"
@@ -92,7 +92,7 @@ def test_what_is_no_method_is_refused() -> None:
 def test_a_violated_limit_is_the_worst() -> None:
     """An answer that is out of its limits is never solved, and says which."""
     robot = sn.Robot.uniform(5, (45, 70), 0.26)
-    solution = sn.solve(robot, sn.Target((150, -90, 220)), method=sn.OptiPath(restarts=False, bend_weight=0.0))
+    solution = sn.solve(robot, sn.Target((150, -90, 220)), method=sn.methods.OptiPath(restarts=False, bend_weight=0.0))
     assert solution.status is sn.Status.LIMIT_BOUND
     assert not solution.verify().ok
     assert solution.worst is not None

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.motion.track import HALF, Room
+from sinuous.problem.preferences import Preferences
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(4, (0.8, 1.2), max_bend=2.0, radius=0.05)
@@ -194,3 +196,29 @@ def test_waypoints_are_reached_at_their_times() -> None:
 def test_times_that_do_not_increase_are_refused() -> None:
     with pytest.raises(sn.InputError, match=r"times\[1\]: expected more than 1, got 1.0 \(times must increase\)"):
         sn.track(ROBOT, CIRCLE[:2], times=[1.0, 1.0])
+
+
+ARM = sn.Robot.uniform(5, (0.9, 1.1), 2.0, radius=0.02)
+WALL = sn.Sphere((1.2, 0.0, 2.5), 0.9)
+
+
+def test_half_of_the_room_is_enough() -> None:
+    asked, room = Preferences(clearance=0.1), Room(clearance=0.1)
+    assert asked.satisfied(0.1)
+    assert not asked.satisfied(0.099)
+    assert room.satisfied(0.1 * HALF)
+    assert not room.satisfied(0.099 * HALF)
+    assert not Preferences(bends=1.0).satisfied(1.0)
+
+
+def test_a_robot_that_goes_on_keeps_its_room() -> None:
+    """It is led past a sphere, near which a solve from afar would lean on it."""
+    prefer = Preferences(clearance=0.1)
+    solver = sn.Solver(ARM, [WALL], prefer=prefer)
+    path = [sn.Target((x, 0.1, 4.4)) for x in np.linspace(0.3, 1.2, 10)]
+    last = solver.solve(path[0])
+    for target in path:
+        last = solver.solve(target, last)
+        assert last.solved
+        assert last.clearance is not None
+        assert last.clearance > 0.09

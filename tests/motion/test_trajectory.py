@@ -9,6 +9,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.checks import Floats
+from sinuous.export.chain import JointChain
 from sinuous.measures.following import body_places
 
 ARM = sn.Robot.uniform(3, (45, 70), max_bend=2.4, radius=4, tendons=sn.Tendons(3, radius=4))
@@ -141,7 +142,7 @@ def test_files_have_even_times_and_drive_the_joints_of_the_urdf(tmp_path: Path) 
     assert len(rows) == 2 + int(np.ceil(50 * timed.duration))
     timed.to_ros(tmp_path / "way.json", joints_per_segment=2)
     message = json.loads((tmp_path / "way.json").read_text())
-    chain = sn.JointChain(ARM, 2)
+    chain = JointChain(ARM, 2)
     assert message["joint_names"] == list(chain.names)
     np.testing.assert_allclose([p["positions"] for p in message["points"]], chain.values(timed.at(timed.times)))
     np.testing.assert_allclose(

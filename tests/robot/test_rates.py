@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.robot.rates import Changes
 
 ROBOT = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=3))
 
@@ -20,7 +21,7 @@ def test_one_number_is_for_all() -> None:
 def test_rates_times_a_time_are_changes() -> None:
     rates = sn.Rates(bend=(1.0, 2.0, 3.0), length=20.0, acceleration=sn.Rates(bend=5.0))
     for changes in (rates * 0.01, 0.01 * rates):
-        assert isinstance(changes, sn.Changes)
+        assert isinstance(changes, Changes)
         np.testing.assert_allclose(changes.spread(ROBOT).bend, [0.01, 0.02, 0.03])
         assert changes.length == pytest.approx(0.2)
         assert changes.actuator is None

@@ -16,13 +16,11 @@ from sinuous.kernels.fields import distances, solids
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING, TREE
 from sinuous.measures.obstacles import measure
 from sinuous.poses import pose
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
-from sinuous.scene.grids.samples import sample_points
+from sinuous.scene.grids import Field, Grid, sample_points
+from sinuous.scene.meshes.mending import Integers
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.meshes.topology import Integers
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, kernel_scene, random_rotation, vec
 from tests.scene import shapes

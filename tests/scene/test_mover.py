@@ -3,7 +3,7 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.scene.mover import Mover
+from sinuous.scene.snapshot import Mover
 
 
 def test_a_moved_scene_is_the_scene_made_anew() -> None:

@@ -7,9 +7,9 @@ from sinuous.measures import body
 from sinuous.measures.body import body_places, segment_ends
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.scene.nearest import least_gap, room_at
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import least_gap, room_at
 from sinuous.solution.worst import compiled_clearance
 from tests.helpers import Floats
 from tests.solving.test_live import MADE

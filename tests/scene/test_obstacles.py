@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, random_rotation, refused, refused_each
 from tests.scene.shapes import cube

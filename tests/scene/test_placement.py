@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.scene.placement import Placement
+from sinuous.scene.reading import Placement
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, random_rotation, refused_each
 
 

@@ -11,10 +11,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 import sinuous as sn
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, HalfSpace, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from tests.helpers import Floats, random_rotation, refused, refused_each
 

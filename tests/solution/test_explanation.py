@@ -37,6 +37,17 @@ def test_a_solution_says_what_is_nearest_to_its_limit() -> None:
     ]
 
 
+def test_of_a_result_from_a_file_no_change_is_tried_and_that_is_said() -> None:
+    solution = sn.solve(ROBOT, sn.Target((0, 0, 3.5)))
+    loaded = sn.Solution.from_dict(solution.to_dict(), solution.problem).explain()
+    assert (loaded.remedies, loaded.complete) == ((), False)
+    told = str(loaded).splitlines()
+    assert told[:4] == str(solution.explain(60.0)).splitlines()[:4]
+    assert told[4:] == [
+        "  no change was tried: a result that was read from a file does not say with which options it was found"
+    ]
+
+
 def test_it_can_be_written_down() -> None:
     explanation = sn.solve(ROBOT, sn.Target((0, 0, 3.5))).explain(time=60.0)
     written = json.loads(json.dumps(explanation.to_dict(), allow_nan=False))

@@ -207,7 +207,7 @@ def test_starts_that_were_few_are_made_more() -> None:
 
 def test_another_method_may_do() -> None:
     solution = sn.solve(
-        BENDY, sn.Target((0, 1, 2)), method=sn.OptiPath(iterations=0, restarts=False, other_guess=False)
+        BENDY, sn.Target((0, 1, 2)), method=sn.methods.OptiPath(iterations=0, restarts=False, other_guess=False)
     )
     assert not solution.solved
     assert helped(solution)["method"].after == "newton"

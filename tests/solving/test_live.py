@@ -12,11 +12,10 @@ from sinuous.kernels.step.newton import SAMPLED_SLACK
 from sinuous.measures.obstacles import measure
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status

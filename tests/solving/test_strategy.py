@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sinuous as sn
-from sinuous import Box, Capsule, Robot, Scene, Solver, Sphere, Target, Tolerance
+from sinuous import Box, Capsule, Robot, Scene, Sphere, Target, Tolerance
 from sinuous.errors import InputError
 from sinuous.kernels.tables import GIVEN, ROUTE, SOURCES
 from sinuous.problem.problem import Problem
@@ -19,8 +19,8 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.solving import strategy as own
 from sinuous.solving.attempts import ATTEMPTS, COST_OF_A_CHAIN, Attempt, Attempts, read_without
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.routing.growth import MANY
-from sinuous.solving.routing.searches import Found, Searches
+from sinuous.solving.routing.chains import LAST_WIDTH
+from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import Strategy, attempts_of, plans_of
 from tests.solving.routing.questions import asked as asked_of
@@ -158,7 +158,7 @@ def test_an_attempt_that_had_nothing_to_do_costs_nothing() -> None:
 @pytest.mark.parametrize("routes", [False, True])
 def test_the_first_call_is_one_batch_and_scattered_starts_go_on_from_there(given: int, most: int, routes: bool) -> None:
     options = SolveOptions(max_starts=most, routes=routes)
-    strategy = Strategy(ROBOT, SCENE, Tolerance().for_robot(ROBOT), options, Solver.prepared)
+    strategy = Strategy(ROBOT, SCENE, Tolerance().for_robot(ROBOT), options)
     batch = strategy.opening(question(given=given))
     assert batch.source == SOURCES[GIVEN]
     assert len(batch.initial) == given
@@ -202,9 +202,9 @@ def test_names_are_read_in_any_order_and_once() -> None:
 
 
 def test_prices_grow_with_what_is_tried() -> None:
-    for prices in (own.GROWN_COSTS, own.GATES_COSTS, own.ENDS_PRICES, own.ELBOWS_PRICES):
-        assert list(prices.values()) == sorted(prices.values())
-        assert [beam.width for beam in prices] == sorted(beam.width for beam in prices)
+    prices = own.GATES_COSTS
+    assert list(prices.values()) == sorted(prices.values())
+    assert [beam.width for beam in prices] == sorted(beam.width for beam in prices)
     for family in ("pipe 1.3", "hall", "spheres 12"):
         prices_of = [price for price, _ in plans_of(asked_of(place(family, 0))[0])]
         assert prices_of == sorted(prices_of)
@@ -212,7 +212,7 @@ def test_prices_grow_with_what_is_tried() -> None:
 
 def test_chains_are_grown_with_more_effort_later_and_nothing_is_tried_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     attempts = made(searching(), monkeypatch)
-    assert {"laid", "grown", "cells", "lengthened", "gates"} <= {attempt.name for attempt in attempts}
+    assert {"laid", "grown", "cells", "gates"} <= {attempt.name for attempt in attempts}
     prices = [attempt.price for attempt in attempts]
     assert all(
         before <= after or attempts[i + 1].number > attempts[i].number
@@ -224,7 +224,7 @@ def test_chains_are_grown_with_more_effort_later_and_nothing_is_tried_twice(monk
 
 def test_beams_widen_as_long_as_there_is_time(monkeypatch: pytest.MonkeyPatch) -> None:
     prices = [attempt.price for attempt in made(searching(), monkeypatch) if attempt.name == "grown"]
-    assert max(prices) >= own.GROWN_COSTS[MANY] * own.WIDEST / MANY.width
+    assert max(prices) >= own.GROWN_COST * LAST_WIDTH
 
 
 def test_where_several_are_wanted_chains_are_grown_after_all_searches(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -253,19 +253,3 @@ def test_over_cells_the_first_search_waits_where_a_route_around_edges_is_known(m
     names = [attempt.name for attempt in attempts]
     second = [i for i, name in enumerate(names) if name == "cells"][1]
     assert {"laid", "grown", "gates"} <= set(names[:second])
-
-
-def test_a_thinner_body_waits_for_a_route(monkeypatch: pytest.MonkeyPatch) -> None:
-    for family, price in (("pipe 1.3", own.THINNER_PRICES[0.7]), ("spheres 12", None)):
-        at = place(family, 0)
-        searches, asked = asked_of(at)
-        if price is None:
-            monkeypatch.setattr(Searches, "find", lambda *_: Found([], 0, 1))
-            monkeypatch.setattr(Searches, "by_edges", lambda *_: None)
-            monkeypatch.setattr(Searches, "by_tubes", lambda *_: None)
-        prices: list[float] = []
-        strategy = attempts_of(asked, Scattered(3, 10), searches, without=("ends", "elbows"), grow=lambda *_: chains(1))
-        attempts = made(strategy, monkeypatch)
-        prices = [attempt.price for attempt in attempts if attempt.name == "thinner"]
-        assert prices[0] == own.THINNER_PRICES[0.7]
-        assert prices[-1] == (own.THINNER_PRICES[0.5] if price is not None else own.LAST)

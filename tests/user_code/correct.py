@@ -61,8 +61,10 @@ elbow = sn.Target(tip, segment=2)
 whole = sn.Target([1, 2, 3], rotation=Rotation.from_euler("x", 90, degrees=True))
 several = sn.Target.each(corners, rotation=Rotation.from_euler("x", [90, 80, 70, 60], degrees=True))
 ik = sn.Solver(robot, scene, method="opti_path", time=1, routes=False, tolerance=sn.Tolerance(0.1, angle=1e-2))
-ik = sn.Solver(robot, obstacles, method=sn.OptiPath(iterations=100, metric="identity"), prefer=sn.Preferences(bends=1))
-ik = sn.Solver(robot, method=sn.OptiPath.faithful(restarts=True))
+ik = sn.Solver(
+    robot, obstacles, method=sn.methods.OptiPath(iterations=100, metric="identity"), prefer=sn.Preferences(bends=1)
+)
+ik = sn.Solver(robot, method=sn.methods.OptiPath.faithful(restarts=True))
 solution = ik.solve(target, initial=q, time=0.5)
 solution = ik.solve([target, elbow], initial=solution)
 clear: float | None = solution.clearance

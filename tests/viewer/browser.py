@@ -26,8 +26,8 @@ FLAGS = (
     "--disable-component-update",
 )
 SIZE = (900, 560)
-PATIENCE = 60.0
-"""Seconds: software draws a picture in some tenths of one, on a busy machine in many."""
+PATIENCE = 300.0
+"""Seconds: kernels may have to be compiled first, and on a busy machine software takes many to draw a picture."""
 
 
 @contextmanager

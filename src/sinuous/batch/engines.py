@@ -16,7 +16,7 @@ from typing import Any
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task, Work
 from sinuous.errors import InputError
-from sinuous.scene.grids.field import Field
+from sinuous.scene.grids import Field
 from sinuous.solving.crew import dismiss
 
 PER_WORKER = 2

@@ -11,11 +11,11 @@ from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.scene.courses.moving import Moving
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.nearest import least_gap
+from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Sphere
 from sinuous.scene.scene import Scene
+from sinuous.scene.snapshot import least_gap
 from sinuous.solving.between.steps import load_motions
 from sinuous.solving.between.tip import Tip
 from sinuous.solving.classes.curves import Curves

@@ -14,7 +14,7 @@ from sinuous.motion.motion import Motion
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.scene.courses.moving import standing_at
+from sinuous.scene.moving import standing_at
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot

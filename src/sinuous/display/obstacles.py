@@ -5,11 +5,10 @@ from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.display.surface import Surface, box, capsule, cylinder, sphere, square
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.point_cloud import PointCloud
 
 AROUND = 32
 """Faces around what is round."""

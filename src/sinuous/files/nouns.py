@@ -20,12 +20,11 @@ from sinuous.problem.target import Target
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.courses.course import Course
-from sinuous.scene.courses.moving import Moving
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 OBSTACLES: dict[str, Callable[..., Obstacle]] = {

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field, evaluate
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid, evaluate
+from sinuous.scene.meshes.mending import winding_numbers
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.meshes.orientation import winding_numbers
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.point_cloud import PointCloud
 
 
 def measure(obstacle: Obstacle, points: Floats) -> Floats:

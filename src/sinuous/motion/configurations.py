@@ -17,6 +17,9 @@ from sinuous.solving.between.steps import Prover
 KEPT = 64
 """Robots whose levers are kept in memory."""
 
+BENT = 2.0 * np.pi
+"""Largest bend that is drawn at random, rad, where a segment has no limit."""
+
 SLACK = 1e-9
 """By how much a configuration may exceed limits, in mean lengths of the robot or rad: rounding."""
 
@@ -65,6 +68,15 @@ def within_limits(robot: Robot, q: Floats) -> Floats:
         allowed = np.fmin(most, curvatures * result[..., 2])
     bends = np.hypot(q[..., 0], q[..., 1])
     result[..., :2] *= np.where(bends > allowed, allowed / np.where(bends > 0.0, bends, 1.0), 1.0)[..., None]
+    return result
+
+
+def random_configuration(robot: Robot, rng: np.random.Generator) -> Floats:
+    """Draw a configuration (n, 3) within the limits of segments, evenly over the disc of bends and over lengths."""
+    low, high, most = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
+    angle, bend = 2.0 * np.pi * rng.random(len(low)), most * np.sqrt(rng.random(len(low)))
+    drawn = [bend * np.cos(angle), bend * np.sin(angle), rng.uniform(low, high)]
+    result: Floats = within_limits(robot, np.stack(drawn, axis=-1)[None])[0]
     return result
 
 

@@ -12,10 +12,10 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.report import MOST_WAYPOINTS
 from sinuous.motion.times import Timetable
 from sinuous.motion.tracker import Tracker
-from sinuous.problem.asked import read_asked
 from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
+from sinuous.problem.target_sets import read_target_sets
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solution.solution import Solution
@@ -90,7 +90,7 @@ def track(
         When an argument is not what it should be; nothing is solved then.
     """
     given: dict[str, Any] = dict(options)
-    path = read_asked(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
+    path = read_target_sets(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
     wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)
     if wanted == "actuators" and not robot.actuators:
         raise InputError("shortest", "the robot has no actuators", shortest, "configuration")

@@ -19,7 +19,7 @@ from sinuous.pictures.files import MOVIES, check_picture
 from sinuous.pictures.paint import add, paint_arms, paint_walls, places_of, walls_of
 from sinuous.pictures.plot import as_view, draw_dots, draw_head, draw_lines, draw_surfaces, tip_path
 from sinuous.pictures.space import axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
-from sinuous.scene.courses.moving import Moving
+from sinuous.scene.moving import Moving
 from sinuous.writing.documents import written
 
 AREA, DPI = 4.6, 110.0

@@ -68,7 +68,7 @@ class Path(Frozen, Sequence[Target]):
             if part is not None:
                 part.flags.writeable = False
         self._set(positions=goals.positions, directions=goals.directions, rotations=goals.rotations, times=when)
-        self._set(_targets=Target.of_goals(goals))
+        self._set(_targets=Target.of_rows(goals.rows))
 
     @classmethod
     def spline(

@@ -2,17 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import repeat
 from typing import Any, ClassVar, TypedDict, Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Number, Orientation, Orientations, Rows, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.packing import read_only, target_row, target_rows
+from sinuous.packing import read_only, target_parts, target_row, target_rows
 from sinuous.poses import any_rotation, any_rotations
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
@@ -100,6 +100,28 @@ class Goals:
     def rows(self) -> Floats:
         """The targets as kernels read them, a new array (m, 15)."""
         return target_rows(len(self), self.positions, self.directions, self.rotations)
+
+    def targets(self, i: int) -> "tuple[Target, ...]":
+        """Return the one target of set `i`; this and the following are as of `ListedTargets`."""
+        return Target.of_rows(self[i : i + 1].rows)
+
+    def chunk(self, first: int, last: int) -> Floats:
+        """Return some of the targets as kernels read them, a new array (last - first, 1, 15)."""
+        return self[first:last].rows[:, None]
+
+    def runs(self) -> list[tuple[int, int]]:
+        """One run, of all."""
+        return [(0, len(self))] if len(self) else []
+
+    @property
+    def placed(self) -> NDArray[np.bool_]:
+        """Which targets have a position (m,)."""
+        return np.full(len(self), self.positions is not None)
+
+    @property
+    def turned(self) -> NDArray[np.bool_]:
+        """Which targets have a direction or a rotation (m,)."""
+        return np.full(len(self), self.directions is not None or self.rotations is not None)
 
 
 MOST_TARGETS = 1000
@@ -197,18 +219,17 @@ class Target(Frozen):
             As for `Target`, or when there is not one of each for every target.
         """
         given = {"position": position, "direction": direction, "rotation": rotation, "xyzw": xyzw}
-        return cls.of_goals(Goals.read(given, ("position", "direction", "rotation", "xyzw")))
+        return cls.of_rows(Goals.read(given, ("position", "direction", "rotation", "xyzw")).rows)
 
     @classmethod
-    def of_goals(cls, goals: Goals) -> "tuple[Target, ...]":
-        """Make targets of arrays that were checked."""
-        parts = [
-            repeat(None) if part is None else part for part in (goals.positions, goals.directions, goals.rotations)
-        ]
+    def of_rows(cls, rows: Floats) -> "tuple[Target, ...]":
+        """Make targets of their rows (m, 15), which are kept: laid out as `sinuous.kernels.tables` says."""
         targets = []
-        for row, place, axis, matrix in zip(goals.rows[:, None], *parts, strict=False):
+        for i, row in enumerate(read_only(rows)):
+            segment, position, direction, rotation = target_parts(row)
             target = cls.__new__(cls)
-            target.__dict__.update(position=place, direction=axis, rotation=matrix, segment=None, _table=row)
+            own = {"position": position, "direction": direction, "rotation": rotation, "segment": segment}
+            target.__dict__.update(own, _table=rows[i : i + 1])
             targets.append(target)
         return tuple(targets)
 

@@ -1,6 +1,6 @@
 """How fast a robot may move, and how far it may in a given time."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,9 +9,7 @@ from sinuous.arguments import Number, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-
-if TYPE_CHECKING:
-    from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot
 
 Most = Number | Vector | None
 """One number for all, or one for each; nothing: no limit."""
@@ -33,7 +31,32 @@ class Spread(NamedTuple):
     actuator: Floats
 
 
-class Changes(Frozen):
+class _Bounds(Frozen):
+    """Numbers that bound bends, lengths and actuators: one for all, one for each, or none."""
+
+    bend: float | Floats | None
+    length: float | Floats | None
+    actuator: float | Floats | None
+
+    def __init__(self, bend: Most = None, length: Most = None, actuator: Most = None) -> None:
+        self._set(**{key: _most(key, value) for key, value in zip(KEYS, (bend, length, actuator), strict=True)})
+
+    def _times(self, factor: float) -> "Changes":
+        return Changes(*(None if own is None else own * factor for own in (getattr(self, key) for key in KEYS)))
+
+    def spread(self, robot: Robot) -> Spread:
+        """Return the numbers for every segment and every actuator of a robot; without accelerations.
+
+        Raises
+        ------
+        InputError
+            When there are not as many as it has.
+        """
+        counts = len(robot), len(robot), len(robot.actuators)
+        return Spread(*(_spread(key, getattr(self, key), count) for key, count in zip(KEYS, counts, strict=True)))
+
+
+class Changes(_Bounds):
     """The largest changes that are allowed, of a configuration and of actuators; `2 * changes` are twice as large.
 
     Parameters
@@ -51,32 +74,13 @@ class Changes(Frozen):
         When a number is not greater than 0.
     """
 
-    bend: float | Floats | None
-    length: float | Floats | None
-    actuator: float | Floats | None
-
-    def __init__(self, bend: Most = None, length: Most = None, actuator: Most = None) -> None:
-        self._set(**{key: _most(key, value) for key, value in zip(KEYS, (bend, length, actuator), strict=True)})
-
     def __mul__(self, factor: Number) -> "Changes":
-        times = checks.number("factor", factor, above=0.0)
-        return Changes(*(None if own is None else own * times for own in (getattr(self, key) for key in KEYS)))
+        return self._times(checks.number("factor", factor, above=0.0))
 
     __rmul__ = __mul__
 
-    def spread(self, robot: "Robot") -> Spread:
-        """Return the numbers for every segment and every actuator of a robot.
 
-        Raises
-        ------
-        InputError
-            When there are not as many as it has.
-        """
-        counts = len(robot), len(robot), len(robot.actuators)
-        return Spread(*(_spread(key, getattr(self, key), count) for key, count in zip(KEYS, counts, strict=True)))
-
-
-class Rates(Frozen):
+class Rates(_Bounds):
     """The largest speeds of a robot, per second: scalars for all, or one for each.
 
     `rates * dt` are the `Changes` that are allowed in `dt` seconds. Accelerations say nothing about one such time
@@ -99,15 +103,12 @@ class Rates(Frozen):
         When a number is not greater than 0, or the acceleration has an acceleration.
     """
 
-    bend: float | Floats | None
-    length: float | Floats | None
-    actuator: float | Floats | None
     acceleration: "Rates | None"
 
     def __init__(
         self, bend: Most = None, length: Most = None, actuator: Most = None, acceleration: "Rates | None" = None
     ) -> None:
-        self._set(**{key: _most(key, value) for key, value in zip(KEYS, (bend, length, actuator), strict=True)})
+        super().__init__(bend, length, actuator)
         if acceleration is not None and not isinstance(acceleration, Rates):
             raise InputError("acceleration", "", acceleration, "Rates")
         if acceleration is not None and acceleration.acceleration is not None:
@@ -118,21 +119,11 @@ class Rates(Frozen):
         return any(getattr(self, key) is not None for key in (*KEYS, "acceleration"))
 
     def __mul__(self, dt: Number) -> Changes:
-        return Changes(self.bend, self.length, self.actuator) * checks.number("dt", dt, above=0.0)
+        return self._times(checks.number("dt", dt, above=0.0))
 
     __rmul__ = __mul__
 
-    def spread(self, robot: "Robot") -> Spread:
-        """Return the numbers for every segment and every actuator of a robot; without accelerations.
-
-        Raises
-        ------
-        InputError
-            When there are not as many as it has.
-        """
-        return (self * 1.0).spread(robot)
-
-    def check(self, robot: "Robot") -> None:
+    def check(self, robot: Robot) -> None:
         """Refuse rates and accelerations that are not as many as a robot has segments and actuators.
 
         Raises

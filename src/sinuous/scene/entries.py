@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from sinuous.errors import InputError
-from sinuous.scene.courses.moving import Moving
+from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.sources import Source
+from sinuous.scene.reading import Source
 from sinuous.writing.plain import described, plain
 
 

@@ -3,12 +3,11 @@
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.courses.moving import Moving
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Capsule, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.point_cloud import PointCloud
 
 
 def box_of(obstacle: Obstacle) -> Floats | None:

@@ -18,7 +18,7 @@ from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BOX, CYLINDER, HALF_SPACE, SPHERE
 from sinuous.packing import primitive_row
 from sinuous.poses import any_rotation, least_rotation
-from sinuous.scene.sources import Source
+from sinuous.scene.reading import Source
 
 IDENTITY = np.eye(3)
 IDENTITY.flags.writeable = False

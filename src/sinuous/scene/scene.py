@@ -13,11 +13,10 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.notebook import NotebookMixin
 from sinuous.poses import pose
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.courses.moved import moved
-from sinuous.scene.courses.moving import Moving
 from sinuous.scene.entries import entries_of
+from sinuous.scene.moving import Moving, moved
 from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared.parts import unsampled
 from sinuous.scene.snapshot import Snapshot
 from sinuous.writing.documents import write_document

@@ -1,9 +1,10 @@
-"""The obstacles as they are at one moment, and how far points are from them. Nothing of it changes."""
+"""The obstacles as they are at one moment, how far points are from them, and how one of them is moved quickly."""
 
+import math
 import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +14,11 @@ from sinuous.arguments import Number, Stack
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.scene.courses.course import Course
-from sinuous.scene.courses.moving import Moving, standing_at
-from sinuous.scene.grids.field import Field, evaluate
+from sinuous.scene.grids import Field, evaluate
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.prepared.parts import Part, join, prepare, unsampled
+from sinuous.scene.moving import Course, Moving, standing_at
+from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.prepared.parts import NOTHING, Part, join, prepare, unsampled
 
 DIFFERENCE = 1e-4
 """Step of the differences that stand for the gradient of a `Field`, in units of its spacing."""
@@ -250,3 +250,79 @@ def _ask_field(
         if nearer.any():
             beyond, before = (evaluate(field.function, points[nearer] + sign * offset) for sign in (1.0, -1.0))
             gradients[nearer, axis] = (beyond - before) / (2.0 * step)
+
+
+class Nearest(NamedTuple):
+    """A least distance, and where it is.
+
+    Attributes
+    ----------
+    distance : float
+        Infinite without obstacles.
+    place : int or None
+        Index of the point.
+    obstacle : str or None
+        Name of the obstacle.
+    """
+
+    distance: float
+    place: int | None
+    obstacle: str | None
+
+
+def least_gap(points: Floats, radii: Floats, scene: Snapshot) -> Nearest:
+    """Least of `distance - radius` over points (m, 3) with radii (m,), and where it is: along a body it is quickest."""
+    return _least(points, radii, scene, False)
+
+
+def room_at(place: Floats, scene: Snapshot) -> Nearest:
+    """Upper bound of the distance of a place (3,) to the obstacles, and the obstacle that gives it."""
+    return _least(place[None], np.zeros(1), scene, True)
+
+
+def _least(points: Floats, radii: Floats, scene: Snapshot, above: bool) -> Nearest:
+    from sinuous.kernels.fields import distances  # noqa: PLC0415
+
+    fields = {i: obstacle for i, obstacle in enumerate(scene.obstacles) if isinstance(obstacle, Field)}
+    rows, store = packing.scene_parts(scene._kernel_group)
+    others = np.array([i for i in range(len(rows)) if i not in fields], np.int64)
+    plain = np.require(points, np.float64, ["C", "W"]), np.require(radii, np.float64, ["C", "W"])
+    least, place, which = distances.least_gap(rows[others], store, *plain, above)
+    best = least, place, int(others[which]) if which >= 0 else -1
+    for i, field in fields.items():
+        gaps = (field.at_most(points) if above else evaluate(field.function, points)) - radii
+        if gaps.min(initial=math.inf) < best[0]:
+            best = float(gaps.min()), int(gaps.argmin()), i
+    return Nearest(best[0], best[1], scene.name(best[2])) if best[2] >= 0 else Nearest(math.inf, None, None)
+
+
+class Mover:
+    """Makes snapshots of a scene in which one obstacle is elsewhere.
+
+    They take turns with two arrays, of which each move writes one row, where others copy all that is prepared of
+    meshes. So only the two latest may be solved in: the kernels find the others changed. It is for one who asks for
+    the latest alone, as a hand that drags does.
+
+    Parameters
+    ----------
+    snapshot : Snapshot
+    index : int
+        Of the obstacle, which is exact.
+    """
+
+    def __init__(self, snapshot: Snapshot, index: int) -> None:
+        snapshot.prepare()
+        self._index, self._latest = index, snapshot
+        self._arrays: list[Floats] = [np.array(snapshot._kernel_group) for _ in range(2)]
+
+    def goes_on(self, snapshot: Snapshot, index: int) -> bool:
+        """Whether this is the latest snapshot and the obstacle that moves."""
+        return self._latest is snapshot and self._index == index
+
+    def moved(self, obstacle: Primitive) -> Snapshot:
+        """Return the scene with this in the place of the obstacle."""
+        array = self._arrays.pop(0)
+        self._arrays.append(array)
+        packing.scene_parts(array)[0][self._index] = obstacle.row
+        self._latest = self._latest.with_row(self._index, obstacle, Part(obstacle.row, NOTHING), array)
+        return self._latest

@@ -8,9 +8,14 @@ from sinuous.solution.binding import Binding, in_words, nearest_limits
 from sinuous.solution.reasons import Reason
 from sinuous.solution.remedies import Remedy, find_remedies
 from sinuous.solution.residual import residual_of
+from sinuous.solution.resolver import LoadedResult
 from sinuous.solution.status import Status
 from sinuous.solution.trials import Case
 from sinuous.words import number
+
+LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
+
+TOO_SHORT = "the time was too short to try everything"
 
 MOST_LINES = 6
 """Most lines about what holds a configuration back."""
@@ -35,8 +40,8 @@ class Explanation:
         When solved: the limits of which least is left.
     remedies : tuple of Remedy
         Changes that were tried; with each the problem is solved and proved.
-    complete : bool
-        Whether the time was enough to try all.
+    untried : str
+        Why not all changes were tried; empty where they were.
     segments : int
         Of the robot.
     """
@@ -48,8 +53,13 @@ class Explanation:
     binding: tuple[Binding, ...]
     nearest: tuple[Binding, ...]
     remedies: tuple[Remedy, ...]
-    complete: bool
+    untried: str
     segments: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether all changes were tried."""
+        return not self.untried
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
@@ -71,10 +81,10 @@ class Explanation:
         lines += _labelled("held by", in_words(self.binding, self.segments, values=True))
         lines += _labelled("least left", in_words(self.nearest, self.segments, values=True))
         lines += _labelled("would help", [str(each) for each in self.remedies])
-        if self.status is not Status.SOLVED and not self.remedies:
+        if self.status is not Status.SOLVED and not self.remedies and self.untried != LOADED:
             lines.append("  nothing that was tried would help")
-        if not self.complete:
-            lines.append("  the time was too short to try everything")
+        if self.untried:
+            lines.append(f"  {self.untried}")
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -90,11 +100,13 @@ def _labelled(label: str, texts: list[str]) -> list[str]:
 
 def explain(case: Case, sentence: str, end: float) -> Explanation:
     """Explain a solve, until the time is `end` (by `time.perf_counter`); `sentence` is what its status means here."""
-    solved = case.status is Status.SOLVED
-    nearest = nearest_limits(case.problem, case.q) if solved else ()
-    remedies, complete = ((), True) if solved else find_remedies(case, end)
-    own = case.status, sentence, case.reason, _misses(case), case.binding
-    return Explanation(*own, nearest, remedies, complete, len(case.problem.robot))
+    own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
+    if case.status is Status.SOLVED:
+        return Explanation(*own, nearest_limits(case.problem, case.q), (), "", count)
+    if isinstance(case.resolver, LoadedResult):
+        return Explanation(*own, (), (), LOADED, count)
+    remedies, complete = find_remedies(case, end)
+    return Explanation(*own, (), remedies, "" if complete else TOO_SHORT, count)
 
 
 def _misses(case: Case) -> str:

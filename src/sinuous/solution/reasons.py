@@ -1,7 +1,7 @@
 """Why there is no solution: a sentence, and the number that proves it.
 
 Bounds on lengths and bends come from `sinuous.measures`, without kernels; distances to obstacles from
-`sinuous.scene.nearest`.
+`sinuous.scene.snapshot`.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from sinuous.arguments import BoundName
 from sinuous.measures.reach import backbone_end, bounds
 from sinuous.problem.problem import Problem
 from sinuous.reprs import ShortRepr
-from sinuous.scene.nearest import room_at
+from sinuous.scene.snapshot import room_at
 from sinuous.words import number
 
 

@@ -64,6 +64,4 @@ class LoadedResult:
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Refuse: see the class."""
-        raise InputError(
-            "explain", "its options are not known", self.method, "a solution that was not read from a file"
-        )
+        raise InputError("solution", "its options are not known", self.method, "one that was not read from a file")

@@ -3,7 +3,7 @@
 import operator
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,28 +26,26 @@ from sinuous.kernels.tables import (
     STARTS,
     Outcome,
 )
-from sinuous.problem.asked import Asked
 from sinuous.problem.problem import Problem
+from sinuous.problem.target import Tolerance
+from sinuous.problem.target_sets import TargetSets
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of
-
-if TYPE_CHECKING:
-    from sinuous.problem.target import Tolerance
-    from sinuous.robot.robot import Robot
-    from sinuous.scene.snapshot import Snapshot
 
 Whole = NDArray[np.int64]
 Objects = NDArray[np.object_]
 
 
-class Questions(NamedTuple):
-    """What was asked m times, of one robot in one scene.
+class ManyProblems(NamedTuple):
+    """m problems of one robot in one scene.
 
     Attributes
     ----------
     robot : Robot
-    asked : Asked
+    target_sets : TargetSets
         The targets of each.
     scene : Snapshot
     tolerance : Tolerance
@@ -56,19 +54,19 @@ class Questions(NamedTuple):
         The initial configurations of each: g is 0 or 1.
     """
 
-    robot: "Robot"
-    asked: Asked
-    scene: "Snapshot"
-    tolerance: "Tolerance"
+    robot: Robot
+    target_sets: TargetSets
+    scene: Snapshot
+    tolerance: Tolerance
     initial: Floats
 
     def problem(self, i: int) -> Problem:
-        """Return one of them by itself."""
-        return Problem.prepared(self.robot, self.asked.targets(i), self.scene, self.tolerance)
+        """Return one of the problems."""
+        return Problem.prepared(self.robot, self.target_sets.targets(i), self.scene, self.tolerance)
 
-    def some(self, index: Any) -> "Questions":
-        """Return some of them: by a slice, or numbers (k,)."""
-        return self._replace(asked=self.asked[index], initial=self.initial[index])
+    def some(self, index: Any) -> "ManyProblems":
+        """Return some of the problems: by a slice, or numbers (k,)."""
+        return self._replace(target_sets=self.target_sets[index], initial=self.initial[index])
 
 
 class Beyond(NamedTuple):
@@ -105,21 +103,21 @@ class Solutions(Frozen, Sequence[Solution]):
     seed : int
     """
 
-    __slots__ = ("_answers", "_beyond", "_questions", "_resolver")
+    __slots__ = ("_answers", "_beyond", "_problems", "_resolver")
 
     _resolver: ReSolver
     _answers: Floats
     _beyond: Mapping[int, Beyond]
-    _questions: Questions
+    _problems: ManyProblems
 
     def __init__(
-        self, questions: Questions, answers: Floats, resolver: ReSolver, beyond: Mapping[int, Beyond] | None = None
+        self, problems: ManyProblems, answers: Floats, resolver: ReSolver, beyond: Mapping[int, Beyond] | None = None
     ) -> None:
         answers.flags.writeable = False
-        self._set(_questions=questions, _answers=answers, _resolver=resolver, _beyond=dict(beyond or {}))
+        self._set(_problems=problems, _answers=answers, _resolver=resolver, _beyond=dict(beyond or {}))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Solutions, (self._questions, self._answers, self._resolver, self._beyond)
+        return Solutions, (self._problems, self._answers, self._resolver, self._beyond)
 
     def equals(self, other: object) -> bool:
         """Whether `other` holds the same answers, to the last digit, whatever time they took."""
@@ -157,20 +155,20 @@ class Solutions(Frozen, Sequence[Solution]):
             for place, number in (enumerate(numbers.tolist()) if self._beyond else ())
             if number in self._beyond
         }
-        return Solutions(self._questions.some(index), self._answers[index], self._resolver, beyond)
+        return Solutions(self._problems.some(index), self._answers[index], self._resolver, beyond)
 
     def _one(self, i: int) -> Solution:
         answer = self._answers[i]
         outcome = Outcome.from_record(answer[RECORD_WIDTH:].reshape(-1, 3).copy(), answer[:RECORD_WIDTH].tolist())
         if i in self._beyond:
             outcome = outcome._replace(**self._beyond[i]._asdict())
-        given = self._questions.initial[i]
-        return Solution(self._questions.problem(i), outcome, outcome.seconds, self._resolver, given)
+        given = self._problems.initial[i]
+        return Solution(self._problems.problem(i), outcome, outcome.seconds, self._resolver, given)
 
     @property
     def q(self) -> Floats:
         """Configurations (m, n, 3), read-only."""
-        return self._answers[:, RECORD_WIDTH:].reshape(len(self), len(self._questions.robot), 3)
+        return self._answers[:, RECORD_WIDTH:].reshape(len(self), len(self._problems.robot), 3)
 
     @property
     def status(self) -> Objects:
@@ -185,22 +183,22 @@ class Solutions(Frozen, Sequence[Solution]):
     @property
     def position_error(self) -> Floats:
         """Largest distance (m,) of an end to its target position; NaN where none is asked for."""
-        return np.where(self._questions.asked.placed, self._answers[:, POSITION_ERROR], np.nan)
+        return np.where(self._problems.target_sets.placed, self._answers[:, POSITION_ERROR], np.nan)
 
     @property
     def angle_error(self) -> Floats:
         """Largest angle (m,) of an end to its target orientation, rad; NaN where none is asked for."""
-        return np.where(self._questions.asked.turned, self._answers[:, ANGLE_ERROR], np.nan)
+        return np.where(self._problems.target_sets.turned, self._answers[:, ANGLE_ERROR], np.nan)
 
     @property
     def clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance between body and obstacles; NaN without obstacles, or a proof."""
-        return self._proved(CLEARANCE, len(self._questions.scene) > 0)
+        return self._proved(CLEARANCE, len(self._problems.scene) > 0)
 
     @property
     def self_clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance of the body from itself; NaN where it may cross, or unproved."""
-        return self._proved(SELF_CLEARANCE, self._questions.robot.avoids_itself)
+        return self._proved(SELF_CLEARANCE, self._problems.robot.avoids_itself)
 
     def _proved(self, column: int, matters: bool) -> Floats:
         return np.where(self.solved & matters, self._answers[:, column], np.nan)
@@ -228,7 +226,7 @@ class Solutions(Frozen, Sequence[Solution]):
     @property
     def actuators(self) -> dict[str, Floats] | None:
         """Values (m,) of every actuator, by its name; `None` without any."""
-        robot = self._questions.robot
+        robot = self._problems.robot
         names = [actuator.name for actuator in robot.actuators]
         return dict(zip(names, robot.to_actuators(self.q).T, strict=True)) if names else None
 
@@ -259,4 +257,4 @@ class Solutions(Frozen, Sequence[Solution]):
     def __repr__(self) -> str:
         counts = Counter(map(str, self.status.tolist()))
         told = ", ".join(f"{count:,} {status}" for status, count in counts.most_common())
-        return f"Solutions: {len(self):,} of {len(self._questions.robot)} segments{': ' if told else ''}{told}"
+        return f"Solutions: {len(self):,} of {len(self._problems.robot)} segments{': ' if told else ''}{told}"

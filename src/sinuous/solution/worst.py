@@ -19,8 +19,7 @@ from sinuous.problem.problem import Problem
 from sinuous.reprs import ShortRepr
 from sinuous.robot.limits import unit_of
 from sinuous.robot.robot import Robot
-from sinuous.scene.nearest import least_gap
-from sinuous.scene.snapshot import Snapshot
+from sinuous.scene.snapshot import Snapshot, least_gap
 from sinuous.solution.contacts import self_contacts_of
 
 WorstKind = Constraint | Literal["position", "angle"]

@@ -19,12 +19,8 @@ ATTEMPTS = {
     SIDE_TUBES: "a route through tubes that open beside edges",
     "cells": "routes over the cells of a grid, coarse and then fine ones",
     "laid": "chains laid along routes",
-    "grown": "chains grown along routes, from either end",
+    "grown": "chains grown along routes from both ends, and joined, by wider and wider beams",
     "gates": "chains through the narrowest place of a route, part by part",
-    "lengthened": "routes that are too short for the robot, made longer",
-    "ends": "chains of which either end is laid along the tube that it lies in",
-    "elbows": "chains through the tube that an elbow lies in",
-    "thinner": "thinner bodies, which are solved and then grow",
     "passages": "for `solve_all`: routes through passages that no solution leads through yet",
 }
 """All attempts, by the names with which they are switched off, and what each makes."""

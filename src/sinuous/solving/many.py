@@ -14,7 +14,7 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import Beyond, Questions, Solutions
+from sinuous.solution.solutions import Beyond, ManyProblems, Solutions
 from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
 
@@ -44,17 +44,17 @@ class Many:
 
     Parameters
     ----------
-    questions : Questions
+    questions : ManyProblems
     method : Prepared
     workers : int
         Most threads.
     advance : callable
     """
 
-    def __init__(self, questions: Questions, method: Prepared, workers: int, advance: Advance) -> None:
+    def __init__(self, questions: ManyProblems, method: Prepared, workers: int, advance: Advance) -> None:
         self._questions, self._method = questions, method
         self._workers, self._advance = workers, advance
-        self._answers = np.empty((len(questions.asked), answer_size(len(questions.robot))))
+        self._answers = np.empty((len(questions.target_sets), answer_size(len(questions.robot))))
         self._beyond: dict[int, Beyond] = {}
 
     def begin(self, budget: Budget) -> None:
@@ -65,7 +65,7 @@ class Many:
 
         def begin(chunk: tuple[int, int]) -> None:
             first, last = chunk
-            rows = self._questions.asked.rows(first, last)
+            rows = self._questions.target_sets.chunk(first, last)
             initial = np.array(self._questions.initial[first:last], order="C")
             answers = self._answers[first:last]
             self._method.run_many(self._questions.scene, rows, initial, budget, answers)
@@ -73,7 +73,7 @@ class Many:
 
         least = AMONG_OBSTACLES if len(self._questions.scene) else FREE
         most = min(TOGETHER, len(self._answers) // (PARTS * self._workers))
-        Crew(begin, self._workers).share(_chunks(self._questions.asked.runs(), least, most))
+        Crew(begin, self._workers).share(_chunks(self._questions.target_sets.runs(), least, most))
 
     def decide(self, code: int) -> None:
         """Give every question the same verdict."""

@@ -15,10 +15,10 @@ from sinuous.errors import InputError
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
-from sinuous.problem.asked import read_asked
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions, warn_of
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
+from sinuous.problem.target_sets import read_target_sets
 from sinuous.progress import ProgressBar
 from sinuous.reprs import call, text
 from sinuous.robot.rates import Changes, Rates
@@ -26,7 +26,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
-from sinuous.solution.solutions import Questions, Solutions
+from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
 from sinuous.solving.many import Many, read_initial, read_workers
@@ -89,7 +89,7 @@ class Solver:
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
-        self._strategy = Strategy(robot, scene, self.tolerance, chosen, Solver.prepared)
+        self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = SolvesAgain(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
         self._shape = len(robot), 3
@@ -211,12 +211,12 @@ class Solver:
         InputError
             When an argument is not what it should be, or there is not one of each for every target.
         """
-        asked = read_asked(self.robot, targets, arrays)
+        asked = read_target_sets(self.robot, targets, arrays)
         threads, shown = read_workers(workers), checks.truth("progress", progress)
         given = read_initial(self.robot, len(asked), initial)
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
-        questions = Questions(self.robot, asked, scene, self.tolerance, given)
+        questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
         with ProgressBar(len(asked) if shown else 0) as bar:
             many = Many(questions, self._prepared, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)

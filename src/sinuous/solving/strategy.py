@@ -31,12 +31,10 @@ from sinuous.solving.attempts import EDGES, SCATTERED, SIDE_TUBES, Attempts
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
-from sinuous.solving.routing.elbows.threading import Elbows
-from sinuous.solving.routing.ends.ends import Ends
-from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME, Beam
-from sinuous.solving.routing.searches import CELLS, SIDES, Plan, Searches
+from sinuous.solving.routing.chains import FIRST_WIDTH, LAST_WIDTH
+from sinuous.solving.routing.growth import FEW, GLANCE, MANY, ONE, SOME
+from sinuous.solving.routing.searches import CELLS, Plan, Searches
 from sinuous.solving.starts import Batch, Question, Scattered
-from sinuous.solving.thinner import Prepare, Thinner
 
 OPENING = 3
 """Starts of the first call among obstacles: most that suffice are among the first, and routes are known as soon."""
@@ -83,11 +81,12 @@ ALTERNATIVES = 4
 BETWEEN = 3.0
 """Edge of the coarse cells, in edges of the fine ones, from which on cells of twice the finest come between them."""
 
-GROWN_COSTS = {ONE: 4, SOME: 5, FEW: 9, MANY: 100}
-"""By beam, the cost of growing chains along a route, from either end (pipes, ducts)."""
+GROWN_COST = 1.0
+"""Cost of growing chains along a route from both ends, for each that beams keep (pipes, ducts, cells, halls). Beams
+double as long as there is time."""
 
-WIDEST = 1024
-"""Widest beam: beams double as long as there is time (5 MB of memory for a robot of 20 segments)."""
+GROWN_SEVERAL = 16
+"""Width of beams where several solutions are wanted: chains along one route are much alike."""
 
 GATES_COSTS = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
 """By beam, the cost of chains through the gates at the first place of a passage, part after part (doors, cells)."""
@@ -103,33 +102,6 @@ GATES_GLANCE_BLIND = 4
 
 GROWN_ROUTES = 2
 """Routes of one search along which chains are grown; chains are led through the gates of the first one alone."""
-
-LENGTHENED_COSTS = (15, 15, 25, 25, 50, 50, 50, 50)
-"""By side, the cost of making a route longer (drum, shelf)."""
-
-ENDS_PRICES = {GLANCE: 5, ONE: 6, SOME: 12, FEW: 20, MANY: 110}
-"""By beam, the price of chains whose ends lie in tubes (two tubes, funnel): mostly what leads along routes, or out of
-the tube of the base, suffices."""
-
-ENDS_LOOK = 1
-"""Price of a glance at the tubes of both ends, where walls are near the target: what leads out of the tube of the base,
-or around edges, seldom gets into another tube."""
-
-ELBOWS_PRICES = {GLANCE: 0, ONE: 3, SOME: 6, FEW: 20, MANY: 110}
-"""By beam, the price of chains through the tube of an elbow (pipe between, cells pipe)."""
-
-ELBOWS_FROM_INSIDE = 1
-"""Price of the first of them where the base stands among walls: the first chain along a route out of there often leads
-through the tube of the elbow, too (box duct)."""
-
-ENDS_COSTS = {GLANCE: 3, ONE: 4, SOME: 12, FEW: 40, MANY: 150}
-"""By beam, the cost of chains whose ends lie in tubes, and of those through the tube of an elbow."""
-
-THINNER_PRICES = {0.7: 9, 0.5: 20}
-"""By share of the radii with which a body begins, the price of growing it from there (cells, box duct)."""
-
-THINNER_COST = 20
-"""Cost of growing a thinner body."""
 
 AT_ONCE = 0
 """Price of what comes first."""
@@ -148,9 +120,6 @@ classes than scattered starts do."""
 MakePassages = Callable[[Question, Floats], Passages]
 """From a question and what routes have to keep (28,) to the passages of its routes."""
 
-Grow = Callable[[Question, float], Iterator[Batch]]
-"""From a question and a share of the radii to a configuration of a body that has grown from there."""
-
 
 class Strategy:
     """What a solver tries, prepared once for a robot and a scene; safe to share between threads.
@@ -161,8 +130,6 @@ class Strategy:
     scene : Scene
     tolerance : Tolerance
     options : SolveOptions
-    prepare : callable
-        Makes a solver of a robot, a scene and options: for thinner bodies.
 
     Attributes
     ----------
@@ -170,12 +137,10 @@ class Strategy:
         What finds routes, where they are searched for.
     """
 
-    def __init__(
-        self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions, prepare: Prepare
-    ) -> None:
+    def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions) -> None:
         takes_routes = registry.capabilities(options.method).routes and len(scene) > 0
         self.searches = Searches(robot, scene, tolerance) if options.routes and takes_routes else None
-        self._options, self._thinner = options, Thinner(robot, options, prepare)
+        self._options = options
 
     def load(self) -> float:
         """Compile what routes need, or load it, where that is not done yet; return the seconds it took."""
@@ -209,8 +174,7 @@ class Strategy:
             What knows other passages: where several solutions are wanted, routes through these come before all others.
         """
         left = self.scattered(question) if scattered is None else scattered
-        without, grow = self._options.without, self._thinner.begun
-        return attempts_of(question, left, self.searches, without=without, grow=grow, passages=passages).batches()
+        return attempts_of(question, left, self.searches, without=self._options.without, passages=passages).batches()
 
 
 def attempts_of(
@@ -219,7 +183,6 @@ def attempts_of(
     searches: Searches | None,
     *,
     without: Collection[str] = (),
-    grow: Grow | None = None,
     passages: MakePassages | None = None,
 ) -> Attempts:
     """Return the queue of all that is tried for a question.
@@ -233,8 +196,6 @@ def attempts_of(
         What finds routes, where they are searched for.
     without : collection of str
         Attempts that are switched off.
-    grow : callable, optional
-        Grows thinner bodies.
     passages : callable, optional
         See `Strategy.batches`.
     """
@@ -242,7 +203,7 @@ def attempts_of(
     attempts = Attempts(question, scattered, SHARE_AMONG_BALLS if balls else SHARE, without)
     query = None if searches is None else searches.query(question.problem)
     if searches is not None and query is not None:
-        RouteAttempts(attempts, searches, question, query, grow, passages)
+        RouteAttempts(attempts, searches, question, query, passages)
     return attempts
 
 
@@ -257,8 +218,6 @@ class RouteAttempts:
     question : Question
     query : ndarray (28,)
         What routes have to keep.
-    grow : callable, optional
-        Grows thinner bodies.
     passages : callable, optional
         See `Strategy.batches`.
     """
@@ -269,7 +228,6 @@ class RouteAttempts:
         searches: Searches,
         question: Question,
         query: Floats,
-        grow: Grow | None = None,
         passages: MakePassages | None = None,
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
@@ -279,13 +237,11 @@ class RouteAttempts:
         self._passes = 0
         if passages is not None:
             self._add_passage(passages(question, query), frozenset(), 0)
-        self._add_first(grow)
+        self._add_first()
 
-    def _add_first(self, grow: Grow | None) -> None:
+    def _add_first(self) -> None:
         """Add what needs no route, and what finds routes."""
-        one = not self._question.several
-        if one:
-            self._add_tubes_of_ends()
+        if not self._question.several:
             self._attempts.add("base_tube", AT_ONCE, self._candidates.in_tube)
         self._attempts.add(SCATTERED, AT_ONCE, self._scattered_first, cost=0)
         for name, find in (
@@ -294,9 +250,6 @@ class RouteAttempts:
         ):
             self._attempts.add(name, AT_ONCE, partial(self._find_one, find), cost=0)
         self._attempts.add("cells", AT_ONCE, partial(self._search, self._plans, True), cost=0)
-        if one and grow is not None:
-            for share, price in THINNER_PRICES.items():
-                self._attempts.add("thinner", price, partial(self._thinner, grow, share, price), THINNER_COST)
 
     def _add_passage(
         self, passages: Passages, closed: frozenset[int], step: int, again: bool = False, later: bool = False
@@ -325,19 +278,6 @@ class RouteAttempts:
             self._add_passage(passages, closed, step + again, again=True)
         for more in passages.closing(closed, routes[0]):
             self._add_passage(passages, more, 0)
-
-    def _add_tubes_of_ends(self) -> None:
-        """Add chains through tubes that an end, or an elbow, lies in."""
-        elbows = Elbows(self._searches, self._question)
-        if elbows.possible:
-            prices = {**ELBOWS_PRICES, GLANCE: ELBOWS_FROM_INSIDE} if elbows.from_inside else ELBOWS_PRICES
-            for beam, price in prices.items():
-                self._attempts.add("elbows", price, partial(elbows.chains, beam), ENDS_COSTS[beam])
-        ends = Ends(self._searches, self._question, self._candidates.query)
-        if ends.possible:
-            self._attempts.add("ends", ENDS_LOOK, ends.glance, ENDS_COSTS[GLANCE])
-            for beam, price in ENDS_PRICES.items():
-                self._attempts.add("ends", price, partial(ends.made, beam), ENDS_COSTS[beam])
 
     def _scattered_first(self) -> Iterator[Batch]:
         """Scattered starts, where looking for a route takes longer."""
@@ -375,7 +315,6 @@ class RouteAttempts:
             return
         stowed = self._candidates.to_be_stowed(routes[0])
         for place, route in enumerate(routes):
-            clear_before = any(other.finest for other in self._candidates.known)
             candidate, unlike = self._candidates.note(route, finest, exact)
             if candidate is None:
                 continue
@@ -383,9 +322,6 @@ class RouteAttempts:
                 self._add_grown(candidate)
                 if place == 0 and not self._question.several:
                     self._add_gates(candidate)
-            sides = 0 if not finest else len(SIDES) if candidate.rank == 1 or not clear_before else 1
-            for side, cost in zip(SIDES[:sides], LENGTHENED_COSTS, strict=False):
-                self._add_along("lengthened", candidate, cost, partial(self._candidates.lengthened, candidate, side))
         price = GATES_COSTS[GLANCE] if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
@@ -397,22 +333,13 @@ class RouteAttempts:
     def _add_grown(self, candidate: Candidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
         if self._question.several:
-            self._attempts.add("grown", LAST, partial(self._candidates.grown, candidate, FEW), GROWN_COSTS[FEW])
+            make = partial(self._candidates.grown, candidate, GROWN_SEVERAL)
+            self._attempts.add("grown", LAST, make, GROWN_COST * GROWN_SEVERAL)
             return
-        for beam, cost in GROWN_COSTS.items():
-            self._add_along("grown", candidate, cost, partial(self._candidates.grown, candidate, beam))
-        self._add_wider(candidate, MANY, GROWN_COSTS[MANY])
-
-    def _add_wider(self, candidate: Candidate, beam: Beam, cost: float) -> None:
-        """Add chains of a beam twice as wide as one that is known, for twice its cost, and so on."""
-        wider, twice = Beam(2 * beam.chains, 2 * beam.width), 2 * cost
-
-        def grown() -> Iterator[Batch]:
-            self._add_wider(candidate, wider, twice)
-            return self._candidates.grown(candidate, wider)
-
-        if wider.width <= WIDEST:
-            self._add_along("grown", candidate, twice, grown)
+        width = FIRST_WIDTH
+        while width <= LAST_WIDTH:
+            self._add_along("grown", candidate, GROWN_COST * width, partial(self._candidates.grown, candidate, width))
+            width *= 2
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""
@@ -423,13 +350,6 @@ class RouteAttempts:
                     times = GATES_GLANCE_BLIND / cost
                 make = partial(self._candidates.through, candidate, beam, place)
                 self._add_along("gates", candidate, cost, make, times)
-
-    def _thinner(self, grow: Grow, share: float, price: float) -> Iterator[Batch]:
-        """Grow a body from a share of its radii, once a route is known."""
-        if not self._candidates.known and price < LAST:
-            self._attempts.add("thinner", LAST, partial(self._thinner, grow, share, LAST), THINNER_COST)
-            return
-        yield from grow(self._question, share)
 
 
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:

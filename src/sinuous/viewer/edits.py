@@ -8,12 +8,12 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.poses import pose
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.courses.moved import moved
 from sinuous.scene.extents import box_of
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.moving import moved
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Primitive, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.writing.plain import pose_arguments
 
 KINDS = ("sphere", "box", "capsule", "cylinder", "half_space")

@@ -17,10 +17,9 @@ from sinuous.poses import least_rotation
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.scene.mover import Mover
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
-from sinuous.scene.snapshot import Snapshot
+from sinuous.scene.snapshot import Mover, Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.viewer import edits
 from sinuous.viewer.solvers import Question, Settings
@@ -81,9 +80,10 @@ class Model:
     def __init__(self, job: Job, settings: Settings | None = None) -> None:
         self.settings = settings or Settings()
         self.number = 0
-        self._take(job)
+        self.load(job)
 
-    def _take(self, job: Job) -> None:
+    def load(self, job: Job) -> None:
+        """Begin anew with another problem."""
         self.job = job
         self.q: Floats = straight(job.robot) if job.start is None else job.start
         self._q_beside = straight(job.robot)
@@ -165,12 +165,7 @@ class Model:
 
     def _change(self, **parts: Any) -> None:
         """Ask another question: parts of the job that differ."""
-        job = self.job
-        kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
-        own: dict[str, Any] = {key: getattr(job, key) for key in kept}
-        if job.waypoints:
-            own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
-        self.job = Job(parts.pop("robot", job.robot), **{**own, **parts})
+        self.job = changed(self.job, **parts)
         self._asked_anew()
 
     def _asked_anew(self) -> None:
@@ -279,6 +274,10 @@ class Model:
         solution = self.ghosts[checks.integer("solution", index, 0, len(self.ghosts) - 1)]
         self.answer, self.q, self.by_hand = solution, solution.q, False
 
+    def forget_ghosts(self) -> None:
+        """Take the distinct solutions from the page."""
+        self.ghosts = []
+
     def begin_here(self) -> None:
         """Let motions begin in the shape on the page; where obstacles move, at the time on the page."""
         self.begin = self.time if self.scene.moves else 0.0
@@ -382,16 +381,19 @@ class Model:
             self._mover = Mover(scene, index)
         self._change(scene=Scene.of(self._mover.moved(obstacle)))
 
-    # Files
-
-    def load(self, job: Job) -> None:
-        """Begin anew with another problem."""
-        self._take(job)
-
     @property
     def folder(self) -> Path:
         """Where names of files in the problem begin."""
         return Path(self.job.file).parent
+
+
+def changed(job: Job, **parts: Any) -> Job:
+    """Return a job with other parts: arguments of `Job`."""
+    kept = "scene", "tolerance", "start", "prefer", "rates", "times", "goal", "file"
+    own: dict[str, Any] = {key: getattr(job, key) for key in kept}
+    if job.waypoints:
+        own["path" if job.is_path else "target"] = job.waypoints if job.is_path else job.waypoints[0]
+    return Job(parts.pop("robot", job.robot), **{**own, **parts})
 
 
 def window_of(job: Job, motion: Motion | None) -> tuple[float, float]:

@@ -16,9 +16,9 @@ from sinuous.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb,
 from sinuous.display.surface import Triangles, as_triangles
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
-from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 
 GREY, CHOSEN = rgb(OBSTACLE), rgb("#cc79a7")
 """Colours of obstacles, and of the one that is chosen."""

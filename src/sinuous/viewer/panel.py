@@ -25,15 +25,15 @@ class Section:
     Parameters
     ----------
     container : handle of a tab or folder
+    fields : Fields
     build : callable
         Puts the fields into the container.
     made_for : callable
         Returns what the fields are made for.
     """
 
-    def __init__(self, container: Any, build: Build, made_for: Callable[[], object]) -> None:
-        self._container, self._build, self._made_for = container, build, made_for
-        self._fields = Fields()
+    def __init__(self, container: Any, fields: Fields, build: Build, made_for: Callable[[], object]) -> None:
+        self._container, self._fields, self._build, self._made_for = container, fields, build, made_for
         self._now: object = None
 
     def refresh(self) -> None:
@@ -54,22 +54,22 @@ class Panel:
         self._session, model = session, session.model
         self._status = gui.add_html("")
         group = gui.add_tab_group()
-        entries: list[tuple[str, Build, Callable[[], object]]] = [
-            ("Target", partial(tabs.target_tab, gui, session), lambda: (_asked(session), model.job.is_path)),
-            ("Motion", partial(tabs.motion_tab, gui, session), lambda: model.job.is_path),
-            ("Shape", partial(tabs.shape_tab, gui, session), lambda: (_limits(session), session.first_segment)),
-            ("Scene", partial(tabs.scene_tab, gui, session), lambda: None),
-            ("Robot", partial(tabs.robot_tab, gui, session), lambda: model.robot.segment_names),
-            ("Solve", partial(tabs.solve_tab, gui, session), lambda: None),
-            ("File", partial(tabs.file_tab, gui, session, save), lambda: None),
+        entries: list[tuple[str, Callable[[Session, Fields], None], Callable[[], object]]] = [
+            ("Target", tabs.target_tab, lambda: (_asked(session), model.job.is_path)),
+            ("Motion", tabs.motion_tab, lambda: model.job.is_path),
+            ("Shape", tabs.shape_tab, lambda: (_limits(session), session.first_segment)),
+            ("Scene", tabs.scene_tab, lambda: None),
+            ("Robot", tabs.robot_tab, lambda: model.robot.segment_names),
+            ("Solve", tabs.solve_tab, lambda: None),
+            ("File", partial(tabs.file_tab, save), lambda: None),
         ]
         self._sections = []
         for name, build, made_for in entries if model.targets else entries[1:]:
             tab = group.add_tab(name)
-            self._sections.append(Section(tab, build, made_for))
+            self._sections.append(Section(tab, Fields(gui, session), partial(build, session), made_for))
             if name == "Scene":
-                sizes = partial(tabs.size_fields, gui, session)
-                self._sections.append(Section(tab, sizes, lambda: _sizes(session)))
+                sizes = partial(tabs.size_fields, session)
+                self._sections.append(Section(tab, Fields(gui, session), sizes, partial(_sizes, session)))
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
 

@@ -12,7 +12,7 @@ from sinuous.checks import Floats
 from sinuous.display.bounds import best_view, bounds_of
 from sinuous.display.contents import Arm, Contents, MovingArm
 from sinuous.display.style import ROUTE, TIP_PATH
-from sinuous.scene.courses.moving import Moving
+from sinuous.scene.moving import Moving
 from sinuous.viewer.model import pace
 from sinuous.viewer.nodes import Body, Look, Obstacles, body_tones, show_line, show_target
 from sinuous.viewer.server import aim, close_server, open_server

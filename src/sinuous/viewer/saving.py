@@ -7,7 +7,7 @@ from sinuous.errors import InputError
 from sinuous.files.documents import parse
 from sinuous.files.problem_file import problem_of
 from sinuous.motion.job import Job
-from sinuous.viewer.model import Model
+from sinuous.viewer.model import Model, changed
 from sinuous.writing.documents import yaml_text
 
 LARGEST = 50_000_000
@@ -29,17 +29,11 @@ def saved(model: Model) -> str:
     """
     job, own = model.job, model.settings
     moves = job.is_path or job.goal is not None or model.motion is not None or model.scene.moves
-    kept = job if moves else _with_start(model)
+    kept = job if moves else changed(job, start=model.q)
     command = "track" if job.is_path else "plan" if moves else "solve"
     begin = f" --begin {model.begin:g}" if command == "plan" and model.begin else ""
     line = f"# sinuous {command} FILE --method {own.method} --seed {own.seed} --time {own.time:g}{begin}\n"
     return line + yaml_text(kept.to_dict(model.folder))
-
-
-def _with_start(model: Model) -> Job:
-    job = model.job
-    parts: dict[str, Any] = {key: getattr(job, key) for key in ("tolerance", "prefer", "rates", "file")}
-    return Job(job.robot, job.waypoints[0], job.scene, start=model.q, **parts)
 
 
 def loaded(name: str, content: bytes, folder: Path) -> Job:

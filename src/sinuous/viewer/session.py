@@ -199,14 +199,6 @@ class Session(ABC):
         """Choose an obstacle, or none."""
         self.do("grasp", lambda: self.model.grasp(index))
 
-    def colour(self, colouring: Colouring) -> None:
-        """Let the colours of the body say something else."""
-        self.do("colour", lambda: setattr(self, "colouring", colouring))
-
-    def show_segments(self, first: int) -> None:
-        """Show the sliders of other segments, from this one on, 0 = first."""
-        self.do("segments", lambda: setattr(self, "first_segment", first))
-
     def find_others(self, count: int) -> None:
         """Look for distinct solutions."""
         question = self.model.question()
@@ -223,10 +215,6 @@ class Session(ABC):
         if number == self.model.number:
             self.model.ghosts = found
             self.model.choose(0)
-
-    def forget_others(self) -> None:
-        """Take other solutions from the page."""
-        self.do("others", self.model.ghosts.clear)
 
     def move(self) -> None:
         """Follow the path, or plan a motion to the target or goal, and play it."""

@@ -14,8 +14,7 @@ from sinuous.measures.reach import target_errors
 from sinuous.problem.target import Target
 from sinuous.robot.limits import Violation
 from sinuous.robot.robot import Robot
-from sinuous.scene.nearest import least_gap
-from sinuous.scene.snapshot import Snapshot
+from sinuous.scene.snapshot import Snapshot, least_gap
 from sinuous.solution.binding import in_words
 from sinuous.solution.solution import Solution
 from sinuous.viewer.model import Model

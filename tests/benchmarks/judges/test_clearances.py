@@ -14,11 +14,10 @@ from benchmarks.judges.clearances import Clearances, distance_of, least_clearanc
 from benchmarks.judges.collisions import Body
 from benchmarks.judges.kinematics import body_points
 from sinuous.checks import Floats
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.scene import Scene
 
 ARM = sn.Robot.uniform(3, 1.0, 2.0, radius=0.1)

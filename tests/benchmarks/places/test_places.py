@@ -18,9 +18,9 @@ from benchmarks.problems import random_configurations
 from sinuous.checks import Floats
 from sinuous.measures.body import arc_poses
 from sinuous.measures.obstacles import measure
-from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Sphere
+from sinuous.scene.point_cloud import PointCloud
 
 made_once = cache(make)
 """To prepare a place takes seconds: tests that only look at it share it."""

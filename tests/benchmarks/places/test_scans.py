@@ -10,8 +10,8 @@ from benchmarks.places.families import _DRAWN
 from benchmarks.places.place import Sketch
 from benchmarks.places.scans import scan, triangles
 from sinuous.checks import Floats
-from sinuous.scene.clouds.point_cloud import PointCloud
 from sinuous.scene.obstacles import Box, Sphere
+from sinuous.scene.point_cloud import PointCloud
 
 
 def on_surface(corners: Floats, count: int, rng: np.random.Generator) -> Floats:

@@ -12,8 +12,8 @@ from sinuous.kernels.fields.distances import beside_chord
 from sinuous.kernels.fields.grids import grid_of
 from sinuous.kernels.tables import FIRST_CELL, FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.prepared import candidates, parts, trees
-from sinuous.scene.prepared.candidates import CELLS
+from sinuous.scene.prepared import parts, sampling, trees
+from sinuous.scene.prepared.sampling import CELLS
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import kernel_scene, random_pose, vec
@@ -83,7 +83,7 @@ def test_a_list_is_in_order_and_begins_with_what_is_closest_to_the_middle(name: 
 def test_lists_that_have_no_room_leave_it_to_the_tree(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where entries run out, lists end early, then are empty."""
     mesh = boxes(11)
-    monkeypatch.setattr(candidates, "ENTRIES", 30_000)
+    monkeypatch.setattr(sampling, "ENTRIES", 30_000)
     short, plain = parts.prepare(mesh, "boxes"), parts._of_pieces(trees.triangles(mesh))
     first, shape = int(short.row[FIRST_CELL]), short.row[SHAPE : SHAPE + 3].astype(int)
     counts = short.store[first : first + 3 * shape.prod()].reshape(-1, 3)[:, 1]

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from sinuous.kernels.growing.beam import CHAIN_WIDTH, FRAME, LAST, PARENT
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
@@ -35,14 +36,27 @@ WALLS = Scene(BOXES)
 def grown(
     robot: Robot, scene: Scene, targets: list[Target], legs: list[Floats], count: int = 4, seconds: float = 60.0
 ) -> Floats:
+    """The best `count` chains of the most segments that there are."""
     problem = Problem(robot, targets, scene)
-    chains = np.full((count, len(robot), 3), np.nan)
-    width = 8 * count
-    workspace = np.full(
-        growing_size(len(robot), len(problem.scene), width), np.nan
-    )  # nothing of what was there before may matter
+    n, width = len(robot), 8 * count
+    levels = np.full((n + 1, width, CHAIN_WIDTH), np.nan)  # nothing of what was there before may matter
+    workspace, counts = np.full(growing_size(len(problem.scene), width), np.nan), np.full(n + 1, -1)
     points = np.stack([respaced(leg, 80) for leg in legs])
-    return chains[: grow_chains(*kernel_groups(problem), points, (seconds, width), workspace, chains)]
+    root = np.append(robot.base[:3, :3].ravel(), robot.base[:3, 3])
+    grow_chains(*kernel_groups(problem), points, root[None], seconds, workspace, levels, counts)
+    chains = np.empty((min(count, counts[n]), n, 3))
+    for i, q in enumerate(chains):
+        at = i
+        for k in range(n, 0, -1):
+            q[k - 1], at = levels[k, at, LAST : LAST + 3], int(levels[k, at, PARENT])
+        assert np.allclose(levels[n, i, FRAME : FRAME + 12], _pose(robot, q, n))
+    return chains
+
+
+def _pose(robot: Robot, q: Floats, k: int) -> Floats:
+    """Pose (12,) of the end of segment `k`, counted from 1, as a row."""
+    end = robot.forward(q)[k - 1]
+    return np.append(end[:3, :3].ravel(), end[:3, 3])
 
 
 def overlap(robot: Robot, scene: Scene, q: Floats) -> float:

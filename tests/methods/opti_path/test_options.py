@@ -7,6 +7,7 @@ import pytest
 
 import sinuous as sn
 from benchmarks.problems import PAPER_POSES, arm, direction_targets, random_configurations
+from sinuous import methods
 from sinuous.methods.opti_path import gradient as path_gradient
 from sinuous.methods.opti_path import path as paths
 from sinuous.methods.opti_path import starts as path_starts
@@ -30,7 +31,9 @@ def poses() -> list[sn.Target]:
 
 def solve_from_the_arc(target: sn.Target, robot: sn.Robot | None = None, **options: Any) -> sn.Solution:
     """Solve from the method's first start alone."""
-    return sn.Solver(robot or arm(5, np.pi), tolerance=EXACT, method=sn.OptiPath(**options), max_starts=1).solve(target)
+    return sn.Solver(robot or arm(5, np.pi), tolerance=EXACT, method=methods.OptiPath(**options), max_starts=1).solve(
+        target
+    )
 
 
 def largest_bend(solution: sn.Solution) -> float:
@@ -51,7 +54,7 @@ def test_the_four_poses_of_the_paper(target: sn.Target) -> None:
 @pytest.mark.parametrize("target", poses(), ids=list(PAPER_POSES))
 def test_the_faithful_mode_solves_them_and_the_literal_exponent_does_not(target: sn.Target) -> None:
     def run(**changes: Any) -> sn.Solution:
-        return sn.Solver(arm(5, 6.0), tolerance=EXACT, method=sn.OptiPath.faithful(**changes)).solve(target)
+        return sn.Solver(arm(5, 6.0), tolerance=EXACT, method=methods.OptiPath.faithful(**changes)).solve(target)
 
     solution = run()
     assert solution.solved
@@ -64,7 +67,7 @@ def test_the_faithful_mode_solves_them_and_the_literal_exponent_does_not(target:
 
 def lengths_after(target: sn.Target, iterations: int, exponent: Exponent) -> Floats:
     """Largest length of an arc in every iteration, without any limit of a step, by the kernels alone."""
-    chosen = sn.OptiPath.faithful(
+    chosen = methods.OptiPath.faithful(
         exponent=exponent, orientation="norm", orientation_weight=0.17, regularisation=10.0, largest_step=0.0
     )
     setting = Setting(*map(float, chosen.vector()))
@@ -96,7 +99,7 @@ def test_the_literal_exponent_diverges() -> None:
 
 
 def test_the_faithful_mode_can_be_typed() -> None:
-    assert sn.OptiPath.parse(["preset=faithful", "iterations=9"]) == sn.OptiPath.faithful(iterations=9)
+    assert methods.OptiPath.parse(["preset=faithful", "iterations=9"]) == methods.OptiPath.faithful(iterations=9)
 
 
 def test_random_reachable_poses() -> None:
@@ -130,7 +133,7 @@ def test_a_goal_straight_ahead_needs_a_bow() -> None:
 def test_a_goal_behind_the_base_needs_another_guess() -> None:
     """The single arc is nearly a whole turn then, and far too long."""
     target = sn.Target((0.0, 1e-6, 100.0))
-    faithful = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target)
+    faithful = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target)
     assert not faithful.solved
     assert np.isfinite(faithful.q).all()
     repaired = solve_from_the_arc(target)
@@ -141,10 +144,10 @@ def test_a_goal_behind_the_base_needs_another_guess() -> None:
 def test_the_paper_has_no_limit_of_bends() -> None:
     """What is solved without one can bend a segment by more than it may; then it is not solved, and says so."""
     target = poses()[3]
-    free = sn.Solver(arm(5, 6.0), tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target)
+    free = sn.Solver(arm(5, 6.0), tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target)
     assert free.solved
     assert largest_bend(free) > 1.6
-    limited = sn.Solver(arm(5, 1.6), tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target)
+    limited = sn.Solver(arm(5, 1.6), tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target)
     assert limited.status is sn.Status.LIMIT_BOUND
     assert limited.worst is not None
     assert limited.worst.constraint in ("bend", "length")
@@ -158,7 +161,7 @@ def test_length_and_orientation_pull_against_each_other() -> None:
     tight = sn.Tolerance(1e-9, 1e-4)
     count = {}
     for schedule in ("constant", "gated"):
-        method = sn.OptiPath(schedule=schedule, dead_band=0.0)
+        method = methods.OptiPath(schedule=schedule, dead_band=0.0)
         solver = sn.Solver(arm(5, np.pi), tolerance=tight, method=method, max_starts=1)
         count[schedule] = sum(solver.solve(target).solved for target in poses())
     assert count["constant"] <= 2
@@ -181,9 +184,9 @@ def tracking_scene(seed: int, spheres: int) -> tuple[sn.Robot, list[sn.Target], 
 @pytest.mark.parametrize("potential", ["grid", "exact"])
 def test_a_path_through_spheres_is_tracked(potential: PotentialKind) -> None:
     robot, path, scene = tracking_scene(1, 70)
-    solver = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential))
+    solver = sn.Solver(robot, scene, method=methods.OptiPath(potential=potential))
     solution = solver.solve(path[0])
-    warm = sn.Solver(robot, scene, method=sn.OptiPath(potential=potential), max_starts=1)
+    warm = sn.Solver(robot, scene, method=methods.OptiPath(potential=potential), max_starts=1)
     moved = 0
     for target in path:
         solution = warm.solve(target, solution)
@@ -198,8 +201,8 @@ def test_obstacles_are_kept_away_from_by_the_body_between_its_points() -> None:
     """With one long segment before a sphere only samples on the arcs feel it."""
     robot = sn.Robot.uniform(3, (80, 120), radius=2.0)
     scene, target = sn.Scene([sn.Sphere((6.0, 0.0, 150.0), 20.0)]), sn.Target((0.0, 10.0, 298.0))
-    felt = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=3.0), max_starts=1).solve(target)
-    blind = sn.Solver(robot, scene, method=sn.OptiPath(arcs_weight=0.0, influence=0.1), max_starts=1).solve(target)
+    felt = sn.Solver(robot, scene, method=methods.OptiPath(arcs_weight=3.0), max_starts=1).solve(target)
+    blind = sn.Solver(robot, scene, method=methods.OptiPath(arcs_weight=0.0, influence=0.1), max_starts=1).solve(target)
     assert felt.solved
     assert felt.verify().ok
     assert blind.status is sn.Status.BLOCKED
@@ -211,13 +214,13 @@ def test_restarts_go_on_where_the_first_start_fails() -> None:
     rng = np.random.default_rng(5)
     robot = arm(5, 2.4)
     targets = direction_targets(robot, random_configurations(robot, 60, rng))
-    alone = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), max_starts=1)
-    going_on = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=10), time=5.0, max_starts=100)
+    alone = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath(iterations=10), max_starts=1)
+    going_on = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath(iterations=10), time=5.0, max_starts=100)
     once = [alone.solve(target) for target in targets]
     more = [going_on.solve(target) for target in targets]
     assert sum(s.solved for s in more) > sum(s.solved for s in once) + 5
     assert {s.start for s in more} >= {"arc", "random"}
-    stopped = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath(iterations=0, restarts=False)).solve(targets[0])
+    stopped = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath(iterations=0, restarts=False)).solve(targets[0])
     assert (stopped.starts, stopped.iterations) == (2, 0)
 
 
@@ -226,31 +229,31 @@ def test_a_given_start_is_bowed_aside_before_it_is_given_up() -> None:
     straight = np.array([[0.0, 0.0, 57.5]] * 5)
     target = sn.Target((0.0, 0.0, -200.0))
     for starts, kind in ((1, "given"), (9, "given"), (10, "arc")):
-        method = sn.OptiPath(iterations=0 if starts == 10 else 300)
+        method = methods.OptiPath(iterations=0 if starts == 10 else 300)
         solution = sn.Solver(robot, tolerance=EXACT, method=method, max_starts=starts).solve(target, straight)
         assert solution.solved == (starts == 9)
         assert solution.starts == (10 if starts == 10 else min(starts, 2))
         assert solution.start == kind or starts == 10
-    faithful = sn.Solver(robot, tolerance=EXACT, method=sn.OptiPath.faithful()).solve(target, straight)
+    faithful = sn.Solver(robot, tolerance=EXACT, method=methods.OptiPath.faithful()).solve(target, straight)
     assert (faithful.solved, faithful.starts) == (False, 2)
 
 
 def test_several_solutions() -> None:
-    def all_of(method: sn.OptiPath) -> list[sn.Solution]:
+    def all_of(method: methods.OptiPath) -> list[sn.Solution]:
         solver = sn.Solver(arm(5, np.pi), tolerance=EXACT, method=method, time=60.0, max_starts=30)
         return solver.solve_all(poses()[0], count=3)
 
-    found = all_of(sn.OptiPath())
+    found = all_of(methods.OptiPath())
     assert len(found) == 3
     assert all(solution.verify().ok for solution in found)
-    assert len(all_of(sn.OptiPath.faithful())) == 1
+    assert len(all_of(methods.OptiPath.faithful())) == 1
 
 
 def test_a_solved_path_settles_away_from_obstacles() -> None:
     robot, path, scene = tracking_scene(3, 70)
     clear = []
     for settle in (0, 5):
-        solver = sn.Solver(robot, scene, method=sn.OptiPath(settle=settle))
+        solver = sn.Solver(robot, scene, method=methods.OptiPath(settle=settle))
         found = [solver.solve(target) for target in path[::10]]
         assert all(solution.solved and solution.verify().ok for solution in found)
         clear.append([solution.clearance or 0.0 for solution in found])
@@ -276,9 +279,9 @@ def test_the_mount_is_not_concerned() -> None:
 def test_a_grid_that_is_too_fine_is_refused() -> None:
     scene = sn.Scene([sn.Sphere((0.0, 0.0, 1.0), 0.1)])
     robot = sn.Robot.uniform(20, 1.0)
-    refused("spacing", lambda: sn.Solver(robot, scene, method=sn.OptiPath(spacing=1e-3)), "nodes")
-    sn.Solver(robot, method=sn.OptiPath(spacing=1e-3))  # nothing to sample
-    sn.Solver(robot, scene, method=sn.OptiPath(spacing=1e-3, potential="exact"))
+    refused("spacing", lambda: sn.Solver(robot, scene, method=methods.OptiPath(spacing=1e-3)), "nodes")
+    sn.Solver(robot, method=methods.OptiPath(spacing=1e-3))  # nothing to sample
+    sn.Solver(robot, scene, method=methods.OptiPath(spacing=1e-3, potential="exact"))
 
 
 def test_everything_scales_with_the_robot() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sinuous.errors import InputError
-from sinuous.scene.meshes import topology
+from sinuous.scene.meshes import mending
 from sinuous.scene.meshes.mesh import Mesh
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 from tests.scene.shapes import ball, cube, inverted, soup, together
@@ -19,7 +19,7 @@ OPEN = (cube()[0], cube()[1][1:])
 
 
 def volume(mesh: Mesh) -> float:
-    return topology.volume(mesh.vertices, mesh.faces)
+    return mending.enclosed_volume(mesh.vertices, mesh.faces)
 
 
 def test_a_closed_mesh_is_a_solid() -> None:
@@ -251,4 +251,4 @@ def test_slivers_leave_a_solid_closed(count: int, share: float) -> None:
     assert volume(mesh) == pytest.approx(1.0)
     assert mesh.defects[0].startswith(f"{count} triangle")
     assert len(mesh.defects) == 1
-    assert topology.are_triangles(mesh.vertices, mesh.faces).all()
+    assert mending.are_triangles(mesh.vertices, mesh.faces).all()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.scene.meshes.normals import part_normals
+from sinuous.scene.prepared.trees import part_normals
 from tests.scene import shapes
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sinuous.scene.meshes.orientation import turn_alike, turn_outwards, winding_numbers
+from sinuous.scene.meshes.mending import turn_alike, turn_outwards, winding_numbers
 from tests.scene.shapes import ball, cube, inverted, together
 
 

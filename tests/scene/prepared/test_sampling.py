@@ -11,10 +11,10 @@ import pytest
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.blocks import EDGE
 from sinuous.kernels.tables import FIRST_SAMPLE, ORIGIN, SHAPE, SPACING
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared import kept, parts, sampling, trees
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot

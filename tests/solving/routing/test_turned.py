@@ -55,13 +55,13 @@ def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray 
         assert found[:3, 2] @ tip[:3, 2] > 0.995
 
 
-def test_turned_as_a_whole_the_base_is_a_rotation_to_end_with() -> None:
+def test_where_a_rotation_is_asked_for_the_base_is_one_to_end_with() -> None:
     """The hidden shape, turned round, ends at the base turned round: with its rotation, not just its tangent."""
     robot = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=pose((1.0, 2.0, 3.0), rotation=(0.3, 0.5, -0.4, 0.7)), tool=TOOL)
     tip = robot.tip(Q)
     asked = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3])])
     route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
-    there = turned(asked, route, whole=True)
+    there = turned(asked, route)
     assert there is not None
     q = turned_back(there, asked, Q)  # to turn round twice is to do nothing
     other = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=_base(there))
@@ -70,18 +70,16 @@ def test_turned_as_a_whole_the_base_is_a_rotation_to_end_with() -> None:
     np.testing.assert_allclose(other.tip(q)[:3, 3], robot.base[:3, 3], atol=1e-9)
     np.testing.assert_allclose(other.tip(q)[:3, :3], row[GOAL : GOAL + 9].reshape(3, 3), atol=1e-9)
     elbow = robot.forward(Q)[0, :3, 3]
-    bent = turned(
-        groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3]), Target(elbow, segment=1)]), route, whole=True
-    )
+    bent = turned(groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3]), Target(elbow, segment=1)]), route)
     assert bent is not None
     number = int(bent[3][0, TARGET_SEGMENT])
     np.testing.assert_allclose(other.forward(q)[number, :3, 3], elbow, atol=1e-9)
     np.testing.assert_allclose(bent[3][0, TARGET_POSITION : TARGET_POSITION + 3], elbow, atol=1e-9)
     np.testing.assert_allclose(bent[3][1], row)
     towards = groups(robot, [Target(tip[:3, 3], direction=tip[:3, 2])])
-    for other_groups in (turned(asked, route), turned(towards, route, whole=True)):
-        assert other_groups is not None
-        assert other_groups[3][0, ORIENTATION] == DIRECTION
+    other_groups = turned(towards, route)
+    assert other_groups is not None
+    assert other_groups[3][0, ORIENTATION] == DIRECTION
 
 
 def _base(there: Groups) -> np.ndarray:
@@ -96,11 +94,28 @@ def test_what_is_not_turned_is_left() -> None:
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
     tip = Target((0.5, 0.0, 2.5))
     assert turned(groups(Robot(segments), [tip]), line) is not None
-    assert turned(groups(Robot(segments, mount=0.2), [tip]), line) is None
-    assert turned(groups(Robot(segments), [tip, Target((0.0, 0.0, 1.0), segment=1)]), line) is None
     assert turned(groups(Robot(segments), [Target((0.0, 0.0, 1.0), segment=2)]), line) is None
     driven = [Segment(1.0, 2.0, tendons=Tendons(3, 0.05, displacement=(-0.05, 0.05)))] * 3
-    assert turned(groups(Robot(driven), [tip]), line) is None
+    there = turned(groups(Robot(driven, mount=0.2), [tip]), line)
+    assert there is not None
+    bare = turned(groups(Robot(segments), [tip]), line)
+    assert bare is not None
+    for one, other in zip(there, bare, strict=True):
+        assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("asked", [{"direction": (0.0, 0.6, 0.8)}, {"rotation": (0.3, 0.5, -0.4, 0.7)}])
+def test_an_elbow_is_passed_along_the_same_tangent_the_other_way(asked: dict[str, tuple[float, ...]]) -> None:
+    line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
+    elbow = Target((0.0, 0.1, 1.0), segment=1, **asked)
+    here = groups(Robot([Segment(1.0, 2.0)] * 3), [elbow, Target((0.5, 0.0, 2.5))])
+    there = turned(here, line)
+    assert there is not None
+    row = there[3][0]
+    tangent = pose(**asked)[:3, 2]  # type: ignore[arg-type]
+    assert row[ORIENTATION] == DIRECTION
+    assert row[TARGET_SEGMENT] == 1.0
+    np.testing.assert_allclose(row[GOAL : GOAL + 3], -tangent, atol=1e-12)
 
 
 def test_no_chains_are_grown_along_more_legs_than_there_are_ends_of_segments_for() -> None:

@@ -10,6 +10,7 @@ from scipy.optimize import Bounds, NonlinearConstraint, lsq_linear, minimize
 import sinuous as sn
 from sinuous.kernels.velocity.bounded import EXACT, GAIN
 from sinuous.kernels.velocity.bounds import ROOM
+from sinuous.solution.step import Active
 from tests.helpers import Floats
 
 N = 5
@@ -202,7 +203,7 @@ def test_a_start_in_contact_is_left_and_said_plainly() -> None:
     ik, q = sn.Solver(ROBOT, [ball], routes=False), np.tile([0.0, 0.0, 57.5], (N, 1))
     step = ik.step(q, (0.0, 0.0, 0.0), 0.01, rates=sn.Rates(bend=1.0))
     assert (step.status, step.touching, step.proved) == ("touching", True, False)
-    assert step.active[0] == sn.Active("clearance", 3, obstacle="ball")
+    assert step.active[0] == Active("clearance", 3, obstacle="ball")
     gaps = []
     for _ in range(30):
         gaps.append(float(sn.check(ROBOT, step.q, ik.scene).clearance))

@@ -58,7 +58,6 @@ PIECES = (
             "kernels.fitting.lines.room_beside",
             "kernels.fitting.query.route_query",
             "kernels.freespace.find.find_routes",
-            "kernels.freespace.lengthen.lengthen_route",
             "kernels.roadmap.enclosed.rays_met",
             "kernels.roadmap.find.find_by_edges",
             "kernels.fitting.fit.fit_route",

@@ -6,8 +6,8 @@ from sinuous.kernels.chain.arc import point
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.growing.arcs import Start
-from sinuous.kernels.growing.tree import Level
-from sinuous.kernels.maths.vectors import Vec, add, add_scaled, dot, get_vec, mat_vec, norm, sub
+from sinuous.kernels.growing.beam import LAST, LENGTH, PARENT
+from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, get_vec, mat_vec, norm, sub
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.tables import RADIUS
 
@@ -49,14 +49,14 @@ def _meet(one: Arc, other: Arc, apart: float, near: float) -> bool:
 
 
 @kernel
-def meets_itself(problem: Problem, levels: Level, k: int, i: int, q: Vec) -> bool:
+def meets_itself(problem: Problem, levels: Array, k: int, i: int, q: Vec) -> bool:
     """Whether segment `k`, with the coordinates `q`, beyond chain `i` comes nearer to that chain than their radii."""
-    new = frame(levels.frames[k], i), q, levels.along[k, i]
+    new = frame(levels[k], i), q, levels[k, i, LENGTH]
     end = _at(new, PIECES)
     own = problem.limits[k, RADIUS]
     while k > 0:
-        parent, radius = levels.parent[k, i], problem.limits[k - 1, RADIUS]
-        old = frame(levels.frames[k - 1], parent), get_vec(levels.q[k], i, 0), levels.along[k - 1, parent]
+        parent, radius = int(levels[k, i, PARENT]), problem.limits[k - 1, RADIUS]
+        old = frame(levels[k - 1], parent), get_vec(levels[k], i, LAST), levels[k - 1, parent, LENGTH]
         near = own + radius
         close = norm(sub(old[0][1], end)) < near + q[2] + old[1][2]
         if close and _meet(new, old, math.pi * max(own, radius), near):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.motion.configurations import within_limits
+from sinuous.motion.configurations import random_configuration
 from sinuous.motion.planning.local_planner import ROOMS, LocalPlanner
 from sinuous.motion.planning.tree import Chain, Tree
 
@@ -32,9 +32,6 @@ RUN = 0.75
 
 LITTLE = 0.05, 0.5
 """How much of the way from a node to what was drawn is gone when all segments change."""
-
-BENT = 2.0 * np.pi
-"""Largest bend that is drawn, rad, where a segment has no limit."""
 
 MOST_NODES = 4096
 """Of a tree; then both are planted anew: the time that such trees take has a heavy tail."""
@@ -59,7 +56,6 @@ class ContactRetractionTrees:
     def __init__(self, local: LocalPlanner, seed: int) -> None:
         self._local, self._rng = local, np.random.default_rng(seed)
         robot = local.robot
-        self._limits = np.array([(*segment.length, min(segment.max_bend, BENT)) for segment in robot.segments]).T
         self._chains: tuple[list[Chain], list[Chain]] = ([], [])
         self._trees = (Tree(robot), Tree(robot))
         self._draws = 0
@@ -102,7 +98,7 @@ class ContactRetractionTrees:
         else:
             node = int(self._rng.integers(len(own)))
             q = own.q[node]
-            goal = self._change_run(q) if kind < RUN else q + self._rng.uniform(*LITTLE) * (self._draw() - q)
+            goal = self._change_run(q) if kind < RUN else self._change_all(q)
             reached = self._connect(own, node, goal, FAR, room)
         end = own.q[reached.node].copy()
         met = self._connect(other, other.nearest(end), end, np.inf, room)
@@ -136,17 +132,13 @@ class ContactRetractionTrees:
             return None
         return tree.add(new, node) if local.is_clear(q, new) else None
 
-    def _draw(self) -> Floats:
-        """A random configuration (n, 3) within the limits of segments."""
-        low, high, most = self._limits
-        angle, bend = 2.0 * np.pi * self._rng.random(len(low)), most * np.sqrt(self._rng.random(len(low)))
-        drawn = [bend * np.cos(angle), bend * np.sin(angle), self._rng.uniform(low, high)]
-        result: Floats = within_limits(self._local.robot, np.stack(drawn, axis=-1)[None])[0]
-        return result
-
     def _change_run(self, q: Floats) -> Floats:
         """The configuration (n, 3), but for a random run of segments."""
         first, last = np.sort(self._rng.integers(0, len(q), 2))
-        result, drawn = q.copy(), self._draw()
+        result, drawn = q.copy(), random_configuration(self._local.robot, self._rng)
         result[first : last + 1] = drawn[first : last + 1]
         return result
+
+    def _change_all(self, q: Floats) -> Floats:
+        """A configuration some way from one (n, 3) to a random one."""
+        return q + self._rng.uniform(*LITTLE) * (random_configuration(self._local.robot, self._rng) - q)

@@ -15,7 +15,7 @@ from sinuous.motion.planning.query import Deadline, ProvedPath, Query, TimedQuer
 from sinuous.motion.planning.retraction import retraction
 from sinuous.motion.planning.rrt_connect import RRTConnect, load_trees, rrt_connect
 from sinuous.motion.planning.timed_tree import grow_timed_tree
-from sinuous.scene.courses.moving import Moving
+from sinuous.scene.moving import Moving
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.steps import LOOSE_SECONDS, SLACK, Prover
 

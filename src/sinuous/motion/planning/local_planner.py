@@ -16,11 +16,11 @@ from sinuous.motion.planning.query import Query
 from sinuous.motion.planning.tree import Chain
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.between.steps import Prover
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.solver import Solver
-from sinuous.solving.thinner import with_radii
 
 ROOMS = (0.2, 0.05)
 """Room that retractions ask for, in radii of each segment: by so much thicker robots are solved."""
@@ -155,3 +155,8 @@ class Ends:
 def roots_of(start: Chain, goals: list[Chain]) -> Floats:
     """Return the roots of trees (1 + g, n, 3): the last of the start's chain, and of each goal's."""
     return np.stack([start[-1], *(chain[-1] for chain in goals)])
+
+
+def with_radii(robot: Robot, share: float) -> Robot:
+    """Return a robot whose segments have a share of their radii, less or more than all of it."""
+    return robot.changed(segments=[segment.changed(radius=share * segment.radius) for segment in robot.segments])

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.motion.configurations import random_configuration
 from sinuous.motion.planning.query import ROUNDING, ProvedPath, TimedQuery
 from sinuous.motion.planning.tree import Tree
 from sinuous.robot.robot import Robot
@@ -16,6 +17,9 @@ NEXT = 3
 
 PATIENCE = 64
 """Draws after which more goals are looked for."""
+
+SHRINK, LEAST = 0.7, 1e-2
+"""Factor by which a draw is moved towards the start while it violates a limit, and the least share that is tried."""
 
 OF_GOALS, OF_NODES = 0.2, 0.3
 """Below the first share of draws, a goal is drawn; below the second, the configuration of a node, to wait there."""
@@ -105,16 +109,10 @@ def _path(tree: Tree, end: int) -> ProvedPath:
 
 
 def _draw_configuration(robot: Robot, start: Floats, rng: np.random.Generator) -> Floats:
-    """Draw a configuration (n, 3) within all limits; `start` is within them."""
-    rows = []
-    for segment, curvature in zip(robot.segments, robot.curvatures, strict=True):
-        length = rng.uniform(*segment.length)
-        most = min(segment.max_bend, 2.0 * math.pi, curvature * length if length > 0.0 else 0.0)
-        bend, angle = most * math.sqrt(rng.random()), rng.uniform(0.0, 2.0 * math.pi)
-        rows.append([bend * math.cos(angle), bend * math.sin(angle), length])
-    drawn = np.array(rows)
-    share = 1.0
-    while share > 1e-2 and robot.violations(start + share * (drawn - start)):
-        share *= 0.7
-    q: Floats = start + (share if share > 1e-2 else 0.0) * (drawn - start)
-    return q
+    """Draw a configuration (n, 3) within all limits, also those of actuators; `start` is within them."""
+    move, share = random_configuration(robot, rng) - start, 1.0
+    while robot.violations(start + share * move):
+        share *= SHRINK
+        if share < LEAST:
+            return start
+    return start + share * move

@@ -5,8 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.scene.meshes.orientation import pieces, winding_numbers
-from sinuous.scene.meshes.topology import Integers, cones
+from sinuous.scene.meshes.mending import Integers, cones, pieces, winding_numbers
 
 
 def apart(vertices: Floats, faces: Integers) -> list[Integers]:

@@ -36,14 +36,12 @@ from sinuous.kernels.tables import (
     SPACING,
     TREE,
 )
-from sinuous.scene.clouds.point_cloud import PointCloud
-from sinuous.scene.grids.field import Field
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.bodies import bodies_overlap
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Obstacle, Primitive
+from sinuous.scene.point_cloud import PointCloud
 from sinuous.scene.prepared import sampling, trees
-from sinuous.scene.prepared.candidates import CELLS, candidates
 from sinuous.scene.prepared.sampling import Progress
 from sinuous.scene.prepared.trees import Order, Pieces
 
@@ -205,9 +203,9 @@ def _of_samples(values: Floats, low: Floats, spacing: float, exact_below: float)
 def _with_candidates(pieces: Pieces) -> Part:
     """Row and store of a tree of triangles, and lists of those that may be the closest."""
     part = _of_pieces(pieces)
-    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, CELLS)
+    low, spacing, shape = sampling.sampling_grid(pieces.low, pieces.high, sampling.CELLS)
     row = _with_grid(part.row, FIRST_CELL, part.store.size, shape, low, spacing)
-    return Part(row, np.concatenate([part.store, candidates(row, part.store, shape)]))
+    return Part(row, np.concatenate([part.store, sampling.candidates(row, part.store, shape)]))
 
 
 def _with_grid(row: Floats, first: int, at: int, shape: Any, low: Floats, spacing: float) -> Floats:

@@ -1,4 +1,4 @@
-"""Exact distances at the points of a grid about an obstacle, computed once and kept on disk."""
+"""Exact distances at the points of a grid about an obstacle; and lists of what may be the closest."""
 
 import hashlib
 import itertools
@@ -12,8 +12,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import ITEM_KIND, LEVELS, TRIANGLES
+from sinuous.kernels.tables import COUNT, ITEM_KIND, LEVELS, TRIANGLES
 from sinuous.scene.prepared import kept
+
+CELLS, ENTRIES = 29_000, 1_900_000
+"""Most cells about a mesh, and most triangles of all their lists: 16 MB."""
+
+
+def candidates(row: Floats, store: Floats, shape: tuple[int, int, int]) -> Floats:
+    """Return cells and lists (l,) as the kernels read them, see `sinuous.kernels.fields.candidates`.
+
+    Of a mesh whose row says where the middles of the cells are.
+    """
+    from sinuous.kernels.fields.candidates import CELL_SIZE, WORK, list_candidates  # noqa: PLC0415
+
+    cells, lists = np.empty((*shape, CELL_SIZE)), np.empty(ENTRIES)
+    count = list_candidates(row.reshape(1, -1).copy(), store, np.empty((WORK, int(row[COUNT]))), cells, lists)
+    return np.concatenate([cells.ravel(), lists[:count]])
+
 
 Progress = Callable[[float], object]
 """Called with the share of the work that is done, 0 to 1."""

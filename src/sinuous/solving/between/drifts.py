@@ -9,8 +9,7 @@ from sinuous.kernels.between.drift import OF, OWN_AXES, OWN_CENTER
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT
 from sinuous.kernels.between.sweep import DRIFT_WIDTH, LEAST, LOW, SEEN_WIDTH, WHEN
 from sinuous.kernels.body.proof import CLEAR, TOUCHING, UNDECIDED
-from sinuous.scene.courses.course import Course
-from sinuous.scene.courses.moving import Moving
+from sinuous.scene.moving import Course, Moving
 from sinuous.scene.obstacles import Primitive
 from sinuous.scene.snapshot import Snapshot
 

@@ -19,7 +19,8 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.polylines import lengths_along
 from sinuous.solving.routing.candidates import Candidates
-from sinuous.solving.routing.searches import SIDES, Plan, Searches
+from sinuous.solving.routing.chains import FIRST_WIDTH
+from sinuous.solving.routing.searches import Plan, Searches
 from sinuous.solving.starts import Batch, Question
 
 THICK = 0.5
@@ -107,13 +108,12 @@ class Passages:
                 yield more
 
     def _along(self, route: Floats) -> Iterator[Batch]:
-        """Yield configurations along one route (K, 3), and along ones as long as the robot, bent to all sides."""
+        """Yield configurations along one route (K, 3): laid, and grown."""
         candidates = Candidates(self._searches, self._question, self._query)
         candidate, _ = candidates.note(route, finest=True)
         yield from candidates.laid([route])
         assert candidate is not None  # the first one
-        for side in SIDES:
-            yield from candidates.lengthened(candidate, side)
+        yield from candidates.grown(candidate, FIRST_WIDTH)
 
     def _keeps(self, scene: Snapshot, route: Floats) -> float:
         """Least distance of a route from the obstacles that concern it."""

@@ -14,11 +14,11 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import FULL, QUERY_RADIUS, QUERY_SHORTEST, ROUTE, SOURCES
 from sinuous.solving.attempts import EDGES, SIDE_TUBES
 from sinuous.solving.polylines import lengths_along, respaced
-from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, grown, leg_queries, settled
+from sinuous.solving.routing.chains import Chains
+from sinuous.solving.routing.growth import LEG_POINTS, Beam, divided, gone_on, leg_queries
 from sinuous.solving.routing.narrow.narrows import Narrows
 from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
-from sinuous.solving.routing.turned import Groups, turned, turned_back
 from sinuous.solving.starts import Batch, Question
 
 CUT = 0.9
@@ -32,9 +32,6 @@ NEAR = 2.5
 
 ALIKE, COMPARED = 0.1, 60
 """Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
-
-MISSES = 2
-"""Sides to which a route could not be made longer, after which no other side is tried."""
 
 
 class Candidate(NamedTuple):
@@ -99,7 +96,6 @@ class Candidates:
         self._narrows = Narrows(self._groups, *looks, question.seconds_left)
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
-        self._misses: dict[int, int] = {}
         self._between = between
         self._too_few: dict[float, int] = {}
         self._told: dict[tuple[float, bool], int] = {}
@@ -199,32 +195,15 @@ class Candidates:
         new = np.array([self._is_new(q) for q in fits], bool)
         yield along(fits[new], tuple(compress(routes, new)))
 
-    def lengthened(self, candidate: Candidate, side: float) -> Iterator[Batch]:
-        """Yield a configuration along a route that is as long as the robot, bent to a side (rad), if there is room."""
-        seconds, rank = self._left(), candidate.rank
-        if seconds <= 0.0 or self._misses.get(rank, 0) >= MISSES:
-            return
-        longer = self.searches.lengthen(self._problem, self.query, candidate.route, side, seconds)
-        if longer is None:
-            self._misses[rank] = self._misses.get(rank, 0) + 1
-            yield self._nothing()
-        else:
-            initial = self.searches.fit(self._problem, [longer], self._left)
-            yield along(initial, (longer,)[: len(initial)])
-
-    def grown(self, candidate: Candidate, beam: Beam) -> Iterator[Batch]:
-        """Yield chains that are grown along a route, from either end."""
+    def grown(self, candidate: Candidate, width: int) -> Iterator[Batch]:
+        """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
         legs = self._legs_of(candidate)
-        if legs is None:
+        if legs is None or self._left() <= 0.0:
             return
         yield self._nothing()
-        for chain in self._chains(self._groups, legs, beam):
-            yield along(chain[None], (candidate.route,))
-        other = turned(self._groups, candidate.route)
-        if other is None:
-            return
-        for chain in self._chains(other, legs[:, ::-1].copy(), beam):
-            yield along(turned_back(self._groups, other, chain)[None], (candidate.route,))
+        for chain in Chains(self._groups, legs, self._left).of_width(width):
+            if self._is_new(chain):
+                yield along(chain[None], (candidate.route,))
 
     def through(self, candidate: Candidate, beam: Beam, place: int) -> Iterator[Batch]:
         """Yield chains through the narrowest place of a route, of which each part is solved by itself."""
@@ -249,16 +228,6 @@ class Candidates:
     def _nothing(self) -> Batch:
         """A batch without any start."""
         return along(np.empty((0, len(self._problem.robot), 3)), ())
-
-    def _chains(self, groups: Groups, legs: Floats, beam: Beam) -> Iterator[Floats]:
-        """Yield chains (n, 3) that grown along legs (l, K, 3), as they are, then drawn to the targets; none twice."""
-        seconds = self._left()
-        if seconds <= 0.0 or not self._is_new(legs, groups[3], np.array(beam)):
-            return
-        chains = grown(groups, legs, beam, seconds)
-        new = [chain for chain in chains if self._is_new(chain)]
-        yield from new
-        yield from filter(self._is_new, settled(groups, new, self._left))
 
     def _is_new(self, *what: Floats) -> bool:
         """Say whether something, a chain (n, 3) or what chains are grown along, did not come before."""

@@ -7,8 +7,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.scene.meshes.mending import Integers
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.meshes.topology import Integers
 from sinuous.scene.snapshot import Snapshot
 
 SHARP = math.cos(math.radians(30.0))

@@ -9,9 +9,12 @@ from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_workspace_size
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.fitting.settle import settle_chain
+from sinuous.kernels.growing.beam import CHAIN_WIDTH, COST, FRAME, LAST, PARENT, SCORE
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.tables import (
     HAS_POSITION,
+    MIN_LENGTH,
+    POSE_WIDTH,
     QUERY_AXIS,
     QUERY_BACK,
     QUERY_FREE_LENGTH,
@@ -22,6 +25,8 @@ from sinuous.kernels.tables import (
     QUERY_STRAIGHT_MAX,
     QUERY_STRAIGHT_MIN,
     QUERY_WIDTH,
+    ROBOT_HEADER,
+    SEGMENT_WIDTH,
     TARGET_POSITION,
     TARGET_SEGMENT,
 )
@@ -130,11 +135,74 @@ def grown(groups: Groups, legs: Floats, beam: Beam, seconds: float) -> Floats:
 
     None where two targets are of one segment, so that there are more legs than ends of segments for them.
     """
-    n, obstacles = int(groups[0][0]), int(groups[1][0])
+    n = int(groups[0][0])
     if len(legs) > len(_in_order(groups)):
         return np.empty((0, n, 3))
-    chains, workspace = np.empty((beam.chains, n, 3)), np.empty(growing_size(n, obstacles, beam.width))
-    return chains[: grow_chains(*groups, legs, (seconds, beam.width), workspace, chains)]
+    base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
+    found = Grown(groups, legs, base[None].copy(), beam.width, seconds)
+    chains = [found.whole(i)[0] for i in range(min(found.wholes, beam.chains))]
+    return np.array(chains).reshape(len(chains), n, 3)
+
+
+class Grown:
+    """Chains of every number of segments, from one end on.
+
+    Parameters
+    ----------
+    groups : tuple of ndarray
+        The problem, see `Groups`.
+    legs : ndarray (l, K, 3)
+        The legs of a route, from target to target, evenly spaced, in the length unit.
+    roots : ndarray (r, 12)
+        Poses in which chains may begin.
+    width : int
+        Chains of every number of segments that are kept: a power of two.
+    seconds : float
+
+    Attributes
+    ----------
+    segments : int
+        Of a chain that gets to the last target.
+    counts : ndarray (n + 1,) int
+        How many chains there are, by their number of segments.
+    frames : ndarray (n + 1, w, 12)
+        Poses of their ends.
+    costs, scores : ndarray (n + 1, w)
+        What is amiss with them by now, and in what is expected of them.
+    """
+
+    def __init__(self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float) -> None:
+        n, obstacles = int(groups[0][0]), int(groups[1][0])
+        self.segments = segments_of(groups)[len(legs) - 1] + 1
+        self.counts = np.zeros(n + 1, np.int64)
+        self._levels = levels = np.zeros((n + 1, width, CHAIN_WIDTH))
+        workspace = np.empty(growing_size(obstacles, width))
+        grow_chains(*groups, legs, roots, max(0.0, seconds), workspace, levels, self.counts)
+        self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
+        self.costs, self.scores = levels[..., COST], levels[..., SCORE]
+        self._rest = np.zeros((n, 3))
+        self._rest[:, 2] = groups[0][ROBOT_HEADER:][: SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)[:, MIN_LENGTH]
+
+    @property
+    def wholes(self) -> int:
+        """How many chains get to the last target."""
+        return int(self.counts[self.segments])
+
+    def chain(self, k: int, i: int) -> tuple[Floats, Floats]:
+        """Return chain (k, 3) number `i` of `k` segments, and the pose (12,) in which it begins."""
+        q = np.empty((k, 3))
+        for at in range(k, 0, -1):
+            q[at - 1] = self._levels[at, i, LAST : LAST + 3]
+            i = int(self._levels[at, i, PARENT])
+        return q, self.frames[0, i]
+
+    def whole(self, i: int) -> tuple[Floats, Floats]:
+        """Return chain (n, 3) number `i` of those that get to the last target, and the pose in which it begins.
+
+        Segments beyond that target are as short as they can be.
+        """
+        q, root = self.chain(self.segments, i)
+        return np.concatenate([q, self._rest[self.segments :]]), root
 
 
 def settled(groups: Groups, chains: Iterable[Floats], seconds_left: Callable[[], float]) -> Iterator[Floats]:

@@ -1,6 +1,5 @@
 """Searches for routes through free space from the base to a target, and the chain along them."""
 
-import math
 from collections.abc import Callable, Sequence
 from time import monotonic
 from typing import ClassVar, NamedTuple
@@ -15,7 +14,6 @@ from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
 from sinuous.kernels.freespace.find import find_routes
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
-from sinuous.kernels.freespace.lengthen import lengthen_route, lengthen_workspace_size
 from sinuous.kernels.roadmap.enclosed import rays_met
 from sinuous.kernels.roadmap.find import find_by_edges, roadmap_size
 from sinuous.kernels.tables import QUERY_FREE_LENGTH, QUERY_RADIUS, QUERY_SHORTEST
@@ -43,15 +41,6 @@ CELLS = (1 << 14, 1 << 17, 1 << 19)
 
 POINTS = 1024
 """Most points of a route."""
-
-SIDES = tuple(turns * math.pi for turns in (0.0, 1.0, 0.5, 1.5, 0.25, 1.25, 0.75, 1.75))
-"""To which sides a route is bent, in rad, that is too short for the robot."""
-
-ROD_POINTS = 160
-"""Points of such a route."""
-
-CLEAR = 0.9
-"""Room, in radii of the body, that a clear route over coarse cells keeps: else the finest ones are asked."""
 
 AHEAD, ENCLOSED = 2.0, 12
 """How far ahead of the base, in radii, it is looked whether it is enclosed; and how many of `enclosed.RAYS` rays, as
@@ -264,15 +253,6 @@ class Searches:
 
         return route_through(axes, query, leg, last, POINTS)
 
-    def clear_route(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
-        """Return a route (K, 3), around edges or over cells, as coarse as suffice; `None` where none is found."""
-        route = self.by_edges(problem, query, max(0.0, seconds_left()))
-        for plan in self.leg_plans(finest=False) if route is None else ():
-            found = self.find(problem, query, plan, max(0.0, seconds_left()))
-            if found.routes and problem.scene.distance(found.routes[0]).min() >= CLEAR * query[QUERY_RADIUS]:
-                return found.routes[0]
-        return route
-
     def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
         robot = self._robot
@@ -298,7 +278,6 @@ class Searches:
             if query is not None:
                 self.find(problem, query, self.coarse._replace(cells=256), 0.0)
                 self.by_edges(problem, query, 0.0)
-                self.lengthen(problem, query, np.zeros((2, 3)), 0.0, 0.0)
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
             self._enclosed(problem.scene)
@@ -314,12 +293,6 @@ class Searches:
             beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
         return monotonic() - began
-
-    def lengthen(self, problem: Problem, query: Floats, route: Floats, side: float, seconds: float) -> Floats | None:
-        """Return a route (K, 3) as long as the robot at its shortest, bent to a side (rad); `None` where none is."""
-        rod, workspace = np.empty((ROD_POINTS, 3)), np.empty(lengthen_workspace_size(ROD_POINTS))
-        group = problem.scene._kernel_group
-        return rod if lengthen_route(group, query, np.array(route), side, seconds, workspace, rod) else None
 
     def room(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `FAR` radii."""

@@ -5,7 +5,6 @@ easy question. A route to the target is of no use for it: it bends around the ri
 the route is drawn together in the tube, too.
 """
 
-import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -55,15 +54,6 @@ AHEAD = 2
 STARTS = 6
 """Own starts of what is left of the chain, the first of which is the single arc."""
 
-WIDE = 3.5
-"""Distance of a place from the obstacles, in radii of the body, from which on it lies in no tube."""
-
-SIDES = 40
-"""Directions about a place that are looked along, to find that of the tube: a half of all."""
-
-LOOKS, FAR = 8, 6.0
-"""Looks along each of them, and how far they lead at most, in radii of the body."""
-
 Distance = Callable[[Floats], Floats]
 """From points (m, 3) to their distances from the obstacles (m,), in the length unit."""
 
@@ -86,11 +76,6 @@ class Tube(NamedTuple):
     def open(self) -> bool:
         """Whether it ends at a mouth."""
         return self.ended == MOUTH
-
-    @property
-    def passed(self) -> bool:
-        """Whether it leads on: it ends at a mouth, or where it branches."""
-        return self.ended in (MOUTH, BRANCH)
 
 
 def tube_around(scene: Floats, query: Floats, seconds: float) -> Tube | None:
@@ -115,28 +100,6 @@ def _followed(scene: Floats, query: Floats, spacing: float, seconds: float) -> T
     if ended not in (MOUTH, END, BRANCH) or lengths_along(known)[-1] < SHORTEST * radius:
         return None
     return Tube(known, ended)
-
-
-def in_the_open(place: Floats, radius: float, distance: Distance) -> bool:
-    """Whether a place (3,) is too far from obstacles to lie in a tube."""
-    return float(distance(place[None])[0]) > WIDE * radius
-
-
-def axis_direction(place: Floats, radius: float, distance: Distance) -> Floats:
-    """Return the direction (3,) in which one sees farthest from a place (3,), to both sides together.
-
-    `radius` is that of the body.
-    """
-    number = np.arange(SIDES) + 0.5
-    height, turn = number / SIDES, math.pi * (1.0 + math.sqrt(5.0)) * number
-    level = np.sqrt(1.0 - height * height)
-    half = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=-1)
-    rays, seen = np.concatenate([half, -half]), np.zeros(2 * SIDES)
-    for _ in range(LOOKS):
-        gap = distance(place + seen[:, None] * rays)
-        seen = np.minimum(seen + np.maximum(gap, 0.0), FAR * radius)
-    best: Floats = half[int((seen[:SIDES] + seen[SIDES:]).argmax())]
-    return best
 
 
 def within(tube: Tube, query: Floats) -> Floats | None:

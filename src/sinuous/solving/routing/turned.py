@@ -40,39 +40,42 @@ BEFORE = 3
 """Points of a route that its tangent is taken over."""
 
 
-def turned(groups: Groups, route: Floats, whole: bool = False) -> Groups | None:
-    """Return the groups of the problem the other way round; `None` where that cannot be said.
+def turned(groups: Groups, route: Floats) -> Groups | None:
+    """Return the groups of the problem the other way round; `None` where the tip is not asked to be somewhere.
 
-    The target is that of the tip, the only one, or (`whole`) with elbows whose positions are asked. A mount is not
-    turned, nor are limits of actuators. Where the target leaves the direction open, or how far it is turned about it,
-    the route (K, 3) decides. Where it asks for a rotation, the base is a rotation to end with, if `whole`, else a
-    direction: chains that grow along routes know no other.
+    Where the target leaves the direction open, or how far it is turned about it, the route (K, 3) decides. Where it
+    asks for a rotation, the base is a rotation to end with. Of an elbow whose rotation is asked for only the direction
+    is kept. The mount is left out, and so are limits of actuators: only the whole robot has to keep them.
     """
     robot, scene, settings, targets = groups
-    actuators, n = robot[1], int(robot[0])
+    n = int(robot[0])
     at_tip = np.isin(targets[:, TARGET_SEGMENT], (-1.0, n - 1.0))
     tip, elbows = targets[at_tip], targets[~at_tip]
-    said = len(tip) == 1 and tip[0, HAS_POSITION] != 0.0
-    alone = len(elbows) == 0 or (whole and not elbows[:, ORIENTATION].any())
-    if not (said and alone) or actuators > 0.0 or settings[MOUNT] > 0.0:
+    if len(tip) != 1 or tip[0, HAS_POSITION] == 0.0:
         return None
-    poses = ROBOT_HEADER + SEGMENT_WIDTH * n
-    base, tool = robot[poses : poses + POSE_WIDTH], robot[poses + POSE_WIDTH :]
+    rows = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
+    base, tool = robot[-2 * POSE_WIDTH : -POSE_WIDTH], robot[-POSE_WIDTH:]
     at = _arrival(tip[0], tool[POSE_POSITION:], route)
     if at is None:
         return None
     rotation, position = _end(tip[0], _rotation(tool), tool[POSE_POSITION:], *at)
-    segments = robot[ROBOT_HEADER:poses].reshape(n, SEGMENT_WIDTH)[::-1].ravel()
     begin, nothing = (rotation @ FLIP).ravel(), np.eye(3).ravel()
-    other = np.concatenate([robot[:ROBOT_HEADER], segments, begin, position, nothing, np.zeros(3)])
+    header = [robot[0], 0.0, robot[2]]
+    other = np.concatenate([header, rows[::-1].ravel(), begin, position, nothing, np.zeros(3)])
     row = np.zeros((1, TARGET_WIDTH))
     row[0, TARGET_SEGMENT], row[0, HAS_POSITION], row[0, ORIENTATION] = -1.0, 1.0, DIRECTION
     row[0, TARGET_POSITION : TARGET_POSITION + 3] = base[POSE_POSITION:]
     row[0, GOAL : GOAL + 3] = -_rotation(base)[:, 2]
-    if whole and tip[0, ORIENTATION] == ROTATION:
+    if tip[0, ORIENTATION] == ROTATION:
         row[0, ORIENTATION], row[0, GOAL : GOAL + 9] = ROTATION, (_rotation(base) @ FLIP).ravel()
-    elbows[:, TARGET_SEGMENT] = n - 2.0 - elbows[:, TARGET_SEGMENT]
-    return other, scene, settings, np.vstack([elbows, row])
+    for elbow in elbows:
+        elbow[TARGET_SEGMENT] = n - 2.0 - elbow[TARGET_SEGMENT]
+        if elbow[ORIENTATION] != FREE:
+            ahead = slice(GOAL, GOAL + 3) if elbow[ORIENTATION] == DIRECTION else slice(GOAL + 2, GOAL + 9, 3)
+            elbow[ORIENTATION], elbow[GOAL : GOAL + 3] = DIRECTION, -elbow[ahead]
+    told = settings.copy()
+    told[MOUNT] = 0.0
+    return other, scene, told, np.vstack([elbows, row])
 
 
 def turned_back(groups: Groups, other: Groups, chain: Floats) -> Floats:

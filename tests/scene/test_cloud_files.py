@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sinuous.errors import InputError
-from sinuous.scene.clouds.pcd import expand_lzf, parse_pcd
+from sinuous.scene.cloud_files import expand_lzf, parse_pcd
 
 POINTS = np.random.default_rng(0).normal(size=(50, 3)).astype("<f4")
 RECORD = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("normal", "<f8", (3,)), ("rgb", "<u4"), ("_", "<i2")])

@@ -1,20 +1,140 @@
-"""An obstacle that moves."""
+"""Obstacles that move: where they are at which time, and what an obstacle is where it has been moved to."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Self
+from functools import cached_property
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Number, Orientations, Rows, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.frozen import Frozen
 from sinuous.poses import any_rotations
 from sinuous.reprs import text
-from sinuous.scene.courses.course import Course
-from sinuous.scene.courses.moved import moved
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.grids import Field, Grid
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+
+
+class Course(Frozen):
+    """Poses at times: linear in position between them, turning evenly the shortest way; at rest before and after.
+
+    Parameters
+    ----------
+    times : ndarray (T,)
+        Increasing, at least one.
+    positions : ndarray (T, 3)
+    rotations : ndarray (T, 3, 3) or None
+        `None`: it never turns.
+    """
+
+    times: Floats
+    positions: Floats
+    rotations: Floats | None
+
+    def __init__(self, times: Floats, positions: Floats, rotations: Floats | None) -> None:
+        self._set(times=times, positions=positions, rotations=rotations)
+
+    @cached_property
+    def turns(self) -> Floats:
+        """Rotation vectors (T - 1, 3) between neighbouring poses, rad, in the frame of the first of the two."""
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
+        if self.rotations is None or len(self.times) < 2:
+            return np.zeros((max(0, len(self.times) - 1), 3))
+        steps = np.swapaxes(self.rotations[:-1], 1, 2) @ self.rotations[1:]
+        turns: Floats = Rotation.from_matrix(steps).as_rotvec()
+        return turns
+
+    def poses(self, when: Floats) -> tuple[Floats, Floats]:
+        """Positions (m, 3) and rotations (m, 3, 3) at times (m,)."""
+        step, share = self._where(when)
+        return self._positions(step, share), self._rotations(step, share)
+
+    def _where(self, when: Floats) -> tuple[NDArray[np.intp], Floats]:
+        """Numbers of the steps that times (m,) lie in, and shares of these from 0 to 1."""
+        step = np.clip(np.searchsorted(self.times, when, side="right") - 1, 0, max(0, len(self.times) - 2))
+        return step, self._shares(step, when)
+
+    def _shares(self, step: NDArray[np.intp], when: Floats) -> Floats:
+        if len(self.times) < 2:
+            return np.zeros(len(when))
+        begin, end = self.times[step], self.times[step + 1]
+        shares: Floats = np.clip((when - begin) / (end - begin), 0.0, 1.0)
+        return shares
+
+    def _positions(self, step: NDArray[np.intp], share: Floats) -> Floats:
+        if len(self.times) < 2:
+            return np.repeat(self.positions, len(step), axis=0)
+        s = share[:, None]
+        places: Floats = (1.0 - s) * self.positions[step] + s * self.positions[step + 1]
+        return places
+
+    def _rotations(self, step: NDArray[np.intp], share: Floats) -> Floats:
+        from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
+        if self.rotations is None:
+            return np.broadcast_to(np.eye(3), (len(step), 3, 3)).copy()
+        if len(self.times) < 2:
+            return np.repeat(self.rotations, len(step), axis=0)
+        turned: Floats = self.rotations[step] @ Rotation.from_rotvec(share[:, None] * self.turns[step]).as_matrix()
+        return turned
+
+
+def moved(obstacle: Obstacle, pose: Floats) -> Obstacle:
+    """Return an obstacle of the same name, each place x of which lies at `pose` (4, 4) times x."""
+    turn, shift, name = pose[:3, :3], pose[:3, 3], obstacle.name
+    match obstacle:
+        case Sphere():
+            there: Obstacle = Sphere(turn @ obstacle.center + shift, obstacle.radius, obstacle.inside, name)
+        case Box():
+            center, rotation = turn @ obstacle.center + shift, turn @ obstacle.rotation
+            there = Box(center, obstacle.size, rotation, obstacle.inside, name)
+        case Capsule():
+            there = Capsule(turn @ obstacle.start + shift, turn @ obstacle.end + shift, obstacle.radius, name)
+        case Cylinder():
+            ends = turn @ obstacle.start + shift, turn @ obstacle.end + shift
+            there = Cylinder(*ends, obstacle.radius, obstacle.inside, name)
+        case HalfSpace():
+            there = HalfSpace(turn @ obstacle.point + shift, turn @ obstacle.normal, name)
+        case Grid():
+            there = obstacle.placed(pose, origin=_there(pose, obstacle.origin), axes=turn @ obstacle.axes)
+        case Field():
+            corners = {"low": _there(pose, obstacle.low), "high": _there(pose, obstacle.high)}
+            function = Elsewhere(obstacle.function, pose)
+            there = obstacle.placed(pose, function=function, axes=turn @ obstacle.axes, **corners)
+        case _:
+            there = obstacle.placed(pose)
+    return there
+
+
+def _there(pose: Floats, point: Floats) -> Floats:
+    place: Floats = pose[:3, :3] @ point + pose[:3, 3]
+    place.flags.writeable = False
+    return place
+
+
+@dataclass(frozen=True, eq=False)
+class Elsewhere:
+    """A signed distance, moved by a pose.
+
+    Attributes
+    ----------
+    function : callable
+        From points (m, 3) to distances (m,).
+    pose : ndarray (4, 4)
+    """
+
+    function: Callable[[Floats], Any]
+    pose: Floats
+
+    def __call__(self, points: Floats) -> Any:
+        """Distances (m,) of points (m, 3) in the world."""
+        local = (np.asarray(points) - self.pose[:3, 3]) @ self.pose[:3, :3]
+        return self.function(local)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.scene.grids.field import MOST, Field
+from sinuous.scene.grids import MOST, Field
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, Floats, refused, refused_each
 
 LOW, HIGH = (-1.0, -1.0, -2.0), (1.0, 1.5, 2.0)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sinuous.errors import InputError
-from sinuous.scene.clouds.point_cloud import PointCloud
+from sinuous.scene.point_cloud import PointCloud
 from tests.helpers import NOT_NUMBERS, random_rotation, refused, refused_each
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)).round(3)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sinuous.errors import InputError
-from sinuous.scene.grids.grid import Grid
+from sinuous.scene.grids import Grid
 from tests.helpers import NOT_NUMBERS, NOT_VECTORS, refused, refused_each
 
 ORIGIN = (-1.0, -2.0, -3.0)

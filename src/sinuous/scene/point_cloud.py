@@ -11,8 +11,7 @@ from sinuous.arguments import Number, Orientation, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.scene.obstacles import Obstacle
-from sinuous.scene.placement import Placement
-from sinuous.scene.sources import Source
+from sinuous.scene.reading import Placement, Source
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -101,7 +100,7 @@ class PointCloud(Obstacle):
         InputError
             When the file cannot be read or holds no points, or as `PointCloud` does.
         """
-        from sinuous.scene.clouds.cloud_files import read_points  # noqa: PLC0415
+        from sinuous.scene.cloud_files import read_points  # noqa: PLC0415
 
         placement = Placement(scale, position, rotation, xyzw)
         try:

@@ -1,0 +1,136 @@
+"""The chains that are kept of every number of segments: the memory of a beam search, and which chains are kept.
+
+A chain is a row of a table (w, `CHAIN_WIDTH`); tables of all numbers of segments are one array (n + 1, w, CHAIN_WIDTH).
+Its columns: pose of its end (12); bends and length of its last segment (3); the row of the chain before it that this
+segment continues; its length; what its overlaps cost; its score, the less the better; the point of the guide that its
+end sees; and by how many chains it is continued.
+"""
+
+import math
+from collections import namedtuple
+
+import numpy as np
+
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.clock import CLOCK_SIZE
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.growing.arcs import ARCS
+from sinuous.kernels.maths import heap
+from sinuous.kernels.maths.shapes import shaped
+from sinuous.kernels.maths.vectors import Array, Mat, Vec
+
+FRAME, LAST, PARENT, LENGTH, COST, SCORE, SEEN, CHILDREN, CHAIN_WIDTH = 0, 12, 15, 16, 17, 18, 19, 20, 21
+"""Columns of a chain, and how many numbers it has."""
+
+LAZY = 2
+"""Chains that are made for each one that is kept."""
+
+FAN = 8
+"""A chain is continued by at most 1 + width / FAN of those that are kept at first."""
+
+APART, TURNED = 0.5, 1.5
+"""Grid of ends of which each cell keeps one chain at first: edge in lengths of a segment, and cells for a unit of the
+tangent."""
+
+NEARLY, FINE = 0.1, 8.0
+"""The same for the chains that are made at all."""
+
+Beam = namedtuple("Beam", ["levels", "made", "arcs", "heap", "items", "buckets", "clock", "among"])
+"""All that a search works in: the chains of every number of segments; those (m, CHAIN_WIDTH) that are made for the next
+one; the arcs (c, 3) that are to be tried; a heap of either, priorities and numbers (int64); the buckets (b,) int64 that
+tell which chains end alike; the clock; and the numbers (m,) int64 of obstacles."""
+
+
+def beam_size(obstacles: int, width: int) -> int:
+    """Numbers (float64) that a search works in beside its table, that keeps `width` chains, a power of two."""
+    return LAZY * width * CHAIN_WIDTH + 5 * width * ARCS + 4 * width + CLOCK_SIZE + obstacles
+
+
+@kernel
+def carve_beam(levels: Array, buffer: Array, obstacles: int) -> Beam:
+    """Lay out the memory of a search, see `beam_size`."""
+    width = levels.shape[1]
+    arcs, made = width * ARCS, LAZY * width
+    rest = buffer[made * CHAIN_WIDTH :]
+    numbers = rest[4 * arcs :].view(np.int64)
+    return Beam(
+        levels,
+        shaped(buffer[: made * CHAIN_WIDTH], (made, CHAIN_WIDTH)),
+        shaped(rest[: 3 * arcs], (arcs, 3)),
+        rest[3 * arcs : 4 * arcs],
+        numbers[:arcs],
+        numbers[arcs : arcs + 4 * width],
+        numbers[arcs + 4 * width :][:CLOCK_SIZE],
+        numbers[arcs + 4 * width + CLOCK_SIZE :][:obstacles],
+    )
+
+
+@kernel
+def empty_buckets(beam: Beam) -> None:
+    """Forget which chains end alike."""
+    for i in range(beam.buckets.shape[0]):
+        beam.buckets[i] = 0
+
+
+@kernel
+def _bucket(pose: tuple[Mat, Vec], edge: float, turns: float) -> int:
+    """Number of the bucket of a chain: its end lies in the same cube and points into much the same direction."""
+    r, p = pose
+    key = 1
+    for x in (p[0] / edge, p[1] / edge, p[2] / edge, turns * r[0][2], turns * r[1][2], turns * r[2][2]):
+        key = key * 1000003 + math.floor(x + 0.5)
+    return key | 1
+
+
+@kernel
+def differs(beam: Beam, pose: tuple[Mat, Vec], edge: float, turns: float) -> bool:
+    """Whether no chain was noted yet that ends alike; this one is noted from then on.
+
+    There are more buckets than chains that are ever noted.
+    """
+    key = _bucket(pose, edge, turns)
+    mask = beam.buckets.shape[0] - 1
+    at = int((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(40)) & mask
+    while beam.buckets[at] != 0:
+        if beam.buckets[at] == key:
+            return False
+        at = (at + 1) & mask
+    beam.buckets[at] = key
+    return True
+
+
+@kernel
+def _put(level: Array, to: int, chains: Array, i: int) -> None:
+    for j in range(CHAIN_WIDTH):
+        level[to, j] = chains[i, j]
+
+
+@kernel
+def keep(beam: Beam, k: int, count: int, segment: float) -> int:
+    """Keep the best of the `count` chains that were made as those of `k` segments; returns how many.
+
+    At first none that ends as a better one does, and only some that continue the same one: these share what is wrong
+    with it. The others fill up what is left of the beam. `segment` is the mean length of one.
+    """
+    level, before, width = beam.levels[k], beam.levels[k - 1], beam.levels.shape[1]
+    children = 1 + width // FAN if k > 1 else width
+    for i in range(width):
+        before[i, CHILDREN] = 0.0
+    empty_buckets(beam)
+    size = kept = others = 0
+    for i in range(count):
+        size = heap.push(beam.heap, beam.items, size, beam.made[i, SCORE], i)
+    while size > 0 and kept < width:
+        i, size = heap.pop(beam.heap, beam.items, size)
+        parent = int(beam.made[i, PARENT])
+        if before[parent, CHILDREN] < children and differs(beam, frame(beam.made, i), APART * segment, TURNED):
+            before[parent, CHILDREN] += 1.0
+            _put(level, kept, beam.made, i)
+            kept += 1
+        else:
+            others += 1
+            beam.items[beam.items.shape[0] - others] = i
+    for other in range(1, min(others, width - kept) + 1):
+        _put(level, kept, beam.made, beam.items[beam.items.shape[0] - other])
+        kept += 1
+    return kept

@@ -1,0 +1,113 @@
+"""Sets of targets of one robot, one after the other: each set is to be met at once."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
+from sinuous.problem.target import KEYS, Goals, Target, Targets, target_list, target_table
+from sinuous.robot.robot import Robot
+
+INSTEAD = "for positions use positions="
+"""What to do with mere numbers."""
+
+
+class ListedTargets:
+    """m sets of targets as they were listed, each to be met at once; checked before, for their robot."""
+
+    def __init__(self, sets: tuple[tuple[Target, ...], ...]) -> None:
+        self._sets = sets
+
+    def __len__(self) -> int:
+        return len(self._sets)
+
+    def __getitem__(self, index: Any) -> "ListedTargets":
+        """Some of them: a slice, or numbers (k,)."""
+        return ListedTargets(tuple(self._sets[i] for i in np.arange(len(self))[index].tolist()))
+
+    def targets(self, i: int) -> tuple[Target, ...]:
+        """Return the targets of set `i`."""
+        return self._sets[i]
+
+    def chunk(self, first: int, last: int) -> Floats:
+        """Return the targets of some sets as kernels read them, a new array (last - first, t, 15).
+
+        There are equally many in each of them: see `runs`.
+        """
+        tables = [target._table for targets in self._sets[first:last] for target in targets]
+        return np.concatenate(tables).reshape(last - first, -1, TARGET_WIDTH)
+
+    def runs(self) -> list[tuple[int, int]]:
+        """First and last of every run of sets with equally many targets."""
+        cuts = (np.flatnonzero(np.diff([len(targets) for targets in self._sets])) + 1).tolist()
+        return list(zip([0, *cuts], [*cuts, len(self)], strict=True)) if self._sets else []
+
+    @property
+    def placed(self) -> NDArray[np.bool_]:
+        """Of which sets some target has a position (m,)."""
+        return self._some(HAS_POSITION)
+
+    @property
+    def turned(self) -> NDArray[np.bool_]:
+        """Of which sets some target has a direction or a rotation (m,)."""
+        return self._some(ORIENTATION)
+
+    def _some(self, column: int) -> NDArray[np.bool_]:
+        return np.array([any(target._table[0, column] for target in each) for each in self._sets], np.bool_)
+
+
+TargetSets = Goals | ListedTargets
+"""Sets of targets: one of the tip in each, from arrays, or listed ones."""
+
+
+def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Mapping[str, Any]) -> TargetSets:
+    """Check what is asked, for this robot: targets in a list, or arrays by the names of `GoalArrays`.
+
+    Raises
+    ------
+    InputError
+        That names the element, or says what is missing, not known, or said twice.
+    """
+    unknown = next((key for key in arrays if key not in KEYS), None)
+    if unknown is not None:
+        raise InputError(unknown, "is not known", arrays[unknown], "one of " + ", ".join(KEYS))
+    given = [key for key in KEYS if arrays.get(key) is not None]
+    if targets is None:
+        if not given:
+            raise InputError("targets", "nothing is asked", None, "targets, or positions=, directions= or rotations=")
+        return Goals.read(arrays)
+    if given:
+        raise InputError(given[0], "stands beside targets", arrays[given[0]], "one of targets, arrays")
+    return ListedTargets(listed_targets(robot, targets))
+
+
+def listed_targets(robot: Robot, targets: Any) -> tuple[tuple[Target, ...], ...]:
+    """Check a list of targets, or of lists of targets that are to be met at once, for this robot."""
+    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets):
+        raise InputError("targets", "", targets, "a list of targets")
+    if isinstance(targets, np.ndarray) and targets.dtype != object:
+        raise InputError("targets", INSTEAD, targets, "a list of targets")
+    sets = []
+    for i, each in enumerate(targets):
+        if isinstance(each, Target):
+            own: tuple[Target, ...] = (each,)
+        else:
+            own = _together(f"targets[{i}]", each)
+        if len(own) > 1 or own[0].segment is not None:
+            with checks.inside(f"targets[{i}]"):
+                target_table(robot, own)
+        sets.append(own)
+    return tuple(sets)
+
+
+def _together(key: str, targets: Any) -> tuple[Target, ...]:
+    """Check targets that are to be met at once; say what to do with mere numbers."""
+    numbers = isinstance(targets, (np.ndarray, list, tuple)) and not any(isinstance(t, Target) for t in targets)
+    if numbers and len(targets):
+        raise InputError(key, INSTEAD, targets, "a Target or a list of them")
+    return target_list(key, targets)

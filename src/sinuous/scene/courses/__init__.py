@@ -1,1 +1,0 @@
-"""Obstacles that move: where they are at which time."""

@@ -1,1 +1,0 @@
-"""Distances and occupancy on grids."""

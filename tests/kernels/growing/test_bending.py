@@ -1,0 +1,122 @@
+"""Arcs that come out: within limits, clear as independent distances say, along tubes, and cut where no more fits."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.growing.bending import CLEARANCE, KEPT, come_out
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.obstacles import Box, Capsule, Sphere
+from sinuous.scene.scene import Scene
+from tests.helpers import Floats, kernel_problem, mat, vec
+
+RADIUS = 0.1
+
+
+def out(scene: Scene, q: tuple[float, float, float], segment: Segment, mount: float = 0.0) -> tuple[Floats, float]:
+    """An arc that comes out of the origin along z, and its overlap in radii."""
+    problem = kernel_problem(Robot([segment], mount=mount), [Target((0.0, 0.0, 1.0))], scene)
+    start = mat(np.eye(3)), vec(np.zeros(3))
+    arc, overlap, _ = come_out(problem, (start, 0, 0.0), q, np.zeros(max(1, len(scene)), np.int64))
+    return np.array(arc), float(overlap)
+
+
+def gap(scene: Scene, segment: Segment, arc: Floats) -> float:
+    """Least distance of the body from the obstacles, by brute force, in radii."""
+    line = Robot([segment]).backbone(arc[None], 200)
+    return float(scene.distance(line).min()) / RADIUS - 1.0
+
+
+FREE = Segment((0.2, 2.0), 3.0, radius=RADIUS)
+
+
+@pytest.mark.parametrize("q", [(0.3, -0.2, 1.0), (0.0, 0.0, 1.5), (math.pi - 1e-6, 0.0, 2.0), (1e-9, 0.0, 1.0)])
+def test_an_arc_in_the_open_stays_as_it_is(q: tuple[float, float, float]) -> None:
+    arc, overlap = out(Scene([Sphere((9.0, 0.0, 0.0), 0.5)]), q, FREE)
+    assert tuple(arc) == q
+    assert overlap == 0.0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_an_arc_that_comes_out_is_within_limits_and_as_clear_as_it_says(seed: int) -> None:
+    """Among random balls: near straight and near half a circle, with lengths that may and may not change."""
+    rng = np.random.default_rng(seed)
+    centres = rng.uniform((-1.5, -1.5, -0.5), (1.5, 1.5, 2.5), (12, 3))
+    scene = Scene([Sphere(tuple(c), 0.25) for c in centres if np.linalg.norm(c) > 0.6])
+    segment = Segment((1.0, 1.0) if seed % 3 == 0 else (0.2, 2.0), 2.8, max_curvature=4.0, radius=RADIUS)
+    bend = (1e-8, 1.0, 2.799)[seed % 3 if seed > 5 else 1]
+    turn = rng.uniform(0.0, 2.0 * math.pi)
+    q = bend * math.cos(turn), bend * math.sin(turn), 1.0
+    arc, overlap = out(scene, q, segment)
+    if overlap == math.inf:
+        assert tuple(arc) == q
+        return
+    assert Robot([segment]).excess(arc[None]) <= 1e-12
+    assert overlap <= KEPT
+    # The overlap is that of places, some of which lie in between.
+    assert gap(scene, segment, arc) >= -overlap - 0.15
+
+
+@pytest.mark.parametrize("offset", [-0.05, 0.0, 0.05])
+def test_an_arc_beside_a_wall_is_bent_off_it(offset: float) -> None:
+    wall = Scene([Box((0.9 + offset, 0.0, 1.0), (1.0, 4.0, 4.0))])
+    arc, overlap = out(wall, (1.0, 0.0, 1.5), FREE)
+    assert overlap <= 0.0
+    assert gap(wall, FREE, arc) >= 0.0
+    assert arc[0] < 1.0
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.5, 1.0])
+def test_an_arc_in_a_tube_follows_it_beyond_its_end(bend: float) -> None:
+    """A tube of two radii of the body, of thick rods, around an arc of radius 2."""
+    rods = []
+    turns = np.linspace(-0.3, 1.2, 40)
+    for side in np.linspace(0.0, 2.0 * math.pi, 10, endpoint=False):
+        out_by, up = 0.5 * math.cos(side), 0.5 * math.sin(side)
+        points = np.stack([2.0 - (2.0 + out_by) * np.cos(turns), np.full(40, up), (2.0 + out_by) * np.sin(turns)], 1)
+        rods += [Capsule(a, b, 0.3) for a, b in pairwise(points)]
+    tube, segment = Scene(rods), Segment((1.0, 1.0), 3.0, radius=RADIUS)
+    arc, overlap = out(tube, (bend, 0.3, 1.0), segment)
+    assert overlap <= KEPT
+    assert gap(tube, segment, arc) >= -KEPT - 0.1
+    beyond = Robot([Segment(1.0 + RADIUS, 6.0)]).backbone((1.0 + RADIUS) * arc[None], 100)
+    assert tube.distance(beyond).min() > 0.0  # as if it went on for one more radius
+
+
+def test_before_a_wall_an_arc_is_as_long_as_fits_or_none() -> None:
+    wall = Scene([Box((0.0, 0.0, 1.0), (9.0, 9.0, 0.2))])
+    arc, overlap = out(wall, (0.0, 0.0, 1.5), Segment((0.2, 2.0), 0.2, radius=RADIUS))
+    assert overlap <= KEPT
+    assert arc[2] < 1.5
+    assert gap(wall, FREE, arc) >= -KEPT - 0.1
+    assert out(wall, (0.0, 0.0, 1.5), Segment((1.4, 2.0), 0.2, radius=RADIUS))[1] == math.inf
+
+
+def test_a_rigid_link_is_not_bent() -> None:
+    link = Segment((0.2, 2.0), 0.0, radius=RADIUS)
+    near = Scene([Box((0.17, 0.0, 1.0), (0.2, 1.0, 1.0))])
+    arc, overlap = out(near, (0.0, 0.0, 1.5), link)
+    assert tuple(arc) == (0.0, 0.0, 1.5)
+    assert overlap == pytest.approx(0.3, abs=1e-9)
+    across = Scene([Box((0.0, 0.0, 1.0), (0.2, 1.0, 1.0))])
+    assert out(across, (0.0, 0.0, 1.5), link)[1] == math.inf
+
+
+def test_obstacles_do_not_concern_what_is_in_the_mount() -> None:
+    holder = Scene([Box((0.0, 0.0, 0.1), (2.0, 2.0, 0.4))])
+    q = 0.2, 0.0, 1.0
+    assert out(holder, q, FREE)[1] == math.inf
+    arc, overlap = out(holder, q, FREE, mount=0.45)
+    assert overlap == 0.0
+    assert arc[:2] == pytest.approx(q[:2], abs=0.1)
+
+
+def test_where_walls_are_near_a_clearance_is_kept() -> None:
+    wall = Scene([Box((0.62, 0.0, 1.0), (1.0, 4.0, 4.0))])
+    arc, _ = out(wall, (0.0, 0.0, 1.5), FREE)
+    line = Robot([FREE]).backbone(arc[None], 50)[10:]
+    assert (wall.distance(line) / RADIUS).min() > 1.0 + 0.5 * CLEARANCE

@@ -133,7 +133,7 @@ def settings_group(
     robot: Robot, tolerance: Tolerance, prefer: Preferences | None = None, options: Sequence[float] | Floats = ()
 ) -> Floats:
     """Return the settings of a solve as kernels read them, a new array; see `sinuous.packing.settings_group`."""
-    wishes = prefer or Preferences()
+    wishes = Preferences() if prefer is None else prefer
     return packing.settings_group(
         mount=robot.mount,
         unit=robot.mean_length,

@@ -37,8 +37,11 @@ STOWED = 1.1
 NEAR = 2.5
 """Distance from a route, in radii of the body, up to which it leads past an elbow."""
 
-ALIKE, COMPARED = 0.1, 60
-"""Distance of two routes, in radii of the body, up to which they are much the same; and points that are compared."""
+ALIKE = 0.1
+"""Distance of two routes, in radii of the body, up to which they are much the same."""
+
+COMPARED = 60
+"""Points of each route that are compared for that."""
 
 
 class Candidate(NamedTuple):

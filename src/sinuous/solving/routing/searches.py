@@ -42,9 +42,12 @@ CELLS = (1 << 14, 1 << 17, 1 << 19)
 POINTS = 1024
 """Most points of a route."""
 
-AHEAD, ENCLOSED = 2.0, 12
-"""How far ahead of the base, in radii, it is looked whether it is enclosed; and how many of `enclosed.RAYS` rays, as
-long as the robot, meet an obstacle then: not all do where there is a door."""
+AHEAD = 2.0
+"""Distance ahead of the base, in radii of the body, of the place from which rays say whether the base is enclosed."""
+
+ENCLOSED = 12
+"""Rays of `enclosed.RAYS`, as long as the robot, that meet an obstacle where the base is enclosed: not all do where
+there is a door."""
 
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""

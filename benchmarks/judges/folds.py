@@ -1,7 +1,7 @@
 """How far is the body from itself? Asked of all pairs of very many places.
 
-Two places count when they are at least pi times the larger of their radii apart along the backbone: the definition of
-self-collision (thickness of a tube; Cantarella, Kusner & Sullivan 2002).
+Two places count, where the radius is the same from one to the other, when they are at least pi radii apart along the
+backbone (thickness of a tube; Cantarella, Kusner & Sullivan 2002); where it changes, unless each is ahead of the other.
 """
 
 import math
@@ -15,6 +15,9 @@ from sinuous.robot.robot import Robot
 
 SAMPLES = 60
 """Places looked at in a segment."""
+
+DOUBT = 0.02
+"""Cosine to which it is told from differences of places whether one lies ahead of another."""
 
 
 def least_self_clearance(robot: Robot, q: Floats) -> Floats:
@@ -39,6 +42,21 @@ def _least(points: Floats, along: Floats, radii: Floats) -> float:
             break
         a, b = i[k], j[k]
         apart = cdist(points[a], points[b]) - radii[a] - radii[b]
-        counts = np.abs(along[a][:, None] - along[b]) >= math.pi * max(radii[a], radii[b])
+        if (radii[a : b + 1] == radii[a]).all():
+            counts = np.abs(along[a][:, None] - along[b]) >= math.pi * radii[a]
+        else:
+            across = points[b] - points[a][:, None]
+            ahead = [
+                np.einsum("ijk,ik->ij", across, _tangents(points[a])),
+                np.einsum("ijk,jk->ij", across, _tangents(points[b])),
+            ]
+            counts = np.minimum(*ahead) < -DOUBT * np.linalg.norm(across, axis=-1)
         least = min(least, float(apart.min(initial=math.inf, where=counts)))
     return least
+
+
+def _tangents(points: Floats) -> Floats:
+    """Unit tangents (s, 3) at places (s, 3) of a segment; zero where it has no length."""
+    slopes = np.gradient(points, axis=0)
+    result: Floats = slopes / np.maximum(np.linalg.norm(slopes, axis=-1, keepdims=True), 1e-300)
+    return result

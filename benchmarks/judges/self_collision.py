@@ -1,7 +1,8 @@
 """Does the body run through itself? Centre lines sampled densely wherever they come near, in plain NumPy.
 
-Two places of the backbone whose distance along it is at least pi times the larger of their radii must be farther apart
-than the sum of their radii. The *gap* of such a pair is its distance less both radii.
+Two places of the backbone must be farther apart than the sum of their radii, unless they are neighbours: where the
+radius is the same between them, nearer along it than pi radii; where it changes, each ahead of the other. The *gap* of
+such a pair is its distance less both radii.
 """
 
 import math
@@ -79,6 +80,9 @@ def look(robot: Robot, q: Floats, below: float = math.inf) -> Seen:
     found = Seen(np.full(len(q), math.inf), np.zeros(len(q), bool))
     radii, starts = np.array(robot.radii), segment_ends(robot, q)[:, :-1]
     before = np.cumsum(q[..., 2], axis=1) - q[..., 2]
+    bends = np.hypot(q[..., 0], q[..., 1])
+    turned = np.cumsum(bends, axis=1) - bends
+    runs = np.concatenate([[0], np.cumsum(np.diff(radii) != 0.0)])
     i, j = np.triu_indices(len(robot))
     thick = (radii[i] > 0.0) & (radii[j] > 0.0)
     i, j, count = np.tile(i[thick], len(q)), np.tile(j[thick], len(q)), int(thick.sum())
@@ -90,14 +94,25 @@ def look(robot: Robot, q: Floats, below: float = math.inf) -> Seen:
         l_a, l_b = q[shape, first, 2], q[shape, second, 2]
         along = np.abs(before[shape, second] + b * l_b - before[shape, first] - a * l_a)
         loose = 0.5 * part * (l_a + l_b)
-        apart = np.linalg.norm(_places(q, starts, shape, first, a) - _places(q, starts, shape, second, b), axis=-1)
+        across = _places(q, starts, shape, second, b) - _places(q, starts, shape, first, a)
+        apart = np.linalg.norm(across, axis=-1)
         gap = apart - radii[first] - radii[second]
         counted = math.pi * np.maximum(radii[first], radii[second])
-        np.minimum.at(found.least, shape, np.where(along >= counted, gap, math.inf))
+        stepped = runs[first] != runs[second]
+        ahead = np.minimum(
+            (across * _tangents(q, starts, shape, first, a)).sum(axis=-1),
+            (across * _tangents(q, starts, shape, second, b)).sum(axis=-1),
+        )
+        u_a, u_b = bends[shape, first], bends[shape, second]
+        turn = turned[shape, second] + b * u_b - turned[shape, first] - a * u_a
+        astray = (ahead <= 0.0) & (turn >= 0.5 * math.pi)
+        np.minimum.at(found.least, shape, np.where(np.where(stepped, astray, along >= counted), gap, math.inf))
         wanted = np.minimum(found.least[shape], below)
-        going = (along + loose >= counted) & (gap - loose < wanted)
+        unsure = ahead <= loose + 0.5 * part * (apart + loose) * np.maximum(u_a, u_b)
+        unsure &= turn + 0.5 * part * (u_a + u_b) >= 0.5 * math.pi
+        going = np.where(stepped, unsure, along + loose >= counted) & (gap - loose < wanted)
         most = curvature[shape, first, second]
-        nearest = 0.5 * np.maximum(along - loose, counted)
+        nearest = 0.5 * np.where(stepped, np.maximum(along - loose, 0.0), np.maximum(along - loose, counted))
         chord = 2.0 * nearest * np.sinc(np.minimum(most * nearest / math.pi, 1.0))
         going &= (most * (along + loose) > math.pi) | (chord - radii[first] - radii[second] < wanted)
         fine = loose <= FINEST * np.minimum(radii[first], radii[second])
@@ -130,3 +145,11 @@ def _places(q: Floats, starts: Floats, shape: Indices, segment: Indices, fractio
     local = arc_ends(parts[:, 0], parts[:, 1], parts[:, 2])
     start = starts[shape, segment]
     return np.asarray(np.einsum("pij,pj->pi", start[:, :3, :3], local) + start[:, :3, 3])
+
+
+def _tangents(q: Floats, starts: Floats, shape: Indices, segment: Indices, fraction: Floats) -> Floats:
+    """Unit tangents (p, 3) of the backbone."""
+    bends = q[shape, segment, :2] * fraction[:, None]
+    angle = np.hypot(bends[:, 0], bends[:, 1])
+    local = np.concatenate([bends * np.sinc(angle / math.pi)[:, None], np.cos(angle)[:, None]], axis=-1)
+    return np.asarray(np.einsum("pij,pj->pi", starts[shape, segment, :3, :3], local))

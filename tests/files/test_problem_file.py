@@ -290,7 +290,7 @@ BAD = {
     ROBOT + "scene: [{grid: {file: a.npz}}]": "scene[0].grid.file: "
     "expected the name of a file that can be read ... (cannot be read: No such file or directory)",
     ROBOT + "scene: [{grid: {file: a.npz, scale: 1}}]": "scene[0].grid.scale: "
-    "expected one of file, name, got 1 (unknown key)",
+    "expected one of file, name, exact, truncated, got 1 (unknown key)",
     ROBOT: "target: expected one of target, targets, path, goal, got ['robot'] (missing)",
     ROBOT + TARGET + "path: tips.csv": "target: "
     "expected one of target, targets, path, goal, got {'position': [0, 0, 3]} (stands beside path)",

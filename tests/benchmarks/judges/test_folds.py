@@ -9,6 +9,7 @@ import sinuous as sn
 from benchmarks.judges.folds import SAMPLES, least_self_clearance
 from benchmarks.judges.kinematics import body_points
 from benchmarks.problems import random_configurations
+from tests.self_gaps import gaps_of, sample_body
 
 
 def hairpin(width: float, radius: float) -> tuple[sn.Robot, np.ndarray]:
@@ -50,10 +51,7 @@ def test_no_pair_of_places_is_left_out() -> None:
     """All pairs of all places, by brute force."""
     rng = np.random.default_rng(4)
     for n, radius in ((1, 0.3), (3, 0.02), (8, 0.1), (20, 0.05)):
-        robot = sn.Robot(
-            [sn.Segment((0.6, 1.0), 2.4, radius=r) for r in np.linspace(radius, 0.6 * radius, n)],
-            base=sn.pose((7, 8, 9)),
-        )
+        robot = sn.Robot([sn.Segment((0.6, 1.0), 2.4, radius=radius)] * n, base=sn.pose((7, 8, 9)))
         q = random_configurations(robot, 5, rng)
         points, along = body_points(robot, q, SAMPLES)
         radii = np.repeat(robot.radii, SAMPLES + 1)
@@ -62,3 +60,15 @@ def test_no_pair_of_places_is_left_out() -> None:
             gaps = np.linalg.norm(flat[:, None] - flat, axis=-1) - radii[:, None] - radii
             counts = np.abs(s.ravel()[:, None] - s.ravel()) >= math.pi * np.maximum(radii[:, None], radii)
             assert found == pytest.approx(gaps.min(initial=math.inf, where=counts), abs=1e-12)
+
+
+def test_of_several_radii_what_lies_ahead_does_not_count() -> None:
+    """By brute force, with the true tangents: the judge leaves out what it cannot tell, and nothing else."""
+    rng = np.random.default_rng(5)
+    for n, radius in ((3, 0.02), (6, 0.1)):
+        radii = np.linspace(radius, 0.6 * radius, n)
+        robot = sn.Robot([sn.Segment((0.6, 1.0), 2.4, radius=r) for r in radii])
+        q = random_configurations(robot, 5, rng)
+        for one, found in zip(q, least_self_clearance(robot, q), strict=True):
+            expected = float(gaps_of(sample_body(one, radii, SAMPLES)).min())
+            assert expected - 1e-12 <= found <= expected + 0.05

@@ -26,6 +26,7 @@ class Callable:
 
     def __init__(self, function: Any, compiled: Any) -> None:
         self.py_func, self.compiled = function, compiled
+        self.__module__ = function.__module__  # an entry that is made around it is kept under this name
         self._entry: Any = None
 
     def __call__(self, *arguments: Any) -> Any:

@@ -300,7 +300,7 @@ class Searches:
 
     def room(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
-        distances = np.empty(len(points))
+        points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
         room_along(problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.radii), distances)
         return distances
 

@@ -110,12 +110,6 @@ def segments_in(robot: Floats) -> Floats:
     return _split(robot)[0]
 
 
-def lengths_of_first(segments: Floats) -> tuple[Floats, Floats]:
-    """Return the least and the greatest lengths (m + 1,) of the first 0 to m of the segments of these rows (m, 7)."""
-    low, high = (np.concatenate([[0.0], np.cumsum(segments[:, which])]) for which in (MIN_LENGTH, MAX_LENGTH))
-    return low, high
-
-
 def begin(groups: Groups) -> Floats:
     """Where the backbone begins (3,)."""
     return _split(groups[0])[1][POSE_POSITION:]

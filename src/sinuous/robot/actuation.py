@@ -221,7 +221,7 @@ def coupled_rows(linear: Actuators, gains: Floats, limits: Floats) -> Iterator[l
     linear : Actuators
     gains : ndarray (m,)
         What their values are divided by, so that they count in the length unit.
-    limits : ndarray (n, 7)
+    limits : ndarray (n, 8)
         Rows of the segments, laid out as `sinuous.kernels.tables` says.
 
     Raises

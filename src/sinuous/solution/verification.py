@@ -35,7 +35,8 @@ class Verification(ShortRepr):
     Attributes
     ----------
     ok : bool
-        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere.
+        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere; nor
+        nearer to either than the robot demands.
     position_error, angle_error : float
         Largest over the targets; 0 where nothing is asked.
     excess : float
@@ -104,17 +105,20 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     errors = [target_errors(robot, target, ends) for target in targets]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
     clearance, segment, obstacle = least_clearance(robot, scene, q, ends)
-    itself = nearest_meeting(robot, q, ends)
+    spare, itself = clearance - robot.least_demanded[0], nearest_meeting(robot, q, ends)
+    if isinstance(robot.clearance, tuple):
+        spare = least_clearance(robot, scene, q, ends, beyond=True).distance
     excess = robot.excess(q)
     slack = ROUNDING * robot.mean_length
     ok = (
         off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
         and all(amount <= LIMIT_SLACK * unit_of(limit, robot.mean_length) for limit, _, amount in robot.violations(q))
-        and clearance >= -slack
+        and spare >= -slack
         and itself.gap >= -slack
     )
-    return Verification(ok, off, turn, excess, clearance, segment, obstacle, *itself)
+    gap = itself.gap + robot.least_demanded[1]
+    return Verification(ok, off, turn, excess, clearance, segment, obstacle, gap, itself.segments)
 
 
 KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}

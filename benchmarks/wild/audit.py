@@ -39,6 +39,9 @@ BALLS = 6
 CELLS = 24
 """Cells of a field or a grid along its longest edge."""
 
+SHORT = 0.05
+"""Budget of one solve, in seconds, of kinds whose problems are often impossible: what counts there are claims."""
+
 DRAWS = 30
 """Draws of a scene before another robot is drawn."""
 
@@ -94,7 +97,8 @@ def huge(seed: int, number: int) -> World:
             found = float(Clearances(robot, Scene([obstacle])).least(q)[0])
             if abs(found) < unit * 10.0 ** GAPS[1]:
                 targets = asked(robot, q, rng, "rotation")
-                return World(robot, Scene([obstacle]), Tolerance(1e-9 * unit, 1e-9), targets, q, found > CLEAR * unit)
+                possible = found > CLEAR * unit
+                return World(robot, Scene([obstacle]), Tolerance(1e-9 * unit, 1e-9), targets, q, possible, time=SHORT)
 
 
 def bodies(seed: int, number: int) -> World:
@@ -146,7 +150,8 @@ def bounds(seed: int, number: int) -> World:
                 balls.append(Sphere(center, unit * rng.uniform(0.05, 0.4)))
             world = _world(robot, balls, q, rng)
             if world is not None:
-                return replace(world, scene=Scene([_bounding(balls, points, unit, rng)]), truth=world.scene)
+                scene = Scene([_bounding(balls, points, unit, rng)])
+                return replace(world, scene=scene, truth=world.scene, time=SHORT)
 
 
 KINDS: dict[str, Callable[[int, int], World]] = {

@@ -33,6 +33,9 @@ EXACT = 1e-10
 TIP_DEVIATION = 3e-6
 """How far the tip may leave the curve between knots, by default, in lengths of the robot."""
 
+LOOKS = 7
+"""Places of a step, evenly spaced, at which it is measured how far the tip is off the curve."""
+
 LAID = 8
 """Chains that are laid, for each length of the shortest segment that bends; what lies between is interpolated."""
 
@@ -112,8 +115,8 @@ def follow_the_leader(
         followed, so that the motion ends in its shape; its `route` is an array of points.
     scene : Scene or list of obstacles, optional
     tip_deviation : float, optional
-        How far the tip may leave the curve between knots, in the length unit; by default 3e-6 of the robot's mean
-        length. The smaller, the more knots.
+        How far the tip may leave the curve between knots, in the length unit, as measured at seven places of every
+        step; by default 3e-6 of the robot's mean length. The smaller, the more knots.
     time : float
         Budget of each knot in seconds; a knot is one solve, from the shape that was fitted.
 
@@ -221,9 +224,12 @@ class _Leader:
         return depths[:kept], found.q[:kept], clear[:kept], found
 
     def _off(self) -> Floats:
-        """How far the tip is off the curve in the middle of every step (t - 1,)."""
-        between = 0.5 * (self.q[1:] + self.q[:-1])
-        return self.path.distance(self.robot.forward(between)[:, -1, :3, 3])
+        """How far the tip is off the curve at `LOOKS` places of every step, at most (t - 1,)."""
+        shares = (np.arange(1, LOOKS + 1) / (LOOKS + 1.0))[:, None, None, None]
+        between = (1.0 - shares) * self.q[:-1] + shares * self.q[1:]
+        tips = self.robot.forward(between)[..., -1, :3, 3]
+        off: Floats = self.path.distance(tips.reshape(-1, 3)).reshape(LOOKS, -1).max(axis=0)
+        return off
 
     def _divide(self, counts: np.ndarray) -> bool:
         """Divide every step into so many (t - 1,); returns False where there is nothing to divide."""

@@ -1,5 +1,6 @@
 """A method that is prepared for a robot: its whole solve is one compiled call, with a workspace for each thread."""
 
+import math
 import threading
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -63,7 +64,15 @@ class Prepared:
     scene : Scene
     tolerance : Tolerance
     preferences : Preferences
+
+    Attributes
+    ----------
+    grazing : float
+        Clearance, beyond what is demanded, below which a solution is in contact and should be moved away from it, see
+        `take_room`; a method that cannot do that has none.
     """
+
+    grazing = -math.inf
 
     def __init__(
         self,
@@ -115,6 +124,14 @@ class Prepared:
             for each in rows:
                 self._capabilities.refuse_targets(self._name, each, self._segments)
         self._search(scene, rows, initial, budget, answers)
+
+    def load_room(self, problem: Problem) -> float:
+        """Compile what `take_room` needs, or load it, where that is not done yet; return the seconds it took."""
+        return 0.0
+
+    def take_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Move a solution away from what it touches, as far as that is cheap; it stays solved and proved."""
+        return outcome
 
     def _search(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
         call = self._call(scene, rows, initial, budget, answers)

@@ -149,6 +149,9 @@ class Solver:
             if outcome.code in UNDECIDED:
                 began += self._strategy.load()  # compiling is no solving
             outcome = self._go_on(outcome, problem, given, budget[3])
+        if outcome.clearance < self._prepared.grazing and outcome.code == SOLVED:
+            began += self._prepared.load_room(problem)
+            outcome = self._prepared.take_room(outcome, problem, budget[3] - outcome.seconds)
         return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
@@ -233,6 +236,7 @@ class Solver:
             if blocked:
                 many.decide(BASE_BLOCKED)
             many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
+            many.take_room(budget[3])
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -295,8 +299,9 @@ class Solver:
         several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
+        own = self._resolver, given
         return [
-            Solution(problem, outcome, outcome.seconds, self._resolver, given, route_class)
+            Solution(problem, self._with_room(outcome, problem, wanted.seconds), outcome.seconds, *own, route_class)
             for outcome, route_class in several.best()
         ]
 
@@ -393,6 +398,13 @@ class Solver:
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
         return search.outcome
+
+    def _with_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Move a solution out of contact; see `Prepared.take_room`."""
+        if outcome.clearance >= self._prepared.grazing:
+            return outcome
+        self._prepared.load_room(problem)
+        return self._prepared.take_room(outcome, problem, seconds)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""

@@ -22,6 +22,8 @@ KEYS = [
     "angle_error",
     "clearance",
     "self_clearance",
+    "demanded_clearance",
+    "demanded_self_clearance",
     "actuators",
     "worst",
     "reason",

@@ -16,7 +16,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
-from sinuous.robot.actuators import Actuators
+from sinuous.robot.actuators import Stage
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.scene import SceneLike
@@ -32,6 +32,9 @@ EXACT = 1e-10
 
 TIP_DEVIATION = 3e-6
 """How far the tip may leave the curve between knots, by default, in lengths of the robot."""
+
+LOOKS = 7
+"""Places of a step, evenly spaced, at which it is measured how far the tip is off the curve."""
 
 LAID = 8
 """Chains that are laid, for each length of the shortest segment that bends; what lies between is interpolated."""
@@ -54,7 +57,7 @@ FORWARD = 0.5
 """Largest angle, rad, between the axis of the base and the way into the curve."""
 
 
-def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
+def on_stage(robot: Robot, travel: Number, name: str = "stage", motor: Stage | None = None) -> Robot:
     """Put a robot on a stage that pushes it forward along the axis of its base.
 
     Drawn back as far as it goes, the arm stands straight behind the base of before, at its greatest length, and its tip
@@ -67,6 +70,8 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
         How far the stage goes, in the length unit.
     name : str
         What the segment of the stage is called.
+    motor : Stage, optional
+        The motor of the stage, which makes it an actuator: `sn.Stage()`, or with its gain.
 
     Raises
     ------
@@ -76,11 +81,12 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
     reach = checks.number("travel", travel, above=0.0)
     back = np.eye(4)
     back[2, 3] = -sum(segment.length[1] for segment in robot.segments)
-    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=checks.text("name", name))
+    own = checks.text("name", name)
+    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=own, stage=motor)
     linear = robot.linear
     if linear is not None:
         wider = np.hstack([np.zeros((len(linear.matrix), 3)), linear.matrix])
-        linear = Actuators(wider, names=list(linear.names), limits=linear.limits)
+        linear = linear.changed(matrix=wider)
     named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
     return robot.changed(segments=[stage, *named], base=robot.base @ back, actuators=linear)
 
@@ -109,8 +115,8 @@ def follow_the_leader(
         followed, so that the motion ends in its shape; its `route` is an array of points.
     scene : Scene or list of obstacles, optional
     tip_deviation : float, optional
-        How far the tip may leave the curve between knots, in the length unit; by default 3e-6 of the robot's mean
-        length. The smaller, the more knots.
+        How far the tip may leave the curve between knots, in the length unit, as measured at seven places of every
+        step; by default 3e-6 of the robot's mean length. The smaller, the more knots.
     time : float
         Budget of each knot in seconds; a knot is one solve, from the shape that was fitted.
 
@@ -218,9 +224,12 @@ class _Leader:
         return depths[:kept], found.q[:kept], clear[:kept], found
 
     def _off(self) -> Floats:
-        """How far the tip is off the curve in the middle of every step (t - 1,)."""
-        between = 0.5 * (self.q[1:] + self.q[:-1])
-        return self.path.distance(self.robot.forward(between)[:, -1, :3, 3])
+        """How far the tip is off the curve at `LOOKS` places of every step, at most (t - 1,)."""
+        shares = (np.arange(1, LOOKS + 1) / (LOOKS + 1.0))[:, None, None, None]
+        between = (1.0 - shares) * self.q[:-1] + shares * self.q[1:]
+        tips = self.robot.forward(between)[..., -1, :3, 3]
+        off: Floats = self.path.distance(tips.reshape(-1, 3)).reshape(LOOKS, -1).max(axis=0)
+        return off
 
     def _divide(self, counts: np.ndarray) -> bool:
         """Divide every step into so many (t - 1,); returns False where there is nothing to divide."""

@@ -12,9 +12,9 @@ from typing import Any
 import typer
 
 from sinuous import checks
+from sinuous.errors import SuspiciousInput
 from sinuous.files.problem_file import ProblemFile, read_problem
 from sinuous.files.setting import Setting, read_setting
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.progress import rich_progress
 
 PATIENCE = 0.5

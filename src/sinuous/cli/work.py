@@ -13,7 +13,7 @@ from sinuous.cli.answers import Alternatives, Answer, Answers, read_solution, wr
 from sinuous.cli.journal import Journal, record_of
 from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Output, Solving
 from sinuous.cli.reading import Read, read_all, say_notes
-from sinuous.errors import InputError
+from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.job import motion_of, rates_in_time
@@ -22,7 +22,6 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status

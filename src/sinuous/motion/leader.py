@@ -16,7 +16,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
-from sinuous.robot.actuators import Actuators
+from sinuous.robot.actuators import Stage
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.scene import SceneLike
@@ -57,7 +57,7 @@ FORWARD = 0.5
 """Largest angle, rad, between the axis of the base and the way into the curve."""
 
 
-def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
+def on_stage(robot: Robot, travel: Number, name: str = "stage", motor: Stage | None = None) -> Robot:
     """Put a robot on a stage that pushes it forward along the axis of its base.
 
     Drawn back as far as it goes, the arm stands straight behind the base of before, at its greatest length, and its tip
@@ -70,6 +70,8 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
         How far the stage goes, in the length unit.
     name : str
         What the segment of the stage is called.
+    motor : Stage, optional
+        The motor of the stage, which makes it an actuator: `sn.Stage()`, or with its gain.
 
     Raises
     ------
@@ -79,11 +81,12 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
     reach = checks.number("travel", travel, above=0.0)
     back = np.eye(4)
     back[2, 3] = -sum(segment.length[1] for segment in robot.segments)
-    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=checks.text("name", name))
+    own = checks.text("name", name)
+    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=own, stage=motor)
     linear = robot.linear
     if linear is not None:
         wider = np.hstack([np.zeros((len(linear.matrix), 3)), linear.matrix])
-        linear = Actuators(wider, names=list(linear.names), limits=linear.limits)
+        linear = linear.changed(matrix=wider)
     named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
     return robot.changed(segments=[stage, *named], base=robot.base @ back, actuators=linear)
 

@@ -11,7 +11,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.errors import InputError, warn_of
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
@@ -22,7 +22,7 @@ from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
-from sinuous.problem.suspicions import suspicions, warn_of
+from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.reprs import call
 from sinuous.robot.rates import Rates

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 import numpy as np
 
 from sinuous import checks, packing
-from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack, Whole
+from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -19,7 +19,7 @@ from sinuous.reprs import call, text
 from sinuous.robot import limits
 from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
-from sinuous.robot.inverse import Inverse, fitting
+from sinuous.robot.inverse import Inverse, answer_contradictions, fitting
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.names import optional_name
 from sinuous.robot.segment import Segment, segment_names
@@ -151,7 +151,7 @@ class Robot(NotebookMixin, Frozen):
                 for segment, curvature in zip(listed, curvatures, strict=True)
             ]
         )
-        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_gains, table)
+        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)
         self._set(
             segments=listed,
             segment_names=segment_names(listed),
@@ -306,8 +306,8 @@ class Robot(NotebookMixin, Frozen):
     def excess(self, q: Batch) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
-        Bends and lengths count in their own units (rad, length unit), actuators in the length unit: the values of
-        `Actuators` are divided by their largest weight, those of bends taken relative to the mean length.
+        Bends and lengths count in their own units (rad, length unit), actuators in the length unit: by their
+        displacements, of `Actuators` divided by their largest weight, those of bends relative to the mean length.
         """
         return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
 
@@ -323,37 +323,53 @@ class Robot(NotebookMixin, Frozen):
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:
-        """All actuators: segment by segment tendons, then chambers; at the end those of `Actuators`."""
+        """All actuators: segment by segment tendons, chambers, the stage; at the end those of `Actuators`."""
         return self.drive.actuators
 
     def to_actuators(self, q: Batch) -> Floats:
         """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
 
-        Of a tendon it is the displacement (positive is pulled), of a chamber the length, both in the length unit.
+        They are those of the motors: gain x displacement + offset. Without a gain, a tendon's value is its displacement
+        (positive is pulled), that of a chamber or a stage its length, both in the length unit.
         """
         return self.drive.values(self.configuration("q", q))
 
-    def from_actuators(self, actuators: Stack, initial: Batch | None = None) -> Floats:
+    def from_actuators(
+        self,
+        actuators: Stack | Mapping[str, Number | Stack],
+        initial: Batch | None = None,
+        tolerance: Number | Vector | None = None,
+    ) -> Floats:
         """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
 
-        Least squares where values contradict each other. Coordinates that cannot move are what they are.
+        Where values contradict each other (three tendons of an arc are one too many) it is the nearest: least squares
+        of displacements, and that is said. `to_actuators(q) - actuators` is what is left. Coordinates that cannot move
+        are what they are.
 
         Parameters
         ----------
-        actuators : array_like (..., m)
+        actuators : array_like (..., m), or mapping from names to array_like (...)
+            In the units of the motors; by name as `Solution.actuators` and `Solutions.actuators` give them.
         initial : array_like (..., n, 3), optional
             What no actuator determines stays as it is here: of all configurations with these values the nearest to
             this one (bends in rad, lengths relative to the mean length of their segment).
+        tolerance : float or array_like (m,), optional
+            By how much values may contradict each other, in the units of the motors: up to this nothing is said, and
+            more is refused. By default what rounding does, and a `SuspiciousInput` warns of more, with the residual.
 
         Raises
         ------
         InputError
-            When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named.
+            When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named. When
+            values contradict each other by more than `tolerance`, or a name is missing or unknown.
         """
-        values, reference = fitting(actuators, initial, len(self.drive), len(self))
+        names = [actuator.name for actuator in self.actuators]
+        values, reference = fitting(actuators, initial, names, len(self))
         if reference is None:
             self._inverse.refuse_undetermined(self.segment_names)
-        return self._inverse.configuration(values, reference)
+        found = self._inverse.configuration(self.drive.motors.displacements(values), reference)
+        answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
+        return found
 
     def actuator_jacobian(self, q: Batch) -> Floats:
         """Derivative (..., m, 3 n) of the values of all actuators, read-only.
@@ -362,7 +378,7 @@ class Robot(NotebookMixin, Frozen):
         configuration, because all actuators are linear.
         """
         lead = self.configuration("q", q).shape[:-2]
-        jacobian = self.drive.jacobian
+        jacobian = self.drive.value_jacobian
         return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
 
     @cached_property

@@ -17,6 +17,7 @@ from sinuous.arguments import Constraint
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.reprs import ShortRepr
+from sinuous.robot.actuation import Actuator
 from sinuous.robot.rates import Changes
 from sinuous.solution.at_rest import at_rest, nonnegative_least_squares
 from sinuous.solution.constraints import Limit, limits_of, normal, rates_of
@@ -72,6 +73,8 @@ class Binding(ShortRepr):
         Whether the limit leaves no choice: of a segment that cannot stretch, the length.
     inside : bool
         Whether the body has to stay inside the obstacle.
+    motor : Actuator or None
+        The actuator, where value and limit are those of its motor, in its unit, and not displacements.
     """
 
     constraint: Constraint
@@ -84,15 +87,17 @@ class Binding(ShortRepr):
     other_segment: int | None = None
     fixed: bool = False
     inside: bool = False
+    motor: Actuator | None = None
 
     @classmethod
     def of(cls, met: Limit | Contact) -> "Binding":
         """Make it of a limit or a contact."""
         if isinstance(met, Limit):
-            return cls(met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key, fixed=met.fixed)
+            own = met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key
+            return cls(*own, fixed=met.fixed, motor=met.motor)
         kind: Constraint = "clearance" if met.other_segment is None else "self_clearance"
-        own = kind, met.segment, met.obstacle, met.clearance, 0.0
-        return cls(*own, other_segment=met.other_segment, inside=met.inside)
+        there = kind, met.segment, met.obstacle, met.clearance, 0.0
+        return cls(*there, other_segment=met.other_segment, inside=met.inside)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
@@ -232,7 +237,7 @@ def _what(binding: Binding) -> str:
         return RATES[binding.constraint]
     if binding.actuator is not None and binding.key is not None:
         name = binding.key.partition("[")[0]
-        return "value" if name == "actuators.limits" else name.rpartition(".")[2]
+        return "value" if name.endswith(".limits") or binding.motor else name.rpartition(".")[2]
     return f"{'fixed ' if binding.fixed else ENDS.get(binding.key or '', '')}{binding.constraint}"
 
 
@@ -257,8 +262,16 @@ def _measured(binding: Binding) -> str:
         return f"{where} is {number(-value)} {'outside it' if binding.inside else 'deep in it'}"
     if binding.fixed:
         return number(limit)
+    unit = f" {binding.motor.unit}" if binding.motor is not None and binding.motor.unit else ""
     thick = ", because the body is that thick" if binding.key == "radius" else ""
     if abs(value - limit) <= ACTIVE * max(1.0, abs(limit)) or binding.constraint in RATES:
-        return f"at its limit of {number(limit)}{thick}"
-    bound = "at least" if binding.key is not None and binding.key.endswith("[0]") else "at most"
-    return f"{number(value)}, {bound} {number(limit)} is allowed"
+        return f"at its limit of {number(limit)}{unit}{thick}"
+    bound = "at least" if _is_lower(binding) else "at most"
+    return f"{number(value)}{unit}, {bound} {number(limit)}{unit} is allowed"
+
+
+def _is_lower(binding: Binding) -> bool:
+    """Whether a limit is the least value that is allowed."""
+    lower = binding.key is not None and binding.key.endswith("[0]")
+    turned = binding.motor is not None and binding.motor.gain < 0.0 and ".limits" not in (binding.key or "")
+    return lower != turned

@@ -209,7 +209,7 @@ class Solution(NotebookMixin):
 
     @property
     def actuators(self) -> dict[str, float] | None:
-        """Displacement of every tendon, length of every chamber, values of other actuators; `None` without any."""
+        """Values of the motors by name, see `Robot.to_actuators`; `None` without any actuator."""
         robot = self.problem.robot
         names = [actuator.name for actuator in robot.actuators]
         return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
@@ -377,7 +377,7 @@ class Solution(NotebookMixin):
             parts.append(f"  route      {self.route_class}")
         parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
-        values = "  ".join(f"{name}={value:.4g}" for name, value in (self.actuators or {}).items())
+        values = self.problem.robot.drive.in_words(self.actuators or {})
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
         parts += [f"  {'' if i else 'actuators':<10} {line}" for i, line in enumerate(lines)]
         return "\n".join(parts)

@@ -12,6 +12,7 @@ from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import CLEARANCE, POSITION, SELF_CLEARANCE, TARGETS
 from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr, call
+from sinuous.robot.actuation import Actuator
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
@@ -62,6 +63,8 @@ class Wanted(NamedTuple):
         See `sinuous.kernels.velocity.layout`.
     motion : tuple of float
         Of the tip in that time (6), rad and length unit.
+    limited : tuple of Actuator
+        Those that have a limit or a rate, as the kernel numbers them.
     """
 
     robot: Robot
@@ -70,6 +73,7 @@ class Wanted(NamedTuple):
     dt: float
     kind: int
     motion: tuple[float, ...]
+    limited: tuple[Actuator, ...]
 
 
 class Step:
@@ -225,14 +229,14 @@ class Step:
         return tuple(dict.fromkeys(self._named(*row) for row in ordered))
 
     def _named(self, kind: int, segment: int, which: int) -> Active:
-        robot, scene = self._wanted.robot, self._wanted.scene
+        scene = self._wanted.scene
         place = segment + 1 if segment >= 0 else None
         if kind == CLEARANCE:
             return Active("clearance", place, obstacle=scene.name(which))
         if kind == SELF_CLEARANCE:
             return Active("self_clearance", place, other_segment=which + 1)
-        actuator = robot.actuators[which] if segment < 0 else None
-        if actuator is not None:
+        if segment < 0:
+            actuator = self._wanted.limited[which]
             return Active(CONSTRAINTS[kind], actuator.segment, actuator=actuator.name)
         return Active(CONSTRAINTS[kind], place)
 

@@ -11,12 +11,12 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.errors import InputError, warn_of
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
 from sinuous.problem.problem import Problem, check_sizes
-from sinuous.problem.suspicions import suspicions, warn_of
+from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import read_target_sets
 from sinuous.progress import ProgressBar

@@ -69,9 +69,9 @@ class Balance(NamedTuple):
 
     Attributes
     ----------
-    tensions : ndarray (N, m)
+    tensions : ndarray (..., e)
         Of the elastic lines.
-    short : ndarray (N, m)
+    short : ndarray (..., e)
         By how much displacements miss what would make it possible, in the length unit; at most 0 where it is.
     """
 
@@ -145,25 +145,31 @@ class Elastic(Frozen):
         self._set(_groups=tuple(_groups(springs, columns, ends)))
 
     def shape(self, displacements: Floats, q: Floats) -> Floats:
-        """Configurations (N, n, 3) for displacements (N, m) of all actuators; `q` (N, n, 3) says what rigid ones do."""
-        pulled = displacements[:, self.places] - self._carried(q)
-        result = np.array(q)
-        result.reshape(len(q), -1)[:, self._columns] = equilibrium(self._springs_at(q), pulled)
-        return result
+        """Configurations (..., n, 3) for displacements (..., m) of all actuators; `q` says what rigid ones do."""
+        there = np.array(q.reshape(-1, *q.shape[-2:]))
+        elastic = displacements[..., self.places]
+        pulled = np.broadcast_to(elastic, (*q.shape[:-2], len(self.places))).reshape(len(there), -1)
+        own = equilibrium(self._springs_at(there), pulled - self._carried(there))
+        there.reshape(len(there), -1)[:, self._columns] = own
+        return there.reshape(q.shape)
 
-    def tensions_of(self, displacements: Floats, q: Floats) -> Floats:
-        """Tensions (N, e) of elastic lines in configurations (N, n, 3) of all displacements (N, m)."""
-        elongation = displacements[:, self.places] - q.reshape(len(q), -1) @ self._jacobian.T
-        result: Floats = self._springs.pulls(elongation) * self._springs.stiffness * elongation
+    def tensions(self, displacements: Floats, q: Floats) -> Floats:
+        """Tensions (..., e) of elastic lines in configurations (..., n, 3), at displacements (..., m) of all."""
+        elongation = displacements[..., self.places] - q.reshape(*q.shape[:-2], -1) @ self._jacobian.T
+        result: Floats = np.where(self._springs.pulls(elongation), self._springs.stiffness * elongation, 0.0)
         return result
 
     def stretch(self, q: Floats) -> Floats:
-        """By how much (N, e) elastic lines are displaced more than rigid ones would be, in configurations (N, n, 3)."""
+        """By how much (..., e) lines are displaced more than rigid ones would be, in configurations (..., n, 3)."""
         result: Floats = self.balance(q).tensions / self._springs.stiffness
         return result
 
     def balance(self, q: Floats) -> Balance:
-        """The least tensions that hold configurations (N, n, 3)."""
+        """The least tensions that hold configurations (..., n, 3)."""
+        found = self._balance(q.reshape(-1, *q.shape[-2:]))
+        return Balance(*(each.reshape(*q.shape[:-2], -1) for each in found))
+
+    def _balance(self, q: Floats) -> Balance:
         springs = self._springs_at(q)
         x = q.reshape(len(q), -1)
         rigid = x @ self._jacobian.T
@@ -264,4 +270,5 @@ def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Ite
             common[:] = 0.0
         hold = float(np.abs(springs.resistance[..., coordinates]).sum())
         arm = float(np.linalg.norm(arms, axis=1).max(initial=0.0)) or 1.0
-        yield Group(lines, coordinates, np.linalg.pinv(arms.T, rcond=RANK), common, arm, hold / arm)
+        spread: Floats = np.linalg.pinv(arms.T, rcond=RANK)
+        yield Group(lines, coordinates, spread, common, arm, hold / arm)

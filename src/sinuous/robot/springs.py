@@ -80,10 +80,11 @@ def _equilibrium(springs: Springs, pulled: Floats) -> Floats:
         elongation = goal - now @ own.arms.T
         pulls = own.pulls(elongation)
         slope = own.resistance * (now - own.rest) - (pulls * own.stiffness * elongation) @ own.arms
-        step = -np.linalg.solve(own.hessian(pulls), slope[..., None])[..., 0]
+        step = -np.asarray(np.linalg.solve(own.hessian(pulls), slope[..., None])[..., 0], np.float64)
         change = step @ own.arms.T
         done = (own.pulls(elongation - change) == pulls).all(axis=1)
-        x[left] = now + np.where(done, 1.0, _best_share(own, now, step, elongation, change))[:, None] * step
+        share = np.where(done, 1.0, _best_share(own, now, step, elongation, change))
+        x[left] = now + share[:, None] * step
         if done.all():
             break
         left, goal = left[~done], goal[~done]
@@ -101,7 +102,10 @@ def _best_share(springs: Springs, x: Floats, step: Floats, elongation: Floats, c
         there = elongation[:, None, :] - shares[:, :, None] * change[:, None, :]
         pulled = np.einsum("nkm,nm->nk", springs.pulls(there) * springs.stiffness * there, change)
         own = np.einsum("nc,nc->n", springs.resistance * (x - springs.rest), step)
-        return own[:, None] + shares * np.einsum("nc,nc->n", springs.resistance * step, step)[:, None] - pulled
+        result: Floats = (
+            own[:, None] + shares * np.einsum("nc,nc->n", springs.resistance * step, step)[:, None] - pulled
+        )
+        return result
 
     at = slopes(kinks)
     below = (at <= 0.0).sum(axis=1)

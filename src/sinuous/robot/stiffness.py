@@ -1,6 +1,7 @@
 """How hard a segment resists bending, twisting and stretching."""
 
 import math
+
 from sinuous import checks
 from sinuous.arguments import Number
 from sinuous.errors import InputError

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.errors import warn_of
 from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
 from sinuous.kernels.between.sweep import SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.motion.blending import levers_of, reach_of, steps_margins
-from sinuous.problem.suspicions import warn_of
 from sinuous.robot.robot import Robot
 from sinuous.solving.between.steps import Steps, prove_steps
 

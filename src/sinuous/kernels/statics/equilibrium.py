@@ -47,7 +47,7 @@ def equilibrate(
 ) -> None:
     """Go from state `x` (N, 4) and `tensions` (t,) to an equilibrium, in place; fill `record` (10,).
 
-    `base` (1, 12); arcs (N, 10), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
+    `base` (1, 12); arcs (N, 9), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
     `buffer` has `newton.room_for` numbers and 4 N + t more.
     """
     space, rest = carve(buffer, x.shape[0], lines.shape[0], slopes)

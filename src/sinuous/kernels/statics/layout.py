@@ -23,10 +23,10 @@ RIGID = math.inf
     REST_LENGTH,
     WEIGHT,
 ) = range(7)
-"""Columns of `arcs` (N, 10). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
+"""Columns of `arcs` (N, 9). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
 length without any load; weight (3, force in the world). Bends without load turn with half of the twist."""
 
-ARC_WIDTH = 10
+ARC_WIDTH = 9
 
 LOAD_ARC, FORCE, MOMENT, OFFSET = 0, 1, 4, 7
 """Columns of `loads` (k, 10). Number of the arc at whose end it acts; force (3) and moment (3) in the world, which stay

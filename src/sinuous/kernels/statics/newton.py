@@ -34,10 +34,13 @@ TURNED = 0.5
 
 MOST_HALVINGS = 12
 
-LARGEST_BEND = 6.0
+HUGE = 1e300
+"""What no step of finite numbers reaches."""
+
+LARGEST_BEND = 6.3
 """Bend of one arc beyond which a body of arcs stands for nothing, rad."""
 
-SHORTEST = 0.05
+SHORTEST, LONGEST = 0.2, 3.0
 """The same of its length, relative to that without load."""
 
 Body = namedtuple("Body", ["arcs", "loads", "lines"])
@@ -192,8 +195,10 @@ def _sound(x: Array, arcs: Array) -> bool:
     """Whether arcs are still arcs."""
     for k in range(x.shape[0]):
         square = x[k, t.BEND_X] ** 2 + x[k, t.BEND_Y] ** 2
-        short = x[k, t.LENGTH] < SHORTEST * arcs[k, t.REST_LENGTH]
-        if not square < LARGEST_BEND * LARGEST_BEND or not abs(x[k, t.TWIST]) < LARGEST_BEND or short:
+        long, rest = x[k, t.LENGTH], arcs[k, t.REST_LENGTH]
+        if not square < LARGEST_BEND * LARGEST_BEND or not abs(x[k, t.TWIST]) < LARGEST_BEND:
+            return False
+        if not SHORTEST * rest <= long <= LONGEST * rest:
             return False
     return True
 
@@ -204,7 +209,6 @@ def descend(x: Array, tensions: Array, body: Body, share: float, space: Space, m
 
     Returns whether it was reached, and how many steps that took.
     """
-    count, small = x.shape[0], space.small
     free = True
     for i in range(body.lines.shape[0]):
         free = free and body.lines[i, t.HELD] == 0.0
@@ -214,28 +218,34 @@ def descend(x: Array, tensions: Array, body: Body, share: float, space: Space, m
             look(x, tensions, body, share, True, space)
             find_step(tensions, body, space)
         largest, alpha = _size(body.arcs, space.step)
-        if not largest < 1e300:
+        if not largest < HUGE:
             return False, iteration
-        work = _work(tensions, body, space)
-        for i in range(body.lines.shape[0]):
-            small[BEFORE, i] = tensions[i]
-            small[CHANGE, i] = small[TENSIONS, i] - tensions[i]
-        for _ in range(MOST_HALVINGS):
-            for k in range(count):
-                for j in range(4):
-                    space.trial[k, j] = x[k, j] + alpha * space.step[k, j]
-            for i in range(body.lines.shape[0]):
-                tensions[i] = small[BEFORE, i] + alpha * small[CHANGE, i]
-            negative, _, _ = look(space.trial, tensions, body, share, free, space)
-            after = _work(tensions, body, space)
-            if largest < SURE or after <= TURNED * abs(work):
-                break
-            alpha *= max(0.1, min(0.6, abs(work) / (abs(work) + after)))
-        for k in range(count):
-            for j in range(4):
-                x[k, j] = space.trial[k, j]
-        if largest < DONE:
+        negative = _go(x, tensions, body, share, free, alpha, largest < SURE, space)
+        if largest < DONE or not _sound(x, body.arcs):
             return _sound(x, body.arcs), iteration + 1
-        if not _sound(x, body.arcs):
-            return False, iteration + 1
     return False, most
+
+
+@kernel
+def _go(x: Array, tensions: Array, body: Body, share: float, free: bool, most: float, sure: bool, space: Space) -> int:
+    """Go along the step, no farther than `most` of it, and look there; returns how many pivots are negative there."""
+    small, alpha, negative = space.small, most, 0
+    work = _work(tensions, body, space)
+    for i in range(body.lines.shape[0]):
+        small[BEFORE, i] = tensions[i]
+        small[CHANGE, i] = small[TENSIONS, i] - tensions[i]
+    for _ in range(MOST_HALVINGS):
+        for k in range(x.shape[0]):
+            for j in range(4):
+                space.trial[k, j] = x[k, j] + alpha * space.step[k, j]
+        for i in range(body.lines.shape[0]):
+            tensions[i] = small[BEFORE, i] + alpha * small[CHANGE, i]
+        negative, _, _ = look(space.trial, tensions, body, share, free, space)
+        after = _work(tensions, body, space)
+        if sure or after <= TURNED * abs(work):
+            break
+        alpha *= max(0.1, min(0.6, abs(work) / (abs(work) + after)))
+    for k in range(x.shape[0]):
+        for j in range(4):
+            x[k, j] = space.trial[k, j]
+    return negative

@@ -16,7 +16,10 @@ from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.profile import by_bends, by_length, end_profile, even_functions
 
 SHIFT = 1e-9
-"""Least pivot that counts as positive, relative to the stiffness of the arc."""
+"""Least pivot of a step that descends, relative to the stiffness of the arc."""
+
+NEUTRAL = 1e-7
+"""Pivot, relative to the same, that counts as none: a column that has buckled turns about its axis without a force."""
 
 MOST_SHIFTS = 40
 
@@ -177,12 +180,12 @@ def _invert(arcs: Array, k: int, descends: bool, stages: Array, scratch: Array) 
 
     What is rigid has a row and a column of zero in the inverse.
     """
-    negative = _eliminate(arcs, k, 0.0, stages, scratch)
+    negative = _eliminate(arcs, k, 0.0, SHIFT if descends else -NEUTRAL, stages, scratch)
     below, more = negative, 1e-3
     for _ in range(MOST_SHIFTS):
         if below == 0 or not descends:
             break
-        below = _eliminate(arcs, k, more, stages, scratch)
+        below = _eliminate(arcs, k, more, SHIFT, stages, scratch)
         more *= 4.0
     return negative
 
@@ -194,8 +197,8 @@ def stiffness_of(arcs: Array, k: int, i: int) -> float:
 
 
 @kernel
-def _eliminate(arcs: Array, k: int, more: float, stages: Array, scratch: Array) -> int:
-    """Fill the inverse of the pivot with `more` of the stiffness on top; return how many pivots are too low."""
+def _eliminate(arcs: Array, k: int, more: float, least: float, stages: Array, scratch: Array) -> int:
+    """Fill the inverse of the pivot with `more` of the stiffness on top; return how many are below the `least`."""
     A = scratch[:4, :4]
     inverse = scratch[4:8]
     for i in range(4):
@@ -209,7 +212,7 @@ def _eliminate(arcs: Array, k: int, more: float, stages: Array, scratch: Array) 
     for i in range(4):
         rigid = stiffness_of(arcs, k, i) >= t.RIGID
         pivot = inverse[i, i]
-        low += int(not rigid and pivot <= SHIFT * stiffness_of(arcs, k, i))
+        low += int(not rigid and pivot <= least * stiffness_of(arcs, k, i))
         over = 1.0 / pivot if pivot != 0.0 else 0.0
         for j in range(8):
             inverse[i, j] *= over

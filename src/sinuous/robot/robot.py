@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks, packing
 from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack, Vector, Whole
@@ -311,6 +312,14 @@ class Robot(NotebookMixin, Frozen):
         """
         return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
 
+    def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
+        """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
+        elastic = self.drive.elastic
+        if elastic is None or not elastic.bounded:
+            return np.ones(q.shape[:-2], np.bool_)
+        short: NDArray[np.bool_] = elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
+        return short
+
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 
@@ -397,7 +406,7 @@ class Robot(NotebookMixin, Frozen):
         """Derivative (..., m, 3 n) of the values of all actuators, read-only.
 
         Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
-        configuration, because all actuators are linear.
+        configuration, because all actuators are linear; of elastic ones the stretch is left out.
         """
         lead = self.configuration("q", q).shape[:-2]
         jacobian = self.drive.value_jacobian

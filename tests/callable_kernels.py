@@ -36,7 +36,6 @@ class Callable:
             self._entry = compiling.entry(self.py_func)
         return self._entry(*map(_writable, arguments))
 
-
     @property
     def compiled(self) -> Any:
         """What Numba compiles for other kernels."""
@@ -55,7 +54,7 @@ def _writable(value: Any) -> Any:
 def install() -> None:
     """Have all kernels that are made from now on behind a `Callable`."""
     kernel, inline = compiling.kernel, compiling.inline
-    compiling.kernel = lambda function: Callable(kernel(function))
+    compiling.kernel = lambda function: Callable(kernel(function))  # type: ignore[assignment, return-value]
     compiling.inline = lambda function: inline(function.py_func)  # type: ignore[attr-defined]
 
     @typeof_impl.register(Callable)

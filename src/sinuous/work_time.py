@@ -1,8 +1,8 @@
 """The time by which budgets are counted: that of work, as it takes in machine code.
 
 Compiling is no work, and kernels that run as Python take a thousand times as long as they will: so budgets that were
-counted on the wall would find less, the first time, than they find ever after. Kernels count looks (`kernels.clock`), and
-each is worth what it takes in machine code. Every thread has a time of its own.
+counted on the wall would find less, the first time, than they find ever after. Kernels count looks (`kernels.clock`),
+and each is worth what it takes in machine code. Every thread has a time of its own.
 """
 
 import threading

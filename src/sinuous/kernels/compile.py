@@ -21,7 +21,7 @@ from numba.extending import typeof_impl
 
 from sinuous.gc_pause import gc_paused
 from sinuous.kernels.compiling import once
-from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, plain
+from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, plain, written
 from sinuous.kernels.compiling.pieces import telling
 from sinuous.kernels.compiling.store import KERNELS, Store
 from sinuous.work_time import counting_looks, no_work
@@ -76,8 +76,8 @@ def interpreted_as(machine: Function) -> Callable[[Function], Function]:
     """Let this function of the same file run in the place of the kernel `machine` where kernels are interpreted."""
 
     def mark(function: Function) -> Function:
-        kernel = getattr(machine, "py_func", machine)  # tests have something around it
-        IN_PLACE_OF[kernel] = function  # type: ignore[index, assignment]
+        kernel: Any = getattr(machine, "py_func", machine)  # tests have something around it
+        IN_PLACE_OF[kernel] = function  # type: ignore[assignment]
         if MODE == "interpreted":
             interpret([kernel])
         return function
@@ -86,13 +86,13 @@ def interpreted_as(machine: Function) -> Callable[[Function], Function]:
 
 
 def intrinsic(name: str, typed: Callable[..., Any], python: Callable[..., Any]) -> Any:
-    """A function that Numba writes itself, as `typed` says it (`numba.extending.intrinsic`), and what it is in Python."""
-    made = _Intrinsic_(name, typed, python)
+    """A function that Numba writes itself, as `typed` says (`numba.extending.intrinsic`), and what it is in Python."""
+    made = _WithPython(name, typed, python)
     made._register()
     return made
 
 
-class _Intrinsic_(_Intrinsic):
+class _WithPython(_Intrinsic):  # type: ignore[misc]  # which Numba calls final
     def __init__(self, name: str, typed: Callable[..., Any], python: Callable[..., Any]) -> None:
         super().__init__(name, typed)
         self._python = python
@@ -157,7 +157,7 @@ def _type_of(function: Any, context: Any) -> Any:
 def _original(function: Any) -> Any:
     """Copy a function: what is compiled stays as it is written when the function is interpreted."""
     own = FunctionType(
-        function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__
+        written(function), function.__globals__, function.__name__, function.__defaults__, function.__closure__
     )
     own.__module__, own.__qualname__, own.__doc__ = function.__module__, function.__qualname__, function.__doc__
     return own
@@ -190,9 +190,9 @@ def _quickened(compiled: Any, store: Store | None) -> Any:
             signature = tuple(types.unliteral(each) for each in signature)  # type: ignore[no-untyped-call]
         if signature in compiled.overloads:
             return compiled.overloads[signature].entry_point
-        with no_work(), gc_paused(), global_compiler_lock:
-            with store.alone(signature, compiled.targetctx.codegen()) if store else nullcontext():
-                return compile_it(signature)
+        alone = store.alone(signature, compiled.targetctx.codegen()) if store else nullcontext()
+        with no_work(), gc_paused(), global_compiler_lock, alone:
+            return compile_it(signature)
 
     compiled.compile = compile_quickly
     return compiled

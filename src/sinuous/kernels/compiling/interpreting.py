@@ -1,4 +1,4 @@
-"""Kernels as plain Python: for a debugger, for coverage, and for calls that would otherwise wait for their machine code.
+"""Kernels as plain Python: for a debugger, for coverage, and for calls that would else wait for machine code.
 
 Machine code divides by zero, takes roots of negative numbers and makes whole numbers of NaN without a word; Python
 raises. So the functions of kernels run from code that is made of the same lines, in which these operations ask helpers
@@ -19,6 +19,9 @@ from sinuous.kernels.compiling.sources import text_of
 LOWEST = -(2**63)
 """What machine code makes of a number that no whole number of 64 bits is."""
 
+LARGE = 2**16
+"""Constants from which on products are kept within 64 bits: of smaller ones none outgrows them."""
+
 IN_PLACE_OF: dict[FunctionType, FunctionType] = {}
 """What runs in the place of kernels that only machine code can run."""
 
@@ -27,9 +30,15 @@ def interpret(functions: list[FunctionType]) -> None:
     """Let these functions run as Python, from now on."""
     with _lock:
         for function in functions:
+            _written.setdefault(function, function.__code__)
             own = IN_PLACE_OF.get(function, function)
             function.__globals__.update(HELPERS)
             function.__code__ = _codes(own.__code__.co_filename).get(_place(own.__code__), own.__code__)
+
+
+def written(function: FunctionType) -> CodeType:
+    """Return the code of a function as it is written, for Numba."""
+    return _written.get(function, function.__code__)
 
 
 def plain(value: Any) -> Any:
@@ -53,7 +62,11 @@ class _Arithmetic(ast.NodeTransformer):
         self.generic_visit(node)
         before = ast.parse(ast.unparse(node.target), mode="eval").body
         value = _asked(node, ast.copy_location(before, node.target), node.op, node.value)
-        return node if value is None else ast.fix_missing_locations(ast.copy_location(ast.Assign([node.target], value), node))
+        return (
+            node
+            if value is None
+            else ast.fix_missing_locations(ast.copy_location(ast.Assign([node.target], value), node))
+        )
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         self.generic_visit(node)
@@ -73,9 +86,26 @@ class _Arithmetic(ast.NodeTransformer):
 def _asked(node: ast.AST, left: ast.expr, operator: ast.operator, right: ast.expr) -> ast.Call | None:
     """Call of the helper for an operation; `None` where there is none, or where the right side is a safe constant."""
     helper = _NAMES.get(type(operator))
-    if helper is None or (isinstance(right, ast.Constant) and right.value and right.value > 0):
+    if isinstance(operator, ast.Mult) and any(_is_large(side) for side in (left, right)):
+        helper = "wrapped_"
+    elif isinstance(right, ast.Constant) and isinstance(right.value, int | float) and right.value > 0:
+        return None
+    if helper is None:
         return None
     return ast.copy_location(ast.Call(ast.copy_location(ast.Name(helper, ast.Load()), node), [left, right], []), node)
+
+
+def _is_large(side: ast.expr) -> bool:
+    """Say whether this is a whole number as hashes are made with: of which products do not fit into 64 bits."""
+    return isinstance(side, ast.Constant) and isinstance(side.value, int) and side.value > LARGE
+
+
+def _wrapped(x: Any, y: Any) -> Any:
+    """Product, of whole numbers what is left of it in 64 bits."""
+    product = x * y
+    if isinstance(product, int) and not LOWEST <= product < -LOWEST:
+        return (product - LOWEST) % 2**64 + LOWEST
+    return product
 
 
 def _divided(x: Any, y: Any) -> Any:
@@ -163,6 +193,7 @@ HELPERS: dict[str, Any] = {
     "floored_": _floored,
     "rest_": _rest,
     "power_": _power,
+    "wrapped_": _wrapped,
     "int_": _whole,
     "uint64_": _unsigned,
     "math_": _MATH,
@@ -187,6 +218,9 @@ def _within(code: CodeType) -> list[CodeType]:
 def _place(code: CodeType) -> tuple[str, int]:
     return code.co_qualname, code.co_firstlineno
 
+
+_written: dict[FunctionType, CodeType] = {}
+"""Code of functions before they were interpreted."""
 
 _read: dict[str, dict[tuple[str, int], CodeType]] = {}
 _lock = Lock()

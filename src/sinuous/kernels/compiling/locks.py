@@ -1,6 +1,6 @@
 """Locks between processes, so that what one compiles the others wait for instead of compiling it, too.
 
-A lock is a byte of one file, chosen by what is locked. The operating system frees it when its process ends, however that
+A lock is a byte of one file, chosen by what is locked. The operating system frees it when its process ends, however it
 ends. Kernels are compiled from callers to callees, so whoever waits for a lock holds those of callers alone, and nobody
 waits in a circle. Where files cannot be locked, nobody waits.
 """

@@ -2,8 +2,8 @@
 
 Numba's own cache looks at one file only and misses a change in a callee that lives in another; and two processes that
 compile one function for two signatures at once may give both the same file. Here the name of a file tells all that it
-depends on: every source that is imported, what compiled it (`sources`), and what processor it was compiled for. It comes
-to be by renaming, and is read only if it is what was written. So checkouts and environments share one store.
+depends on: every source that is imported, what compiled it (`sources`), and what processor it was compiled for. It
+comes to be by renaming, and is read only if it is what was written. So checkouts and environments share one store.
 """
 
 import contextlib
@@ -148,7 +148,7 @@ _told: set[str] = set()
 
 
 def remove_old(folder: Path, most: int = MOST_BYTES) -> None:
-    """Remove the files that nobody has used for `KEPT_DAYS`, and of the rest the oldest, until `most` bytes are left."""
+    """Remove the files that nobody has used for `KEPT_DAYS`, and of the rest the oldest, until so much is left."""
     total = 0
     for used, size, file in sorted(_files_in(folder), key=lambda one: -one[0]):
         total += size
@@ -182,7 +182,7 @@ def _read(path: Path) -> bytes | None:
         written = path.read_bytes()
         if time.time() - path.stat().st_mtime > DAY:
             os.utime(path)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:
         tell(f"compiled code cannot be read from {path.parent}: {error.strerror}")

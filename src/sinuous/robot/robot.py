@@ -28,6 +28,7 @@ from sinuous.writing.plain import counted, described
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain
+    from sinuous.export.drives import DrivenChain
 
 MOST_SEGMENTS = 10_000
 
@@ -285,6 +286,35 @@ class Robot(NotebookMixin, Frozen):
         chain = JointChain(self, joints_per_segment)
         write_urdf(file, chain)
         return chain
+
+    def to_mjcf(self, file: str | Path, joints_per_segment: Whole = 8, mass: Number = 1.0) -> "DrivenChain":
+        """Write the robot with its motors as MJCF, so that MuJoCo moves it by them.
+
+        The controls are the values of the actuators, in the units of the motors. What no actuator determines has a
+        servo of its own, under the name of the coordinate: `s1.bend_x`, `s1.length`. Returns the chain with its drives,
+        whose `controls` are those of a configuration; the keyframe `rest` is the straight robot. The tip is off as that
+        of `to_urdf`. Masses are nominal: the file is for motion and contact, not for forces.
+
+        Parameters
+        ----------
+        file : path
+        joints_per_segment : int
+        mass : float
+            Of the whole arm.
+
+        Raises
+        ------
+        InputError
+            When an argument is not what it should be, nothing can move, or the file cannot be written.
+        """
+        from sinuous.export.chain import JointChain  # noqa: PLC0415
+        from sinuous.export.drives import DrivenChain  # noqa: PLC0415
+        from sinuous.export.mjcf import write_mjcf  # noqa: PLC0415
+
+        chain = JointChain(self, joints_per_segment)
+        driven = DrivenChain(self, chain, self._inverse.undetermined, checks.number("mass", mass, above=0.0))
+        write_mjcf(file, driven)
+        return driven
 
     def configuration(self, key: str, q: Batch) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""

@@ -79,7 +79,7 @@ class Prepared:
         self._robot, self._own_robot = robot_group(robot), robot
         self._bounded = robot.drive.elastic is not None and robot.drive.elastic.bounded
         self._settings = settings_group(robot, tolerance, preferences, compiled.options)
-        self._preferences, self._segments = preferences, len(robot)
+        self._preferences, self._segments = preferences.beyond(robot.least_demanded[0]), len(robot)
         self._local = threading.local()
         self._load(robot, scene.snapshot(), tolerance)
 

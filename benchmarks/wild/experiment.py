@@ -18,17 +18,19 @@ from sinuous.problem.target import Target
 SECTION = "wild problems, each with a hidden solution that is clear of obstacles and of itself; budget 1 s"
 THICK = "thick arms (radius 10, segments of 100 to 120, bends to 3.1), targets near the base; budget 1 s"
 
-AUDIT = "what an audit of the proofs strained, each problem with a hidden solution; budget 1 s"
+AUDIT = (
+    "what an audit of the proofs strained, each problem with a hidden solution; budget 1 s, of bounds and huge 0.05 s"
+)
 
 MISSED = "not solved and found right by the judges"
 
-BLOCK, BLOCKS, AUDITED = 130, 100, 10
+BLOCK, BLOCKS, AUDITED = 65, 100, 10
 """Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems; pieces of one audited kind."""
 
 WALLS = "walls with doors"
 
-MOTIONS = 500
-"""Motions of one kind."""
+MOTIONS, MOVED = 100, 5
+"""Motions of one piece; pieces of one kind of motions, in one round."""
 
 ARMS, CURLED_WORLDS = (3, 5, 8), 200
 """Segments of the thick arms; how many times 50 problems each is given."""
@@ -76,8 +78,13 @@ class Wild(InTurn):
             for block in range(count(AUDITED, 1) * self.plan.rounds):
                 numbers = range(block * size, (block + 1) * size)
                 yield f"{kind} {block}", partial(_tallied, partial(make, seed), numbers)
+        moved = count(MOTIONS, 2)
         for kind, judge in motions.KINDS.items():
-            yield kind, partial(_moved, partial(judge, seed), range(count(MOTIONS, 2)))
+            for block in range(count(MOVED, 1) * self.plan.rounds):
+                yield (
+                    f"{kind} {block}",
+                    partial(_moved, partial(judge, seed), range(block * moved, (block + 1) * moved)),
+                )
         yield WALLS, partial(_through_doors, seed, count(doors.WALLS, 3))
         for block in range(count(BLOCKS, 1) * self.plan.rounds):
             numbers = range(block * size, (block + 1) * size)
@@ -111,8 +118,11 @@ class Wild(InTurn):
             if own.seconds:
                 tallies[kind] = own
                 lines += [*own.speed(AUDIT, f"{kind}, {MISSED}", math.inf), own.claim(AUDIT, f"{kind}, false claims")]
-        for kind in (kind for kind in motions.KINDS if kind in pieces):
-            lines += motions.lines_of(kind, [motions.Judged(*each) for each in pieces[kind]["judged"]])
+        for kind in motions.KINDS:
+            named = [name for name in pieces if name.rpartition(" ")[0] == kind]
+            if named:
+                judged = [motions.Judged(*each) for name in named for each in pieces[name]["judged"]]
+                lines += motions.lines_of(kind, judged)
         for name in (name for name, *_ in _poses(0, 0) if name in pieces):
             lines += branches.lines_of(name, [branches.Compared(*each) for each in pieces[name]["compared"]])
         if WALLS in pieces:

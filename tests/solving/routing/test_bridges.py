@@ -38,7 +38,11 @@ def test_a_bridge_leads_from_one_tube_into_the_other_along_whatever_route(kind: 
     robot = Robot(SEGMENTS, base=pose((1.0, 2.0, 0.5), direction=(0.2, -0.3, 1.0)))
     tip, frames = robot.tip(HIDDEN), robot.forward(HIDDEN)
     scene = Scene([*channel(robot.base, 1.3), *(channel(frames[5], 1.9) if both else [])])
-    asked: dict[str, Any] = {"position": {}, "direction": {"direction": tip[:3, 2]}, "rotation": {"rotation": tip[:3, :3]}}[kind]
+    asked: dict[str, Any] = {
+        "position": {},
+        "direction": {"direction": tip[:3, 2]},
+        "rotation": {"rotation": tip[:3, :3]},
+    }[kind]
     target = Target(tip[:3, 3], **asked)
     groups = kernel_groups(Problem(robot, [target], scene))
     legs = respaced(WRONG + robot.base[:3, 3], 160)[None]

@@ -319,7 +319,7 @@ def coupled_rows(linear: Actuators, scales: Floats, limits: Floats) -> Iterator[
     linear : Actuators
     scales : ndarray (m,)
         What their displacements are divided by, so that they count in the length unit.
-    limits : ndarray (n, 7)
+    limits : ndarray (n, 8)
         Rows of the segments, laid out as `sinuous.kernels.tables` says.
 
     Raises

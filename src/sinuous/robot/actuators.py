@@ -25,6 +25,12 @@ MOST_LINES = 64
 
 UNLIMITED = (-math.inf, math.inf)
 
+ENDS = 2
+"""Numbers of an interval."""
+
+TensionLimits = Limits | Sequence[Number | None]
+"""A pair [low, high], or [low, None]."""
+
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Lines(Frozen):
@@ -53,7 +59,7 @@ class Lines(Frozen):
         Force per length by which a line stretches, for all lines or for each; by default they are rigid. The segment
         needs a stiffness, too; only the ratio of both counts for shapes.
     tension : (float, float), optional
-        Least and largest tension of an elastic line, positive where it pulls.
+        Least and largest tension of an elastic line, positive where it pulls; None as the second is no limit.
     """
 
     angles: Floats
@@ -64,7 +70,7 @@ class Lines(Frozen):
     unit: str | tuple[str | None, ...] | None
     limits: tuple[float, float]
     stiffness: float | Floats | None
-    tension: tuple[float, float]
+    tension: tuple[float, float] | None
 
     one_sided: ClassVar[bool] = False
     """Whether an elastic line only pulls."""
@@ -85,7 +91,7 @@ class Lines(Frozen):
         unit: Units | None = None,
         limits: Limits | None = None,
         stiffness: Each | None = None,
-        tension: Limits | None = None,
+        tension: TensionLimits | None = None,
     ) -> None:
         if (count is None) == (angles is None):
             raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
@@ -105,6 +111,11 @@ class Lines(Frozen):
         self._set(limits=UNLIMITED if limits is None else checks.interval("limits", limits))
         self._set(stiffness=None if stiffness is None else _positive("stiffness", stiffness, m))
         self._set(tension=_tension(tension, stiffness, self.one_sided))
+
+    @property
+    def tensions(self) -> tuple[float, float]:
+        """Least and largest tension of each line, where it is elastic."""
+        return self.tension or ((0.0 if self.one_sided else -math.inf), math.inf)
 
     @property
     def stiffnesses(self) -> Floats:
@@ -133,7 +144,7 @@ class Lines(Frozen):
         """Displacements (m, 2) between which rigid lines would have to stay where these are within all their limits."""
         if self.stiffness is None:
             return self.displacements
-        result: Floats = self.displacements - np.array(self.tension)[::-1] / self.stiffnesses[:, None]
+        result: Floats = self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None]
         return result
 
     @property
@@ -184,7 +195,7 @@ class Tendons(Lines):
         unit: Units | None = None,
         limits: Limits | None = None,
         stiffness: Each | None = None,
-        tension: Limits | None = None,
+        tension: TensionLimits | None = None,
         straight: Truth = False,
     ) -> None:
         motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
@@ -232,7 +243,7 @@ class Chambers(Lines):
         unit: Units | None = None,
         limits: Limits | None = None,
         stiffness: Each | None = None,
-        tension: Limits | None = None,
+        tension: TensionLimits | None = None,
     ) -> None:
         motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
         motors |= {"stiffness": stiffness, "tension": tension}
@@ -286,12 +297,14 @@ def _positive(key: str, value: Each, count: int) -> float | Floats:
     return numbers
 
 
-def _tension(value: Limits | None, stiffness: Each | None, one_sided: bool) -> tuple[float, float]:
+def _tension(value: TensionLimits | None, stiffness: Each | None, one_sided: bool) -> tuple[float, float] | None:
     """Check limits of the tension, which only elastic lines have; of those that only pull it is at least 0."""
     if value is None:
-        return (0.0 if one_sided else -math.inf), math.inf
+        return None
     if stiffness is None:
         raise InputError("tension", "of lines without a stiffness nothing is known", value, "stiffness beside it")
+    if isinstance(value, list | tuple) and len(value) == ENDS and value[1] in (None, math.inf):
+        return checks.number("tension[0]", value[0], low=0.0 if one_sided else -math.inf), math.inf
     return checks.interval("tension", value, low=0.0 if one_sided else -math.inf)
 
 

@@ -96,6 +96,8 @@ class Elastic(Frozen):
         The elastic ones among all actuators.
     determined : ndarray of bool (n, 3)
         Coordinates that they and the stiffness of the segments determine.
+    bounded : bool
+        Whether there are shapes that no tensions within the limits hold.
 
     Raises
     ------
@@ -106,6 +108,7 @@ class Elastic(Frozen):
 
     places: NDArray[np.intp]
     determined: NDArray[np.bool_]
+    bounded: bool
     _limits: Floats
     _bounds: Floats
     _jacobian: Floats
@@ -130,7 +133,7 @@ class Elastic(Frozen):
         self._set(
             places=places,
             determined=determined,
-            _limits=np.array([each.tension for _, each, _ in lines]),
+            _limits=np.array([each.tensions for _, each, _ in lines]),
             _bounds=np.array([each.displacements[j] for _, each, j in lines]),
             _jacobian=own,
             _rod=_rod(segments),
@@ -142,7 +145,11 @@ class Elastic(Frozen):
         self._set(_springs=self._springs_at(rest[None]))
         _refuse_loose(segments, self._springs, columns)
         ends = [int(np.flatnonzero(row)[-1]) // 3 for row in own]
-        self._set(_groups=tuple(_groups(springs, columns, ends)))
+        groups = tuple(_groups(springs, columns, ends))
+        free = np.isneginf(self._bounds[:, 0]) & np.isposinf(self._bounds[:, 1]) & np.isposinf(self._limits[:, 1])
+        free &= ~one_sided | np.isin(np.arange(len(own)), [i for g in groups if g.common.any() for i in g.lines])
+        held = sum(np.linalg.matrix_rank(springs.arms[np.ix_(g.lines, g.coordinates)]) for g in groups)
+        self._set(_groups=groups, bounded=not (free.all() and held == len(columns)))
 
     def shape(self, displacements: Floats, q: Floats) -> Floats:
         """Configurations (..., n, 3) for displacements (..., m) of all actuators; `q` says what rigid ones do."""
@@ -270,5 +277,5 @@ def _groups(springs: Springs, columns: NDArray[np.intp], ends: list[int]) -> Ite
             common[:] = 0.0
         hold = float(np.abs(springs.resistance[..., coordinates]).sum())
         arm = float(np.linalg.norm(arms, axis=1).max(initial=0.0)) or 1.0
-        spread: Floats = np.linalg.pinv(arms.T, rcond=RANK)
+        spread = np.asarray(np.linalg.pinv(arms.T, rcond=RANK), np.float64)
         yield Group(lines, coordinates, spread, common, arm, hold / arm)

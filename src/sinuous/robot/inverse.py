@@ -36,7 +36,7 @@ class Inverse(Frozen):
     Parameters
     ----------
     actuation : Actuation
-    limits : ndarray (n, 7)
+    limits : ndarray (n, 8)
         Rows of the segments, laid out as `sinuous.kernels.tables` says.
 
     Attributes

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks, packing
-from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack, Vector, Whole
+from sinuous.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -30,6 +31,7 @@ from sinuous.writing.plain import counted, described
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain
+    from sinuous.export.drives import DrivenChain
     from sinuous.statics.equilibrium import Equilibrium
 
 MOST_SEGMENTS = 10_000
@@ -47,6 +49,8 @@ class WholeArguments(TypedDict, total=False):
     self_collision: SelfCollision
     actuators: Actuators | None
     name: str | None
+    clearance: OneEach
+    self_clearance: OneEach
     stiffness: Stiffness | Number | None
     mass: Number | None
     arcs: Whole | None
@@ -86,6 +90,11 @@ class Robot(NotebookMixin, Frozen):
     actuators : Actuators, optional
         Actuators beside the tendons and chambers of the segments.
     name : str, optional
+    clearance : float or array_like (n,)
+        Least distance of the body from obstacles that every solution keeps: of all segments, or one each.
+    self_clearance : float or array_like (n,)
+        The same of the body from itself: two places keep the mean of what is demanded of their segments. It counts as
+        half as much thickness on either side: in `self_collision` for the radius stands the radius and half of it.
     stiffness, mass, arcs : optional
         For all segments, instead of each one's own.
     gravity : array_like (3,), optional
@@ -100,23 +109,29 @@ class Robot(NotebookMixin, Frozen):
         By default `s1`, `s2`, ... from base to tip.
     radii : tuple of float
         Radius of the body, per segment.
+    needed_radii, self_radii : tuple of float
+        Within which the backbone of a segment needs to be free of obstacles, and of other places of the body with
+        theirs: the radius, and what is demanded of clearance.
     curvatures : tuple of float
-        Largest curvature, per segment: its own limit or 1 / radius.
+        Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
         What was given as `actuators`.
-    limits, actuation : ndarray (n, 7), (p, 7)
+    limits, actuation : ndarray (n, 8), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises
     ------
     InputError
         When there is no segment, nothing has a length, a pose is none, `self_collision` is another word, two segments
-        or two actuators have the same name, `actuators` do not fit the robot, or gravity pulls at nothing.
+        or two actuators have the same name, `actuators` do not fit the robot, a clearance from itself is demanded of a
+        body that may run through itself, or gravity pulls at nothing.
     """
 
     segments: tuple[Segment, ...]
     segment_names: tuple[str, ...]
     radii: tuple[float, ...]
+    needed_radii: tuple[float, ...]
+    self_radii: tuple[float, ...]
     curvatures: tuple[float, ...]
     mount: float
     base: Floats
@@ -124,6 +139,8 @@ class Robot(NotebookMixin, Frozen):
     self_collision: SelfCollision
     linear: Actuators | None
     name: str | None
+    clearance: float | tuple[float, ...]
+    self_clearance: float | tuple[float, ...]
     gravity: Floats | None
     payload: tuple[Payload, ...]
     limits: Floats
@@ -143,6 +160,8 @@ class Robot(NotebookMixin, Frozen):
         self_collision: SelfCollision = "avoid",
         actuators: Actuators | None = None,
         name: str | None = None,
+        clearance: OneEach = 0.0,
+        self_clearance: OneEach = 0.0,
         stiffness: Stiffness | Number | None = None,
         mass: Number | None = None,
         arcs: Whole | None = None,
@@ -167,12 +186,18 @@ class Robot(NotebookMixin, Frozen):
         if not (actuators is None or isinstance(actuators, Actuators)):
             raise InputError("actuators", "", actuators, "Actuators or nothing")
         radii = tuple(segment.radius for segment in listed)
-        curvatures = curvature_limits(listed, radii, self_collision == "avoid")
+        away = checks.one_each("clearance", clearance, len(listed), "segment")
+        apart = checks.one_each("self_clearance", self_clearance, len(listed), "segment")
+        if self_collision == "allow" and np.any(apart):
+            raise InputError("self_clearance", "stands beside self_collision: allow", self_clearance, "0")
+        needed = tuple(float(each) for each in np.add(radii, away))
+        own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
+        curvatures = curvature_limits(listed, own, self_collision == "avoid")
         drive = Actuation(listed, actuators)
         table = packing.segment_table(
             [
-                packing.segment_row(segment.length, segment.max_bend, curvature, segment.radius)
-                for segment, curvature in zip(listed, curvatures, strict=True)
+                packing.segment_row(segment.length, segment.max_bend, *rest)
+                for segment, *rest in zip(listed, curvatures, needed, own, strict=True)
             ]
         )
         coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)
@@ -186,9 +211,13 @@ class Robot(NotebookMixin, Frozen):
             tool=as_pose("tool", tool),
             linear=actuators,
             name=optional_name(name),
+            clearance=away,
+            self_clearance=apart,
             gravity=None if gravity is None else _gravity(gravity, listed, carried),
             payload=carried,
             radii=radii,
+            needed_radii=needed,
+            self_radii=own,
             limits=table,
             actuation=packing.actuator_table([*drive.limit_rows(), *coupled]),
             drive=drive,
@@ -236,12 +265,22 @@ class Robot(NotebookMixin, Frozen):
     @property
     def avoids_itself(self) -> bool:
         """Whether the body must not run through itself: it has a thickness, and `self_collision` is `avoid`."""
-        return self.self_collision == "avoid" and max(self.radii) > 0.0
+        return self.self_collision == "avoid" and max(self.self_radii) > 0.0
+
+    @cached_property
+    def least_demanded(self) -> tuple[float, float]:
+        """Clearance from obstacles, and from itself, that is demanded of all segments at least."""
+        return float(np.min(self.clearance)), float(np.min(self.self_clearance))
+
+    @cached_property
+    def demands(self) -> bool:
+        """Whether any clearance is demanded."""
+        return bool(np.any(self.clearance) or np.any(self.self_clearance))
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What may surprise: segments that are too thick for their own limits."""
-        return tuple(held_back(self.segments, self.radii, self.curvatures))
+        return tuple(held_back(self.segments, self.self_radii, self.curvatures))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the robot as a problem file says it: plain values that make an equal robot."""
@@ -274,6 +313,35 @@ class Robot(NotebookMixin, Frozen):
         chain = JointChain(self, joints_per_segment)
         write_urdf(file, chain)
         return chain
+
+    def to_mjcf(self, file: str | Path, joints_per_segment: Whole = 8, mass: Number = 1.0) -> "DrivenChain":
+        """Write the robot with its motors as MJCF, so that MuJoCo moves it by them.
+
+        The controls are the values of the actuators, in the units of the motors. What no actuator determines has a
+        servo of its own, under the name of the coordinate: `s1.bend_x`, `s1.length`. Returns the chain with its drives,
+        whose `controls` are those of a configuration; the keyframe `rest` is the straight robot. The tip is off as that
+        of `to_urdf`. Masses are nominal: the file is for motion and contact, not for forces.
+
+        Parameters
+        ----------
+        file : path
+        joints_per_segment : int
+        mass : float
+            Of the whole arm.
+
+        Raises
+        ------
+        InputError
+            When an argument is not what it should be, nothing can move, or the file cannot be written.
+        """
+        from sinuous.export.chain import JointChain  # noqa: PLC0415
+        from sinuous.export.drives import DrivenChain  # noqa: PLC0415
+        from sinuous.export.mjcf import write_mjcf  # noqa: PLC0415
+
+        chain = JointChain(self, joints_per_segment)
+        driven = DrivenChain(self, chain, self._inverse.undetermined, checks.number("mass", mass, above=0.0))
+        write_mjcf(file, driven)
+        return driven
 
     def configuration(self, key: str, q: Batch) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
@@ -406,6 +474,14 @@ class Robot(NotebookMixin, Frozen):
         """
         return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
 
+    def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
+        """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
+        elastic = self.drive.elastic
+        if elastic is None or not elastic.bounded:
+            return np.ones(q.shape[:-2], np.bool_)
+        short: NDArray[np.bool_] = elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
+        return short
+
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 
@@ -492,7 +568,7 @@ class Robot(NotebookMixin, Frozen):
         """Derivative (..., m, 3 n) of the values of all actuators, read-only.
 
         Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
-        configuration, because all actuators are linear.
+        configuration, because all actuators are linear; of elastic ones the stretch is left out.
         """
         lead = self.configuration("q", q).shape[:-2]
         jacobian = self.drive.value_jacobian
@@ -512,3 +588,13 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
+
+
+def demanding(robot: Robot, clearance: OneEach | None, self_clearance: OneEach | None) -> Robot:
+    """Return the robot with other clearances demanded, where they are given; the same one where nothing changes."""
+    given = {"clearance": clearance, "self_clearance": self_clearance}
+    asked = {
+        key: checks.one_each(key, value, len(robot), "segment") for key, value in given.items() if value is not None
+    }
+    changed: Any = {key: value for key, value in asked.items() if value != getattr(robot, key)}
+    return robot.changed(**changed) if changed else robot

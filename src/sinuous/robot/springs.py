@@ -102,9 +102,8 @@ def _best_share(springs: Springs, x: Floats, step: Floats, elongation: Floats, c
         there = elongation[:, None, :] - shares[:, :, None] * change[:, None, :]
         pulled = np.einsum("nkm,nm->nk", springs.pulls(there) * springs.stiffness * there, change)
         own = np.einsum("nc,nc->n", springs.resistance * (x - springs.rest), step)
-        result: Floats = (
-            own[:, None] + shares * np.einsum("nc,nc->n", springs.resistance * step, step)[:, None] - pulled
-        )
+        curve = np.einsum("nc,nc->n", springs.resistance * step, step)
+        result: Floats = own[:, None] + shares * curve[:, None] - pulled
         return result
 
     at = slopes(kinks)

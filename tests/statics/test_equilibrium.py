@@ -189,13 +189,14 @@ def test_a_column_buckles_at_eulers_load() -> None:
     assert above.tip[2, 3] < 0.95
 
 
-def test_other_equilibria_are_found() -> None:
-    rod = sn.Stiffness(youngs_modulus=54e9, radius=0.7e-3)
-    robot = sn.Robot.uniform(2, 0.2, tendons=sn.Tendons(3, 0.01, math.pi / 2, straight=True), stiffness=rod, arcs=5)
-    found = robot.equilibrium(tensions=[4, 0, 0, 0, 2, 0], forces=sn.Force((0.0, 0.0, -0.3)))
+def test_other_equilibria_are_found_and_said_to_be_unstable() -> None:
+    column = sn.Robot.uniform(1, 1.0, stiffness=1.0, arcs=8)
+    found = column.shape([[0.0, 0.0, 1.0]], sn.Force((0.05, 0.0, -0.5 * math.pi**2)))
     others = found.others(starts=10)
-    assert others
-    assert all(each.stable and each.apart(found) > 0.1 for each in others)
+    assert found.stable
+    assert found.tip[0, 3] > 0.0
+    assert any(each.tip[0, 3] < 0.0 for each in others)
+    assert not any(each.stable for each in others), "it would turn round to the side that it is pushed to"
 
 
 def test_a_retracted_or_rigid_segment_does_not_give() -> None:

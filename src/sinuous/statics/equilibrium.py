@@ -133,9 +133,10 @@ class Equilibrium(Frozen):
         return self.body.backbone(self.arcs, samples)
 
     def others(self, starts: Whole = 20, seed: Whole = 0) -> list["Equilibrium"]:
-        """Look for other stable equilibria of the same drive and loads, from scattered shapes; nearest to this first.
+        """Look for other equilibria of the same drive and loads, from scattered shapes; nearest to this first.
 
-        That none is found does not prove that there is none.
+        Unstable ones (`stable`) are where a body may stand for a moment before it snaps into a stable one. That none
+        is found does not prove that there is none.
         """
         count = checks.integer("starts", starts, 0, 100_000)
         random = np.random.default_rng(checks.integer("seed", seed, 0, 2**63 - 1))
@@ -146,10 +147,12 @@ class Equilibrium(Frozen):
             own = body_of(self.robot)
             gives = np.isfinite(self._begin.arcs[:, t.BEND_STIFFNESS])
             states[gives, :2] = (turns / own.counts[:, None])[own.owners][gives]
-            found = run(self.robot, self._begin._replace(states=states, tensions=self._pulls))
-            one = None if found is None else Equilibrium(self.robot, self.q, self.loads, self._begin, found)
-            if one is not None and one.stable and all(one.apart(other) > ALIKE * size for other in known):
-                known.append(one)
+            for descends in (True, False):
+                found = run(self.robot, self._begin._replace(states=states, tensions=self._pulls), descends)
+                if found is not None:
+                    one = Equilibrium(self.robot, self.q, self.loads, self._begin, found)
+                    if all(one.apart(other) > ALIKE * size for other in known):
+                        known.append(one)
         return sorted(known[1:], key=self.apart)
 
     def apart(self, other: "Equilibrium") -> float:
@@ -215,9 +218,12 @@ def _found(robot: "Robot", q: Floats, loads: Sequence[Load], tables: Tables) -> 
     return Equilibrium(robot, q, tuple(loads), tables, found)
 
 
-def run(robot: "Robot", tables: Tables) -> Found | None:
-    """Find an equilibrium from where the tables begin; `None` where there is none to be found."""
-    found = _run(robot, tables)
+def run(robot: "Robot", tables: Tables, descends: bool = True) -> Found | None:
+    """Find an equilibrium from where the tables begin; `None` where there is none to be found.
+
+    Where it `descends`, a stable one if there is one near; else any.
+    """
+    found = _run(robot, tables, descends)
     return found if found.record[0] >= 1.0 else None
 
 
@@ -226,12 +232,13 @@ def reached(robot: "Robot", tables: Tables) -> float:
     return float(_run(robot, tables).record[0])
 
 
-def _run(robot: "Robot", tables: Tables) -> Found:
+def _run(robot: "Robot", tables: Tables, descends: bool = True) -> Found:
     from sinuous.kernels.statics.equilibrium import RECORD_WIDTH, equilibrate  # noqa: PLC0415
     from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
     arcs, loads, lines, slopes, states, tensions = tables
     found = Found(states.copy(), tensions.copy(), np.zeros(RECORD_WIDTH))
     room = room_for(len(arcs), len(lines), slopes) + states.size + len(lines)
-    equilibrate(packing.pose_row(robot.base), arcs, loads, lines, slopes, *found[:2], np.empty(room), found.record)
+    body = packing.pose_row(robot.base), arcs, loads, lines, slopes
+    equilibrate(*body, *found[:2], descends, np.empty(room), found.record)
     return found

@@ -105,6 +105,7 @@ PIECES = (
         ),
     ),
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
+    Piece("shapes under load", 8, ("kernels.statics.equilibrium.equilibrate",)),
     Piece("control loops", 15, ("kernels.velocity.query.tick",)),
     Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
     Piece("the method dls", 4, ("methods.dls.search",)),

@@ -42,10 +42,13 @@ def equilibrate(
     slopes: int,
     x: Array,
     tensions: Array,
+    descends: bool,
     buffer: Array,
     record: Array,
 ) -> None:
     """Go from state `x` (N, 4) and `tensions` (t,) to an equilibrium, in place; fill `record` (10,).
+
+    Where it `descends`, to a stable one if there is one near; else to any, under all of the load or not at all.
 
     `base` (1, 12); arcs (N, 9), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
     `buffer` has `newton.room_for` numbers and 4 N + t more.
@@ -56,12 +59,16 @@ def equilibrate(
         space.frames[0, j] = base[0, j]
     _start_taut(lines, tensions, space)
     record[ITERATIONS] = 0.0
-    _continue(x, tensions, body, space, rest, record)
+    if descends:
+        _continue(x, tensions, body, space, rest, record)
+    else:
+        found, steps = descend(x, tensions, body, 1.0, False, space, MOST_ITERATIONS)
+        record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
     if record[SHARE] < 1.0:
         return
     _judge(x, tensions, body, space, record)
     for trial in range(2):
-        if record[UNSTABLE] == 0.0:
+        if record[UNSTABLE] == 0.0 or not descends:
             return
         _leave(x, tensions, body, space, rest, trial, record)
 
@@ -102,7 +109,7 @@ def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, 
     _keep(x, tensions, rest)
     while reached < 1.0 and step >= SMALLEST_SHARE:
         share = min(1.0, reached + step)
-        found, steps = descend(x, tensions, body, share, space, MOST_ITERATIONS)
+        found, steps = descend(x, tensions, body, share, True, space, MOST_ITERATIONS)
         record[ITERATIONS] += steps
         if found:
             reached, step = share, 2.0 * step
@@ -147,7 +154,7 @@ def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, tri
         if arcs_give(body.arcs, k, 0):
             x[k, trial] += NUDGE * (1.0 + 0.3 * k / count) / count
             x[k, 1 - trial] += 0.1 * NUDGE / count
-    found, steps = descend(x, tensions, body, 1.0, space, 2 * MOST_ITERATIONS)
+    found, steps = descend(x, tensions, body, 1.0, True, space, 2 * MOST_ITERATIONS)
     record[ITERATIONS] += steps
     if not found:
         _restore(x, tensions, rest)

@@ -204,23 +204,28 @@ def _sound(x: Array, arcs: Array) -> bool:
 
 
 @kernel
-def descend(x: Array, tensions: Array, body: Body, share: float, space: Space, most: int) -> tuple[bool, int]:
+def descend(
+    x: Array, tensions: Array, body: Body, share: float, descends: bool, space: Space, most: int
+) -> tuple[bool, int]:
     """Go from `x` (N, 4) and `tensions` (t,) to an equilibrium under a share of the loads, in place.
 
-    Returns whether it was reached, and how many steps that took.
+    Unless it `descends`, it is Newton's method as it is, which ends in unstable equilibria as well. Returns whether it
+    was reached, and how many steps that took.
     """
-    free = True
+    free = descends
     for i in range(body.lines.shape[0]):
         free = free and body.lines[i, t.HELD] == 0.0
     negative, _, _ = look(x, tensions, body, share, free, space)
     for iteration in range(most):
-        if find_step(tensions, body, space) < negative and not free:  # not even with what holds it a least energy
+        if (
+            find_step(tensions, body, space) < negative and descends and not free
+        ):  # not even with what holds it a least energy
             look(x, tensions, body, share, True, space)
             find_step(tensions, body, space)
         largest, alpha = _size(body.arcs, space.step)
         if not largest < HUGE:
             return False, iteration
-        negative = _go(x, tensions, body, share, free, alpha, largest < SURE, space)
+        negative = _go(x, tensions, body, share, free, alpha, largest < SURE or not descends, space)
         if largest < DONE or not _sound(x, body.arcs):
             return _sound(x, body.arcs), iteration + 1
     return False, most

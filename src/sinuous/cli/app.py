@@ -21,7 +21,7 @@ from sinuous.cli.options import (
     Output,
     Place,
     PlanSolving,
-    Solving,
+    Remembering,
     Workers,
     methods_like,
     with_groups,
@@ -41,7 +41,7 @@ app = typer.Typer(
 @with_groups
 def solve(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: Output,
     why: Annotated[
         bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")
@@ -66,7 +66,7 @@ def solve(
 @with_groups
 def track(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: MotionOutput,
     deviation: Annotated[
         float | None,

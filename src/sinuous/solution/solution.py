@@ -3,15 +3,15 @@
 import textwrap
 from collections.abc import Mapping
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, StartKind
+from sinuous.arguments import START_KINDS, Number, StartKind
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.kernels.tables import Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -160,8 +160,8 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random or route."""
-        return cast(StartKind, SOURCES[self._outcome.source])
+        """Which kind of start won: given, arc, random, route or remembered."""
+        return START_KINDS[self._outcome.source]
 
     @property
     def route(self) -> Floats | None:

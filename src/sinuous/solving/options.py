@@ -11,6 +11,7 @@ from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
 from sinuous.solving.attempts import read_without
+from sinuous.solving.memory import Memory
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -30,6 +31,7 @@ class SolveArguments(TypedDict, total=False):
     seed: Whole
     routes: Truth
     without: str | Sequence[str]
+    memory: Memory | None
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,8 @@ class SolveOptions:
         (see `Capabilities.routes`).
     without : str or sequence of str
         Attempts that are switched off, by the names in `sinuous.solving.attempts.ATTEMPTS`: to see what they bring.
+    memory : Memory, optional
+        Shapes that are tried before anything is searched, and where what is solved is kept.
 
     Raises
     ------
@@ -70,12 +74,15 @@ class SolveOptions:
     seed: int = 0
     routes: bool = True
     without: tuple[str, ...] = ()
+    memory: Memory | None = None
 
     def __post_init__(self) -> None:
         prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
         if not isinstance(prefer, Preferences):
             raise InputError("prefer", "", prefer, "Preferences")
         registry.name_of(self.method)
+        if not isinstance(self.memory, Memory | None):
+            raise InputError("memory", "", self.memory, "a Memory")
         values = {
             "tolerance": as_tolerance(self.tolerance),
             "prefer": prefer,

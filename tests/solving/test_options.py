@@ -40,6 +40,8 @@ def test_every_field_is_kept() -> None:
         "routes": False,
         "without": ("gates",),
         "memory": sn.Memory(ROBOT),
+        "clearance": 0.5,
+        "self_clearance": 0.25,
     }
     assert set(given) == set(SolveOptions.__dataclass_fields__)
     options = SolveOptions.of(given)

@@ -19,7 +19,7 @@ def batch_file(file: str, targets: Path, out: Path, solving: BatchSolving, run: 
     """Solve all rows of a table; return the exit code. `run` are arguments of `solve_batch` about the run."""
     solving.arguments()
     try:
-        with setting_of(file) as setting, as_typed("targets", "out", "memory", *run):
+        with setting_of(file) as setting, as_typed("targets", "out", "memory", *run, *solving.demands):
             given = {**solving.arguments(setting.tolerance, setting.prefer), "initial": setting.start}
             if solving.memory is not None:
                 with as_typed("memory"):

@@ -63,7 +63,7 @@ def solve_files(
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
         if why:
             raise InputError("--all", "stands beside --why", count, "one of --all, --why")
-    read = read_all(files)
+    read = read_all(files, solving.demands)
     for one in read:
         _refuse(one.problem, "path", "goal", "moving")
     made = Solver.once if len(read) == 1 and count is None else Solver
@@ -81,7 +81,7 @@ def track_files(files: list[str], solving: Remembering, output: MotionOutput, de
     output.check(files)
     if deviation is not None:
         checks.number("--deviation", deviation, above=0.0)
-    read = read_all(files)
+    read = read_all(files, solving.demands)
     for one in read:
         _refuse(one.problem, "goal")
 
@@ -109,7 +109,7 @@ def plan_files(
     checks.number("--begin", begin)
     if duration is not None:
         checks.number("--duration", duration, above=0.0)
-    read = read_all(files)
+    read = read_all(files, solving.demands)
     for problem in (one.problem for one in read):
         _refuse(problem, "path")
         if problem.start is None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, Rows
+from sinuous.arguments import Number, OneEach, Rows
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.measures.following import line_in_front
@@ -24,7 +24,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
 from sinuous.solving.between.steps import Prover, Steps, unproved
-from sinuous.solving.options import TIME
+from sinuous.solving.options import TIME, SolveOptions
 from sinuous.solving.solver import Solver
 
 EXACT = 1e-10
@@ -88,7 +88,18 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage", motor: Stage | N
         wider = np.hstack([np.zeros((len(linear.matrix), 3)), linear.matrix])
         linear = linear.changed(matrix=wider)
     named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
-    return robot.changed(segments=[stage, *named], base=robot.base @ back, actuators=linear)
+    return robot.changed(
+        segments=[stage, *named],
+        base=robot.base @ back,
+        actuators=linear,
+        clearance=_of_stage_too(robot.clearance),
+        self_clearance=_of_stage_too(robot.self_clearance),
+    )
+
+
+def _of_stage_too(demanded: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    """What is demanded of each segment; of the stage it is that of the first one."""
+    return (demanded[0], *demanded) if isinstance(demanded, tuple) else demanded
 
 
 def follow_the_leader(
@@ -98,6 +109,8 @@ def follow_the_leader(
     *,
     tip_deviation: Number | None = None,
     time: Number = TIME,
+    clearance: OneEach | None = None,
+    self_clearance: OneEach | None = None,
 ) -> Motion:
     """Lead a body along a curve: at every depth it lies on the part of the curve that its tip has passed.
 
@@ -119,6 +132,8 @@ def follow_the_leader(
         step; by default 3e-6 of the robot's mean length. The smaller, the more knots.
     time : float
         Budget of each knot in seconds; a knot is one solve, from the shape that was fitted.
+    clearance, self_clearance : float or array_like (n,), optional
+        Distance from obstacles, and from itself, that the body has to keep; see `Robot`.
 
     Returns
     -------
@@ -133,6 +148,7 @@ def follow_the_leader(
         than the robot can be.
     """
     begin = clock.perf_counter()
+    robot = SolveOptions(clearance=clearance, self_clearance=self_clearance).demanded_of(robot)
     path = curve_from_base(robot, curve)
     low, high = depths_of(robot)
     if low == high:
@@ -214,7 +230,7 @@ class _Leader:
         solutions.
         """
         found = self.solver.solve_many(positions=self.path.at(depths), initial=self.shapes(depths), workers=1)
-        clear = np.stack([found.clearance, found.self_clearance], axis=1)
+        clear = np.stack([found.clearance, found.self_clearance], axis=1) - self.robot.least_demanded
         clear[np.isnan(clear)] = math.inf  # nothing to be clear of: all that are kept are solved
         failed = np.flatnonzero(~found.solved)
         kept = len(depths)
@@ -254,7 +270,8 @@ class _Leader:
             if step not in self.answers:
                 pair = slice(i, i + 2)
                 self.answers[step] = prover.prove(self.q[pair], SLACK, SECONDS, known=self.clear[pair])[0]
-        return Steps(np.array([self.answers[step] for step in ends]) if ends else unproved(0))
+        answers = np.array([self.answers[step] for step in ends]) if ends else unproved(0)
+        return Steps(answers, self.robot.least_demanded)
 
     def _put_together(self, scene: Snapshot, steps: Steps, first: Solutions, seconds: float) -> Motion:
         last = first[-1] if self.ended is None else self.ended

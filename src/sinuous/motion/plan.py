@@ -167,7 +167,8 @@ class Planner:
             raise InputError("robot", "", robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
         self._timing = Timing.of(robot, {key: given.pop(key) for key in Timing._fields if key in given})
-        self._robot, self._scene, self._options = robot, as_scene(scene), SolveOptions.of({"time": TIME, **given})
+        self._scene, self._options = as_scene(scene), SolveOptions.of({"time": TIME, **given})
+        self._robot = robot = self._options.demanded_of(robot)
         self._timing.check(self._scene.snapshot())
         check_sizes(robot, self._scene)
         warn_of(suspicions(robot, self._scene.snapshot()))
@@ -303,7 +304,7 @@ class Planner:
             fixed = np.unique([0, len(found.q) - 1])
             times = self._timing.spread(spread_times(robot, found.q, fixed, np.arange(float(len(fixed)))))
         told = replace(report, seconds=deadline.spent, method=name_of(self._options.method), seed=self._options.seed)
-        return Motion.made(robot, scene, found.q, times, Steps(found.answers), told)
+        return Motion.made(robot, scene, found.q, times, Steps(found.answers, robot.least_demanded), told)
 
     def _end(self, goal: Goal) -> Floats | list[Target]:
         """The configuration (n, 3) or the targets that are meant."""

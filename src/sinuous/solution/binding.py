@@ -43,6 +43,12 @@ MOST_ENTRIES = 4_000_000
 RATES = {"bend_rate": "change of the bend", "length_rate": "change of the length", "actuator_rate": "change"}
 """What sentences call rates."""
 
+OF_THICKNESS = {
+    "radius": ", because the body is that thick",
+    "self_clearance": ", because the body is that thick and must keep its distance from itself",
+}
+"""Why a curvature is limited, by the key of the limit."""
+
 ENDS = {"length[0]": "least ", "length[1]": "greatest "}
 """What sentences call the ends of an interval of lengths."""
 
@@ -62,7 +68,7 @@ class Binding(ShortRepr):
         Name of the obstacle, for `clearance`.
     value, limit : float
         What the configuration has, and what is allowed: lengths, rad for `bend`, 1 / length for `curvature`; for rates
-        the change from where it began.
+        the change from where it began; for clearances the distance, and the one that is demanded.
     actuator : str or None
         Name of the tendon or chamber, for `actuator` and `actuator_rate`: `s1.t2`.
     key : str or None
@@ -96,7 +102,7 @@ class Binding(ShortRepr):
             own = met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key
             return cls(*own, fixed=met.fixed, motor=met.motor)
         kind: Constraint = "clearance" if met.other_segment is None else "self_clearance"
-        there = kind, met.segment, met.obstacle, met.clearance, 0.0
+        there = kind, met.segment, met.obstacle, met.clearance + met.demanded, met.demanded
         return cls(*there, other_segment=met.other_segment, inside=met.inside)
 
     def to_dict(self) -> dict[str, Any]:
@@ -250,20 +256,28 @@ def _whose(own: list[Binding], count: int) -> str:
     return f" of {segments(sorted({each.segment or 0 for each in own}), count)}"
 
 
+def _away(binding: Binding) -> str:
+    """How far the body is from the obstacle, or how deep in it."""
+    value, limit = binding.value, binding.limit
+    where = "the body" if binding.segment is None else f"segment {binding.segment}"
+    if value < 0.0:
+        return f"{where} is {number(-value)} {'outside it' if binding.inside else 'deep in it'}"
+    if limit == 0.0:
+        return f"{where} touches it"
+    return f"{where} is {number(value)} away from it, at least {number(limit)} is demanded"
+
+
 def _measured(binding: Binding) -> str:
     """What there is, and what is allowed."""
     value, limit = binding.value, binding.limit
     if binding.other_segment is not None:
-        return f"{number(max(0.0, -value))} too near"
+        return f"{number(max(0.0, limit - value))} too near"
     if binding.obstacle is not None:
-        where = "the body" if binding.segment is None else f"segment {binding.segment}"
-        if value >= 0.0:
-            return f"{where} touches it"
-        return f"{where} is {number(-value)} {'outside it' if binding.inside else 'deep in it'}"
+        return _away(binding)
     if binding.fixed:
         return number(limit)
     unit = f" {binding.motor.unit}" if binding.motor is not None and binding.motor.unit else ""
-    thick = ", because the body is that thick" if binding.key == "radius" else ""
+    thick = OF_THICKNESS.get(binding.key or "", "")
     if abs(value - limit) <= ACTIVE * max(1.0, abs(limit)) or binding.constraint in RATES:
         return f"at its limit of {number(limit)}{unit}{thick}"
     bound = "at least" if _is_lower(binding) else "at most"

@@ -29,7 +29,7 @@ class Limit(NamedTuple):
         Name of the actuator.
     key : str
         What the problem file calls it; `length[0]` is the lower end of `length`, and `radius` a curvature that the
-        thickness of the body limits.
+        thickness of the body limits, `self_clearance` one that this and the clearance limit that is demanded.
     value, limit : float
         What the configuration has, and what it may have: lengths, rad for `bend`, 1 / length for `curvature`; for an
         actuator in its own unit.
@@ -59,8 +59,8 @@ class Limit(NamedTuple):
 def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
     """Yield all limits of a robot at the configuration `q` (n, 3), segment by segment, actuators last."""
     count = len(robot)
-    parts = zip(robot.segments, robot.curvatures, q.tolist(), strict=True)
-    for number, (segment, tightest, (ux, uy, length)) in enumerate(parts, 1):
+    parts = zip(robot.segments, robot.curvatures, robot.self_radii, q.tolist(), strict=True)
+    for number, (segment, tightest, radius, (ux, uy, length)) in enumerate(parts, 1):
         for i, sign in enumerate((-1.0, 1.0)):
             slack = sign * (segment.length[i] - length)
             end = number, None, f"length[{i}]", length, segment.length[i]
@@ -74,7 +74,8 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
             yield Limit("bend", *end, most - bend, gradient_at(count, number, (x, y, 0.0)), most == 0.0)
             if math.isfinite(tightest):
                 curvature = bend / length if length > 0.0 else 0.0
-                key = "max_curvature" if tightest == segment.max_curvature else "radius"
+                thick = "radius" if radius == segment.radius else "self_clearance"
+                key = "max_curvature" if tightest == segment.max_curvature else thick
                 own = number, None, key, curvature, tightest
                 yield Limit("curvature", *own, tightest * length - bend, gradient_at(count, number, (x, y, -tightest)))
     yield from _actuators(robot, q)

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 from sinuous.robot.actuators import Actuators
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.solution.binding import Binding
+from sinuous.solution.binding import OF_THICKNESS, Binding
 from sinuous.words import listed, rounded, segments
 
 MOST = 4.0
@@ -106,7 +106,7 @@ def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
     group, _, name = key.rpartition(".")
     segment = robot.segments[place - 1]
     owner = getattr(segment, group) if group else segment
-    limits: Limits | None = None if owner is None or key == "radius" else getattr(owner, name)
+    limits: Limits | None = None if owner is None or key in OF_THICKNESS else getattr(owner, name)
     return limits
 
 

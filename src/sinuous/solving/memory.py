@@ -25,7 +25,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.problem.target import Targets, target_list, target_table
 from sinuous.reprs import ShortRepr
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, demanding
 from sinuous.writing.documents import written
 
 FORMAT = 1
@@ -143,6 +143,11 @@ class Memory(ShortRepr):
         found: Floats = self.nearest_to(target_table(self.robot, target_list("targets", targets))[None], most)[0]
         return found
 
+    def serves(self, robot: Robot) -> bool:
+        """Whether these are shapes of this robot, whatever clearances it demands."""
+        one, other = (demanding(each, 0.0, 0.0) for each in (robot, self.robot))
+        return one.equals(other)
+
     def check(self, robot: Robot) -> None:
         """Refuse to serve another robot.
 
@@ -150,7 +155,7 @@ class Memory(ShortRepr):
         ------
         InputError
         """
-        if not robot.equals(self.robot):
+        if not self.serves(robot):
             raise InputError("memory", "of another robot", self, f"shapes of {robot}")
 
     def reading(self) -> "Memory":

@@ -55,11 +55,13 @@ class Solver:
     scene : Scene or list of obstacles, optional
         Live: after an update the next solve sees the new obstacles.
     **options
-        The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without.
+        The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without, clearance,
+        self_clearance.
 
     Attributes
     ----------
     robot : Robot
+        With the clearances that the options demand.
     scene : Scene
     options : SolveOptions
 
@@ -512,4 +514,4 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
     if chosen.memory is not None:
         chosen.memory.check(robot)
     warn_of(suspicions(robot, place.snapshot()))
-    return robot, place, chosen
+    return chosen.demanded_of(robot), place, chosen

@@ -145,7 +145,7 @@ class Strategy:
         takes_routes = registry.capabilities(options.method).routes and len(scene) > 0
         self.searches = Searches(robot, scene, tolerance) if options.routes and takes_routes else None
         takes_memory = registry.capabilities(options.method).initial and REMEMBERED not in options.without
-        own = options.memory is not None and robot.equals(options.memory.robot)  # a remedy's robot is another one
+        own = options.memory is not None and options.memory.serves(robot)  # a remedy's robot is another one
         self._memory = options.memory if takes_memory and own else None
         self._segments, self._options = len(robot), options
 

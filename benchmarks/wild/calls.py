@@ -4,6 +4,7 @@ import json
 import math
 import pickle
 import tempfile
+import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -19,6 +20,7 @@ from benchmarks.wild.robots import robot_with_shapes
 from benchmarks.wild.worlds import asked
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -61,12 +63,16 @@ class Called(NamedTuple):
 def called(seed: int, number: int) -> Called:
     """Make one call, with a robot, a scene and arguments that can be meant."""
     rng = np.random.default_rng([seed, 21, number])
-    robot = _robot(rng)
-    scene = _scene(robot, rng)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SuspiciousInput)
+        robot = _robot(rng)
+        scene = _scene(robot, rng)
     what = str(rng.choice(list(CALLS)))
     make, refusals = CALLS[what]
     try:
-        make(robot, scene, rng)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuspiciousInput)  # much of it is
+            make(robot, scene, rng)
     except InputError as error:
         if error.key.partition("[")[0].partition(".")[0] in (*refusals, "scene"):
             return Called(what, False, "")

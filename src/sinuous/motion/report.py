@@ -8,7 +8,7 @@ from sinuous.errors import InputError
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
+from sinuous.solution.solution import Solution, finite_or_none
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps
@@ -55,8 +55,8 @@ def write(motion: "Motion") -> dict[str, Any]:
         "base": motion.robot.base.tolist(),
         "position_error": _largest(waypoints, "position_error"),
         "angle_error": _largest(waypoints, "angle_error"),
-        "clearance": motion.clearance,
-        "self_clearance": motion.self_clearance,
+        "clearance": finite_or_none(motion.clearance),
+        "self_clearance": finite_or_none(motion.self_clearance),
         "worst": None if worst is None else worst.to_dict(),
         "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
         "binding": next((w["binding"] for w in waypoints if w["binding"]), []),

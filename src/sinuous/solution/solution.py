@@ -332,8 +332,8 @@ class Solution(NotebookMixin):
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": _finite(self.clearance),
-            "self_clearance": _finite(self.self_clearance),
+            "clearance": finite_or_none(self.clearance),
+            "self_clearance": finite_or_none(self.self_clearance),
             "actuators": self.actuators,
             "worst": None if worst is None else worst.to_dict(),
             "reason": None
@@ -383,6 +383,6 @@ class Solution(NotebookMixin):
         return "\n".join(parts)
 
 
-def _finite(value: float | None) -> float | None:
+def finite_or_none(value: float | None) -> float | None:
     """What a file says of a number: nothing where it is infinite."""
     return None if value is None or np.isinf(value) else value

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.errors import SuspiciousInput as SuspiciousInput
     from sinuous.errors import UnfinishedError as UnfinishedError
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
@@ -42,11 +43,11 @@ if TYPE_CHECKING:
     from sinuous.problem.path import Path as Path
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
-    from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
     from sinuous.problem.target import Target as Target
     from sinuous.problem.target import Tolerance as Tolerance
     from sinuous.robot.actuators import Actuators as Actuators
     from sinuous.robot.actuators import Chambers as Chambers
+    from sinuous.robot.actuators import Stage as Stage
     from sinuous.robot.actuators import Tendons as Tendons
     from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
@@ -85,7 +86,7 @@ _HOMES = {
     "assessing.sweep": ("sweep",),
     "assessing.tasks": ("Follow",),
     "batch.solve": ("solve_batch",),
-    "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
+    "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),
@@ -102,9 +103,8 @@ _HOMES = {
     "problem.path": ("Path",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
-    "problem.suspicions": ("SuspiciousInput",),
     "problem.target": ("Target", "Tolerance"),
-    "robot.actuators": ("Actuators", "Chambers", "Tendons"),
+    "robot.actuators": ("Actuators", "Chambers", "Stage", "Tendons"),
     "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),

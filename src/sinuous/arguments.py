@@ -49,6 +49,9 @@ Stack = HasArray | Sequence[Number | Entry]
 Limits = Number | Sequence[Number]
 """A number, or a pair [low, high]."""
 
+OneEach = Number | Vector
+"""A number for all segments, or one for each (n,)."""
+
 Orientation = HasMatrix | HasArray | Sequence[Number | Vector]
 """A rotation: a quaternion (4,), a matrix (3, 3), or a `Rotation` of SciPy."""
 

@@ -16,7 +16,7 @@ def test_clearances_are_those_of_single_shapes() -> None:
     q = np.concatenate([rng.uniform(-2, 2, (5, 3, 2)), rng.uniform(0.5, 1.5, (5, 3, 1))], axis=-1)
     mounted = ARM.changed(mount=0.8)
     scene = as_snapshot([sn.Sphere((2, 2, 3), 0.4, name="ball"), sn.Box((1, 3, 3.5), (0.2, 0.3, 0.4), name="box")])
-    least, segments, obstacles = least_clearances(mounted, scene, q)
+    least, _, segments, obstacles = least_clearances(mounted, scene, q)
     for i, one in enumerate(q):
         ends = segment_ends(mounted, one)
         alone = least_clearance(mounted, scene, one, ends)

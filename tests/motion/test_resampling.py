@@ -9,8 +9,8 @@ from scipy.interpolate import CubicHermiteSpline
 
 import sinuous as sn
 from benchmarks.judges.clearances import least_clearance
+from sinuous.errors import SuspiciousInput
 from sinuous.motion.resampling import splines_between
-from sinuous.problem.suspicions import SuspiciousInput
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), 2.0, radius=0.05)
 ONE, TOP, OTHER = (np.array([[x, 0.0, 1.0], [0.0, y, 1.0]]) for x, y in ((-0.8, 0.0), (0.0, 0.9), (0.8, 0.0)))

@@ -38,6 +38,8 @@ def test_every_field_is_kept() -> None:
         "seed": 3,
         "routes": False,
         "without": ("gates",),
+        "clearance": 0.5,
+        "self_clearance": 0.25,
     }
     assert set(given) == set(SolveOptions.__dataclass_fields__)
     options = SolveOptions.of(given)

@@ -11,11 +11,11 @@ import typer
 from sinuous.checks import Floats
 from sinuous.cli.options import MotionOutput, Output, is_page, numbered
 from sinuous.cli.reading import say_notes
+from sinuous.errors import SuspiciousInput
 from sinuous.files.results import json_line, result
 from sinuous.motion.knots import read_outcome, write_outcome
 from sinuous.motion.motion import Motion
 from sinuous.motion.tables import write_csv
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.problem.target import Targets
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.route_class import RouteClass

@@ -18,7 +18,7 @@ def batch_file(file: str, targets: Path, out: Path, solving: Solving, run: dict[
     """Solve all rows of a table; return the exit code. `run` are arguments of `solve_batch` about the run."""
     solving.arguments()
     try:
-        with setting_of(file) as setting, as_typed("targets", "out", *run):
+        with setting_of(file) as setting, as_typed("targets", "out", *run, *solving.demands):
             given = {**solving.arguments(setting.tolerance, setting.prefer), "initial": setting.start}
             found = solve_batch(setting.robot, targets, setting.scene, out, **given, **run, progress=True)
     except UnfinishedError as error:

@@ -13,7 +13,7 @@ from sinuous.cli.answers import Alternatives, Answer, Answers, read_solution, wr
 from sinuous.cli.journal import Journal, record_of
 from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Output, Solving
 from sinuous.cli.reading import Read, read_all, say_notes
-from sinuous.errors import InputError
+from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.job import motion_of, rates_in_time
@@ -22,7 +22,6 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
 from sinuous.motion.track import tracker_of
 from sinuous.motion.tracker import Tracker
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
@@ -52,7 +51,7 @@ def solve_files(
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
         if why:
             raise InputError("--all", "stands beside --why", count, "one of --all, --why")
-    read = read_all(files)
+    read = read_all(files, solving.demands)
     for one in read:
         _refuse(one.problem, "path", "goal", "moving")
     made = Solver.once if len(read) == 1 and count is None else Solver
@@ -70,7 +69,7 @@ def track_files(files: list[str], solving: Solving, output: MotionOutput, deviat
     output.check(files)
     if deviation is not None:
         checks.number("--deviation", deviation, above=0.0)
-    read = read_all(files)
+    read = read_all(files, solving.demands)
     for one in read:
         _refuse(one.problem, "goal")
 
@@ -92,7 +91,7 @@ def plan_files(
     checks.number("--begin", begin)
     if duration is not None:
         checks.number("--duration", duration, above=0.0)
-    read = read_all(files)
+    read = read_all(files, solving.demands)
     for problem in (one.problem for one in read):
         _refuse(problem, "path")
         if problem.start is None:

@@ -17,7 +17,7 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
 from sinuous.poses import pose
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Actuators, Chambers, Tendons
+from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.grids import Grid
@@ -43,6 +43,13 @@ FROM_ARRAYS: dict[str, tuple[str, Callable[..., Obstacle]]] = {
     "grid": ("values", Grid),
 }
 """The same, where the problem file holds them itself: the key that says so, and the noun."""
+
+DRIVES: dict[str, Callable[..., Tendons | Chambers | Stage]] = {
+    "tendons": Tendons,
+    "chambers": Chambers,
+    "stage": Stage,
+}
+"""What drives a segment."""
 
 MOVING = "moving"
 """Key of an obstacle under which its trajectory stands."""
@@ -80,7 +87,8 @@ def _read_equal_segments(value: Any, radius: float) -> list[Segment]:
     keys, required = keys_of(Segment)
     entries = {"radius": radius} | known_entries(value, ("count", *keys), required)
     count = checks.integer("count", entries.pop("count", 1), 1, MOST_SEGMENTS)
-    return [make(Segment, entries, {"tendons": partial(make, Tendons), "chambers": partial(make, Chambers)})] * count
+    parts = {key: partial(make, noun) for key, noun in DRIVES.items()}
+    return [make(Segment, entries, parts)] * count
 
 
 def read_scene(value: Any, robot: Robot | None, folder: Path) -> Scene:

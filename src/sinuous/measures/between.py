@@ -38,12 +38,15 @@ def shares_between(robot: Robot, one: Floats, other: Floats) -> Floats:
     return np.linspace(0.0, 1.0, int(np.clip(math.ceil(parts), FEWEST, MOST)) + 1)
 
 
-def least_clearances(robot: Robot, scene: Snapshot, q: Floats) -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
+def least_clearances(
+    robot: Robot, scene: Snapshot, q: Floats
+) -> tuple[Floats, Floats, NDArray[np.intp], NDArray[np.intp]]:
     """Least clearance (T,) over sampled places of the body beyond the mount, in configurations (T, n, 3).
 
-    And the segment and the obstacle (T,) where it is, 0 = first; -1 where there is nothing to be clear of.
+    And the least beyond what is demanded (T,), and the segment and the obstacle (T,) where the first is, 0 = first; -1
+    where there is nothing to be clear of.
     """
-    least = np.full(len(q), math.inf)
+    least, spare = np.full((2, len(q)), math.inf)
     segments, obstacles = np.full((2, len(q)), -1, np.intp)
     for part in together(len(q), q.shape[1]) if len(scene) else ():
         begin, beyond = free_shares(robot, q[part, :, 2])
@@ -51,13 +54,14 @@ def least_clearances(robot: Robot, scene: Snapshot, q: Floats) -> tuple[Floats, 
         for i, obstacle in enumerate(scene.obstacles):
             gaps = measure(obstacle, places.reshape(-1, 3)).reshape(places.shape[:3]).min(axis=2) - robot.radii
             gaps[~beyond] = math.inf
+            spare[part] = np.minimum(spare[part], (gaps - robot.clearance).min(axis=1))
             nearest = gaps.argmin(axis=1)
             own = gaps[np.arange(len(gaps)), nearest]
             nearer = own < least[part]
             least[part] = np.where(nearer, own, least[part])
             segments[part] = np.where(nearer, nearest, segments[part])
             obstacles[part] = np.where(nearer, i, obstacles[part])
-    return least, segments, obstacles
+    return least, spare, segments, obstacles
 
 
 def least_meeting(robot: Robot, q: Floats) -> Meeting:

@@ -88,16 +88,16 @@ class Nearest(NamedTuple):
     obstacle: str | None
 
 
-def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats) -> Nearest:
+def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats, *, beyond: bool = False) -> Nearest:
     """Least clearance over sampled places of the body beyond the mount, in configuration `q` (n, 3).
 
-    `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments.
+    `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments. `beyond`: less what is demanded.
     """
     least = Nearest(math.inf, None, None)
     if len(scene) == 0:
         return least
     places, segments = body_places(robot, q, ends)
-    radii = np.array(robot.radii)[segments]
+    radii = np.array(robot.needed_radii if beyond else robot.radii)[segments]
     for i, obstacle in enumerate(scene.obstacles):
         clearances = measure(obstacle, places) - radii
         if clearances.min(initial=math.inf) < least.distance:
@@ -129,7 +129,7 @@ class Meeting(NamedTuple):
     Attributes
     ----------
     gap : float
-        Their distance less both radii; infinite when no two places concern each other.
+        Their distance less both radii, and less what is demanded of it; infinite when no two places concern each other.
     segments : (int, int) or None
         Their segments, 1 = first, the one nearer to the base first.
     """
@@ -149,6 +149,7 @@ class Places(NamedTuple):
     segments : ndarray (m,)
         0 = first.
     radii : ndarray (m,)
+        With half of the demanded clearance from itself, see `Robot.self_radii`.
     runs : ndarray (m,)
         The same number for neighbouring segments of the same radius.
     """
@@ -224,7 +225,7 @@ def places_of(robot: Robot, q: Floats, points: Floats, tangents: Floats) -> Plac
         ((np.cumsum(amounts) - amounts)[:, None] + amounts[:, None] * fractions).ravel() for amounts in (q[:, 2], bends)
     )
     segments = np.repeat(np.arange(len(q)), count + 1)
-    radii = np.array(robot.radii)
+    radii = np.array(robot.self_radii)
     runs = np.concatenate([[0], np.cumsum(np.diff(radii) != 0.0)])
     own = points.reshape(-1, 3), tangents.reshape(-1, 3)
     return Places(*own, along, turned, segments, radii[segments], runs[segments])

@@ -78,7 +78,7 @@ class Prepared:
         self._name, self._capabilities, self._compiled = name, capabilities, compiled
         self._robot = robot_group(robot)
         self._settings = settings_group(robot, tolerance, preferences, compiled.options)
-        self._preferences, self._segments = preferences, len(robot)
+        self._preferences, self._segments = preferences.beyond(robot.least_demanded[0]), len(robot)
         self._local = threading.local()
         self._load(robot, scene.snapshot(), tolerance)
 

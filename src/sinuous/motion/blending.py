@@ -126,14 +126,14 @@ def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
     several radii any move may change which places concern each other, unless the body turns by less than a quarter turn
     at both knots, of q (m + 1, n, 3): then it does so wherever it may get to, and no two places do.
     """
-    if len(set(robot.radii)) == 1:
+    if len(set(robot.self_radii)) == 1:
         stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
-        own = steps.self_clearances / (3.0 if stretching else 2.0)
+        own = steps.room[1] / (3.0 if stretching else 2.0)
     else:
         turned = np.hypot(q[..., 0], q[..., 1]).sum(axis=1)
         never = not robot.avoids_itself or np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi
         own = np.where(never, np.inf, 0.0)
-    margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.clearances, own), 0.0)
+    margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.room[0], own), 0.0)
     return margins
 
 

@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous.checks import Floats
+from sinuous.errors import warn_of
 from sinuous.kernels.between.query import SEEN, UNTIL, VERDICT
 from sinuous.kernels.between.sweep import SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.motion.blending import levers_of, reach_of, steps_margins
-from sinuous.problem.suspicions import warn_of
 from sinuous.robot.robot import Robot
 from sinuous.solving.between.steps import Steps, prove_steps
 
@@ -45,7 +45,7 @@ def lines_between(motion: "Motion", times: Floats, q: Floats) -> Steps:
         run = slice(begin, end + 1)
         answers[begin:end] = prove_steps(motion.robot, motion.scene, q[run], times=times[run]).answers
     answers[:, UNTIL] = np.where(answers[:, VERDICT] == CLEAR, 1.0, 0.0)
-    return Steps(answers)
+    return Steps(answers, motion.robot.least_demanded)
 
 
 def splines_between(robot: Robot, times: Floats, q: Floats, velocities: Floats, lines: Steps) -> Steps:
@@ -69,7 +69,7 @@ def splines_between(robot: Robot, times: Floats, q: Floats, velocities: Floats, 
     answers[:, SEEN] -= aside
     answers[:, SEEN + SEEN_WIDTH] -= STRETCHED * aside
     answers[~kept, VERDICT], answers[~kept, UNTIL] = UNDECIDED, 0.0
-    return Steps(answers)
+    return Steps(answers, robot.least_demanded)
 
 
 def _within_limits(robot: Robot, control: Floats) -> NDArray[np.bool_]:

@@ -193,15 +193,16 @@ class Solutions(Frozen, Sequence[Solution]):
     @property
     def clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance between body and obstacles; NaN without obstacles, or a proof."""
-        return self._proved(CLEARANCE, len(self._problems.scene) > 0)
+        return self._proved(CLEARANCE, len(self._problems.scene) > 0, self._problems.robot.least_demanded[0])
 
     @property
     def self_clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance of the body from itself; NaN where it may cross, or unproved."""
-        return self._proved(SELF_CLEARANCE, self._problems.robot.avoids_itself)
+        robot = self._problems.robot
+        return self._proved(SELF_CLEARANCE, robot.avoids_itself, robot.least_demanded[1])
 
-    def _proved(self, column: int, matters: bool) -> Floats:
-        return np.where(self.solved & matters, self._answers[:, column], np.nan)
+    def _proved(self, column: int, matters: bool, demanded: float) -> Floats:
+        return np.where(self.solved & matters, self._answers[:, column] + demanded, np.nan)
 
     @property
     def iterations(self) -> Whole:

@@ -36,7 +36,8 @@ class Verification(ShortRepr):
     Attributes
     ----------
     ok : bool
-        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere.
+        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere; nor
+        nearer to either than the robot demands.
     position_error, angle_error : float
         Largest over the targets; 0 where nothing is asked.
     excess : float
@@ -106,15 +107,19 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
     clearance, segment, obstacle = least_clearance(robot, scene, q, ends)
     itself = nearest_meeting(robot, q, ends)
+    spare = clearance - robot.least_demanded[0]
+    if isinstance(robot.clearance, tuple):
+        spare = least_clearance(robot, scene, q, ends, beyond=True).distance
     slack = ROUNDING * robot.mean_length
     ok = (
         off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
         and _within_limits(robot, q)
-        and clearance >= -slack
+        and spare >= -slack
         and itself.gap >= -slack
     )
-    return Verification(ok, off, turn, robot.excess(q), clearance, segment, obstacle, *itself)
+    gap = itself.gap + robot.least_demanded[1]
+    return Verification(ok, off, turn, robot.excess(q), clearance, segment, obstacle, gap, itself.segments)
 
 
 def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> list[Verification]:
@@ -129,15 +134,16 @@ def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verific
     if scene.moves:
         when = times[0] + shares * (times[1] - times[0])
         seen = [least_clearances(robot, scene.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
-        clearances, segments, obstacles = (np.concatenate(each) for each in zip(*seen, strict=True))
+        clearances, spares, segments, obstacles = (np.concatenate(each) for each in zip(*seen, strict=True))
     else:
-        clearances, segments, obstacles = least_clearances(robot, scene, q)
+        clearances, spares, segments, obstacles = least_clearances(robot, scene, q)
     at = int(clearances.argmin())
     itself = least_meeting(robot, q)
-    slack = ROUNDING * robot.mean_length
-    ok = all(_within_limits(robot, one) for one in ends) and clearances[at] >= -slack and itself.gap >= -slack
+    gap, slack = itself.gap + robot.least_demanded[1], ROUNDING * robot.mean_length
+    ok = all(_within_limits(robot, one) for one in ends) and spares.min() >= -slack and itself.gap >= -slack
     segment, obstacle = (None, None) if obstacles[at] < 0 else (int(segments[at]) + 1, scene.name(int(obstacles[at])))
-    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), float(clearances[at]), segment, obstacle, *itself)
+    near = float(clearances[at]), segment, obstacle
+    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), *near, gap, itself.segments)
 
 
 def _within_limits(robot: Robot, q: Floats) -> bool:

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 from typing import Any, TypedDict
 
 from sinuous import checks
-from sinuous.arguments import Number, Truth, Whole
+from sinuous.arguments import Number, OneEach, Truth, Whole
 from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
+from sinuous.robot.robot import Robot, demanding
 from sinuous.solving.attempts import read_without
 
 TIME = 1.0
@@ -30,6 +31,8 @@ class SolveArguments(TypedDict, total=False):
     seed: Whole
     routes: Truth
     without: str | Sequence[str]
+    clearance: OneEach | None
+    self_clearance: OneEach | None
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,9 @@ class SolveOptions:
         (see `Capabilities.routes`).
     without : str or sequence of str
         Attempts that are switched off, by the names in `sinuous.solving.attempts.ATTEMPTS`: to see what they bring.
+    clearance, self_clearance : float or array_like (n,), optional
+        Least distance of the body from obstacles, and from itself, that a solution has to keep, instead of what the
+        robot demands: of all segments, or one each. See `Robot`.
 
     Raises
     ------
@@ -70,6 +76,8 @@ class SolveOptions:
     seed: int = 0
     routes: bool = True
     without: tuple[str, ...] = ()
+    clearance: OneEach | None = None
+    self_clearance: OneEach | None = None
 
     def __post_init__(self) -> None:
         prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
@@ -84,9 +92,15 @@ class SolveOptions:
             "seed": checks.integer("seed", self.seed, 0, 2**31 - 1),
             "routes": checks.truth("routes", self.routes),
             "without": read_without(self.without),
+            "clearance": _each("clearance", self.clearance),
+            "self_clearance": _each("self_clearance", self.self_clearance),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
+
+    def demanded_of(self, robot: Robot) -> Robot:
+        """Return the robot with the clearances that are demanded here, where any are."""
+        return demanding(robot, self.clearance, self.self_clearance)
 
     @property
     def most_starts(self) -> int:
@@ -105,3 +119,8 @@ class SolveOptions:
             if key not in cls.__dataclass_fields__:
                 raise InputError(key, "is not known", value, "one of " + ", ".join(cls.__dataclass_fields__))
         return cls(**given)
+
+
+def _each(key: str, value: OneEach | None) -> float | tuple[float, ...] | None:
+    """Check what is demanded of every segment; how many there are says the robot."""
+    return None if value is None else checks.one_each(key, value, None, "segment")

@@ -11,12 +11,12 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.errors import InputError, warn_of
 from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
 from sinuous.problem.problem import Problem, check_sizes
-from sinuous.problem.suspicions import suspicions, warn_of
+from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
 from sinuous.problem.target_sets import read_target_sets
 from sinuous.progress import ProgressBar
@@ -54,11 +54,13 @@ class Solver:
     scene : Scene or list of obstacles, optional
         Live: after an update the next solve sees the new obstacles.
     **options
-        The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without.
+        The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without, clearance,
+        self_clearance.
 
     Attributes
     ----------
     robot : Robot
+        With the clearances that the options demand.
     scene : Scene
     options : SolveOptions
 
@@ -488,4 +490,4 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
     place, chosen = as_scene(scene), SolveOptions.of(options)
     check_sizes(robot, place)
     warn_of(suspicions(robot, place.snapshot()))
-    return robot, place, chosen
+    return chosen.demanded_of(robot), place, chosen

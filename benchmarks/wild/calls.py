@@ -19,8 +19,7 @@ from benchmarks.wild.obstacles import block_surface, pose_rotation
 from benchmarks.wild.robots import robot_with_shapes
 from benchmarks.wild.worlds import asked
 from sinuous.checks import Floats
-from sinuous.errors import InputError
-from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.errors import InputError, SuspiciousInput
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution

@@ -24,7 +24,7 @@ AUDIT = (
 
 MISSED = "not solved and found right by the judges"
 
-BLOCK, BLOCKS, AUDITED = 65, 100, 10
+BLOCK, BLOCKS, AUDITED = 22, 100, 10
 """Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems; pieces of one audited kind."""
 
 WALLS = "walls with doors"

@@ -111,7 +111,7 @@ def test_problems_are_looked_at_again_by_their_names() -> None:
     assert named == ["world 3", "3.1", "world 5", *(f"5.{i}" for i in range(len(worlds.make(0, 5).targets)))]
 
 
-@pytest.mark.parametrize("name", ["x", "-1", "3.16", "3.x", "1e3"])
+@pytest.mark.parametrize("name", ["x", "-1", "3.48", "3.x", "1e3"])
 def test_a_name_of_no_problem_is_refused(name: str) -> None:
     with pytest.raises(InputError, match="--only"):
         replay.replay(0, [name])

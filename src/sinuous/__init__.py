@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from sinuous.robot.segment import Segment as Segment
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
+    from sinuous.robot.stiffness import Stiffness as Stiffness
     from sinuous.scene.grids import Field as Field
     from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -108,6 +109,7 @@ _HOMES = {
     "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
+    "robot.stiffness": ("Stiffness",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
     "scene.moving": ("Moving",),

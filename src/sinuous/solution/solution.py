@@ -238,6 +238,15 @@ class Solution(NotebookMixin):
         return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
 
     @property
+    def tensions(self) -> dict[str, float] | None:
+        """Tensions of the elastic actuators by name, positive where they pull; `None` without any."""
+        drive = self.problem.robot.drive
+        if drive.elastic is None:
+            return None
+        names = [drive.actuators[place].name for place in drive.elastic.places]
+        return dict(zip(names, drive.elastic.balance(self.q).tensions.tolist(), strict=True))
+
+    @property
     def reason(self) -> Reason | None:
         """What proves that there is no solution; `None` when nothing does."""
         if not hasattr(self, "_reason"):
@@ -364,6 +373,7 @@ class Solution(NotebookMixin):
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
             "actuators": self.actuators,
+            "tensions": self.tensions,
             "worst": None if worst is None else worst.to_dict(),
             "reason": None
             if reason is None

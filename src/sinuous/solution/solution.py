@@ -368,8 +368,8 @@ class Solution(NotebookMixin):
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": _finite(self.clearance),
-            "self_clearance": _finite(self.self_clearance),
+            "clearance": finite_or_none(self.clearance),
+            "self_clearance": finite_or_none(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
             "actuators": self.actuators,
@@ -426,6 +426,6 @@ def _demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | N
     return value if np.any(value) else None
 
 
-def _finite(value: float | None) -> float | None:
+def finite_or_none(value: float | None) -> float | None:
     """What a file says of a number: nothing where it is infinite."""
     return None if value is None or np.isinf(value) else value

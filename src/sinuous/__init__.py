@@ -75,6 +75,7 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import check as check
+    from sinuous.solving.memory import Memory as Memory
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
@@ -127,6 +128,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Step",),
     "solution.verification": ("Verification", "check"),
+    "solving.memory": ("Memory",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),

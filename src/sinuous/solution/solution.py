@@ -3,15 +3,15 @@
 import textwrap
 from collections.abc import Mapping
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, StartKind
+from sinuous.arguments import START_KINDS, Number, StartKind
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.kernels.tables import Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -169,8 +169,8 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random or route."""
-        return cast(StartKind, SOURCES[self._outcome.source])
+        """Which kind of start won: given, arc, random, route or remembered."""
+        return START_KINDS[self._outcome.source]
 
     @property
     def route(self) -> Floats | None:
@@ -368,8 +368,8 @@ class Solution(NotebookMixin):
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": _finite(self.clearance),
-            "self_clearance": _finite(self.self_clearance),
+            "clearance": finite_or_none(self.clearance),
+            "self_clearance": finite_or_none(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
             "actuators": self.actuators,
@@ -426,6 +426,6 @@ def _demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | N
     return value if np.any(value) else None
 
 
-def _finite(value: float | None) -> float | None:
+def finite_or_none(value: float | None) -> float | None:
     """What a file says of a number: nothing where it is infinite."""
     return None if value is None or np.isinf(value) else value

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from sinuous.robot.segment import Segment as Segment
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
+    from sinuous.robot.stiffness import Stiffness as Stiffness
     from sinuous.scene.grids import Field as Field
     from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -72,6 +73,7 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import check as check
+    from sinuous.solving.memory import Memory as Memory
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
@@ -108,6 +110,7 @@ _HOMES = {
     "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
+    "robot.stiffness": ("Stiffness",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
     "scene.moving": ("Moving",),
@@ -120,6 +123,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Step",),
     "solution.verification": ("Verification", "check"),
+    "solving.memory": ("Memory",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),

@@ -20,6 +20,7 @@ from sinuous.problem.target import Target
 from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
+from sinuous.robot.stiffness import Stiffness
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
@@ -87,7 +88,8 @@ def _read_equal_segments(value: Any, radius: float) -> list[Segment]:
     keys, required = keys_of(Segment)
     entries = {"radius": radius} | known_entries(value, ("count", *keys), required)
     count = checks.integer("count", entries.pop("count", 1), 1, MOST_SEGMENTS)
-    parts = {key: partial(make, noun) for key, noun in DRIVES.items()}
+    parts: dict[str, Callable[[Any], Any]] = {key: partial(make, noun) for key, noun in DRIVES.items()}
+    parts["stiffness"] = lambda own: make(Stiffness, own) if isinstance(own, dict) else own
     return [make(Segment, entries, parts)] * count
 
 

@@ -14,7 +14,7 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot, demanding
 from sinuous.scene.entries import entries_of
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
+from sinuous.solution.solution import Solution, finite_or_none
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps
@@ -62,8 +62,8 @@ def write(motion: "Motion") -> dict[str, Any]:
         "base": motion.robot.base.tolist(),
         "position_error": _largest(waypoints, "position_error"),
         "angle_error": _largest(waypoints, "angle_error"),
-        "clearance": motion.clearance,
-        "self_clearance": motion.self_clearance,
+        "clearance": finite_or_none(motion.clearance),
+        "self_clearance": finite_or_none(motion.self_clearance),
         "demanded_clearance": motion.robot.clearance if np.any(motion.robot.clearance) else None,
         "demanded_self_clearance": motion.robot.self_clearance if np.any(motion.robot.self_clearance) else None,
         "worst": None if worst is None else worst.to_dict(),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks, packing
 from sinuous.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Whole
@@ -378,6 +379,14 @@ class Robot(NotebookMixin, Frozen):
         """
         return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
 
+    def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
+        """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
+        elastic = self.drive.elastic
+        if elastic is None or not elastic.bounded:
+            return np.ones(q.shape[:-2], np.bool_)
+        short: NDArray[np.bool_] = elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
+        return short
+
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
 
@@ -397,7 +406,8 @@ class Robot(NotebookMixin, Frozen):
         """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
 
         They are those of the motors: gain x displacement + offset. Without a gain, a tendon's value is its displacement
-        (positive is pulled), that of a chamber or a stage its length, both in the length unit.
+        (positive is pulled), that of a chamber or a stage its length, both in the length unit. Elastic tendons and
+        chambers are displaced by their stretch, too, at the least tensions within their limits that hold the shape.
         """
         return self.drive.values(self.configuration("q", q))
 
@@ -410,8 +420,9 @@ class Robot(NotebookMixin, Frozen):
         """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
 
         Where values contradict each other (three tendons of an arc are one too many) it is the nearest: least squares
-        of displacements, and that is said. `to_actuators(q) - actuators` is what is left. Coordinates that cannot move
-        are what they are.
+        of displacements, and that is said; `to_actuators(q) - actuators` is what is left. Elastic actuators take the
+        shape of least energy, in which tendons that would have to push are slack (see `tensions`). Coordinates that
+        cannot move are what they are.
 
         Parameters
         ----------
@@ -434,15 +445,35 @@ class Robot(NotebookMixin, Frozen):
         values, reference = fitting(actuators, initial, names, len(self))
         if reference is None:
             self._inverse.refuse_undetermined(self.segment_names)
-        found = self._inverse.configuration(self.drive.motors.displacements(values), reference)
+        displacements = self.drive.motors.displacements(values)
+        found = self._inverse.configuration(displacements, reference)
+        if self.drive.elastic is not None:
+            found = self.drive.elastic.shape(displacements, found)
         answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
         return found
+
+    def tensions(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> Floats:
+        """Tensions (..., m) of all actuators at these values (..., m): 0 where a tendon is slack, NaN of rigid ones.
+
+        Parameters as for `from_actuators`. Positive pulls; a chamber that pushes has a negative tension. In the unit
+        of force of `stiffness`.
+        """
+        q = self.from_actuators(actuators, initial)
+        values, _ = fitting(actuators, initial, [actuator.name for actuator in self.actuators], len(self))
+        return self.drive.tensions(q, self.drive.motors.displacements(values))
+
+    def slack(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> tuple[str, ...]:
+        """Names of the elastic tendons that are slack at these values (m,)."""
+        tensions = self.tensions(actuators, initial)
+        if tensions.ndim != 1:
+            raise InputError("actuators", f"shape {tensions.shape}", actuators, f"{len(self.drive)} values")
+        return tuple(each.name for each, own in zip(self.actuators, tensions, strict=True) if own == 0.0)
 
     def actuator_jacobian(self, q: Batch) -> Floats:
         """Derivative (..., m, 3 n) of the values of all actuators, read-only.
 
         Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
-        configuration, because all actuators are linear.
+        configuration, because all actuators are linear; of elastic ones the stretch is left out.
         """
         lead = self.configuration("q", q).shape[:-2]
         jacobian = self.drive.value_jacobian

@@ -8,13 +8,14 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Limits, Number, Stack
+from sinuous.arguments import Limits, Number, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.reprs import call, text
 from sinuous.robot.actuators import Chambers, Stage, Tendons
 from sinuous.robot.names import optional_name
+from sinuous.robot.stiffness import Stiffness
 from sinuous.writing.plain import described, plain
 
 
@@ -29,6 +30,8 @@ class SegmentArguments(TypedDict, total=False):
     chambers: Chambers | None
     name: str | None
     stage: Stage | None
+    stiffness: Stiffness | Number | None
+    rest: Vector
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -54,6 +57,10 @@ class Segment(Frozen):
         By default the robot calls its segments `s1`, `s2`, ... from base to tip.
     stage : Stage, optional
         A motor that sets the length of this segment.
+    stiffness : Stiffness or float, optional
+        How hard it is to bend, which elastic tendons and chambers need; a number is EI, force x length^2.
+    rest : array_like (2,)
+        Bend that it has by itself, where elastic actuators leave it alone, rad.
 
     Raises
     ------
@@ -70,6 +77,8 @@ class Segment(Frozen):
     chambers: Chambers | None
     name: str | None
     stage: Stage | None
+    stiffness: Stiffness | None
+    rest: Floats
 
     def __init__(
         self,
@@ -81,6 +90,9 @@ class Segment(Frozen):
         chambers: Chambers | None = None,
         name: str | None = None,
         stage: Stage | None = None,
+        *,
+        stiffness: Stiffness | Number | None = None,
+        rest: Vector = (0.0, 0.0),
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
@@ -107,6 +119,8 @@ class Segment(Frozen):
             chambers=chambers,
             name=optional_name(name),
             stage=stage,
+            stiffness=stiffness if stiffness is None or isinstance(stiffness, Stiffness) else _bent(stiffness),
+            rest=checks.array("rest", rest, (2,)),
         )
 
     def changed(self, **values: Unpack[SegmentArguments]) -> "Segment":
@@ -127,6 +141,10 @@ class Segment(Frozen):
         ]
         driven = lines if self.stage is None else [*lines, "stage"]
         return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *driven])
+
+
+def _bent(value: Number) -> Stiffness:
+    return Stiffness(checks.number("stiffness", value, above=0.0))
 
 
 def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:

@@ -3,15 +3,15 @@
 import textwrap
 from collections.abc import Mapping
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, StartKind
+from sinuous.arguments import START_KINDS, Number, StartKind
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.kernels.tables import Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -170,8 +170,8 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random or route."""
-        return cast(StartKind, SOURCES[self._outcome.source])
+        """Which kind of start won: given, arc, random, route or remembered."""
+        return START_KINDS[self._outcome.source]
 
     @property
     def route(self) -> Floats | None:
@@ -247,6 +247,15 @@ class Solution(NotebookMixin):
         robot = self.problem.robot
         names = [actuator.name for actuator in robot.actuators]
         return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
+
+    @property
+    def tensions(self) -> dict[str, float] | None:
+        """Tensions of the elastic actuators by name, positive where they pull; `None` without any."""
+        drive = self.problem.robot.drive
+        if drive.elastic is None:
+            return None
+        names = [drive.actuators[place].name for place in drive.elastic.places]
+        return dict(zip(names, drive.elastic.balance(self.q).tensions.tolist(), strict=True))
 
     @property
     def reason(self) -> Reason | None:
@@ -370,11 +379,12 @@ class Solution(NotebookMixin):
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": _finite(self.clearance),
-            "self_clearance": _finite(self.self_clearance),
+            "clearance": finite_or_none(self.clearance),
+            "self_clearance": finite_or_none(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
             "actuators": self.actuators,
+            "tensions": self.tensions,
             "worst": None if worst is None else worst.to_dict(),
             "reason": None
             if reason is None
@@ -427,6 +437,6 @@ def _demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | N
     return value if np.any(value) else None
 
 
-def _finite(value: float | None) -> float | None:
+def finite_or_none(value: float | None) -> float | None:
     """What a file says of a number: nothing where it is infinite."""
     return None if value is None or np.isinf(value) else value

@@ -22,6 +22,7 @@ FLOORS = {
     "methods": 3,
     "problem": 2,
     "solution": 2,
+    "derivatives": 2,
     "measures": 2,
     "files": 2,
     "export": 1,
@@ -44,6 +45,7 @@ FLOORS = {
 }
 
 KERNEL_FLOORS = {
+    "derivative": 5,
     "solve": 5,
     "fitting": 4,
     "growing": 4,

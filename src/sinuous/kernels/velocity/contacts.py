@@ -7,6 +7,7 @@ across the tangent, or an end of the piece. Its motion along the gradient must n
 import math
 from collections import namedtuple
 
+from sinuous.kernels.body.contacts import Body
 from sinuous.kernels.body.pieces import free_part, look_here, near
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, VALUE, WEIGHTS, pull_along, pull_at, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
@@ -66,7 +67,7 @@ def _finish(tick: Tick, at: int, low: float, wish: float, gap: float, kind: int,
 
 
 @kernel
-def _steepness(problem: Problem, tick: Tick, i: int, k: int, s: float) -> tuple[float, float, Vec, Vec]:
+def _steepness(problem: Problem, tick: Tick | Body, i: int, k: int, s: float) -> tuple[float, float, Vec, Vec]:
     """Distance of a place to obstacle `i`, how it changes along the backbone, its gradient, and the place."""
     rotation, position = frame(tick.frames, k)
     turn, shift = pose(s * tick.q[k, 0], s * tick.q[k, 1], s * tick.q[k, 2])
@@ -77,7 +78,9 @@ def _steepness(problem: Problem, tick: Tick, i: int, k: int, s: float) -> tuple[
 
 
 @kernel
-def _closest_place(problem: Problem, tick: Tick, i: int, k: int, a: float, b: float) -> tuple[float, float, Vec, Vec]:
+def closest_place(
+    problem: Problem, tick: Tick | Body, i: int, k: int, a: float, b: float
+) -> tuple[float, float, Vec, Vec]:
     """Fraction of segment `k` between `a` and `b` where it is closest to obstacle `i`; distance, gradient, place."""
     d, fa, g, p = _steepness(problem, tick, i, k, a)
     if fa >= 0.0:
@@ -147,7 +150,7 @@ def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int
                 if look_here(problem.scene, i, middle, reach, BOUND)[0] >= reach:
                     continue
                 spend(tick.sweep.clock, 4 * price_of(problem.scene, i))
-                s, d, g, p = _closest_place(problem, tick, i, k, a, b)
+                s, d, g, p = closest_place(problem, tick, i, k, a, b)
                 gap = d - radius
                 least = min(least, gap)
                 at = _place_for(tick, first, count, most, gap) if gap < look.ahead else -1

@@ -17,6 +17,8 @@ FLOORS = {
     "workspace": 5,
     "viewer": 6,
     "display": 5,
+    "torch": 5,
+    "jax": 5,
     "motion": 5,
     "solving": 4,
     "methods": 3,

@@ -1,12 +1,13 @@
 """Differences of answers: solve again, from the answer, after the parameters have moved a little both ways."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 from scipy.spatial.transform import Rotation
 
 from benchmarks.derivatives.families import solver_for
+from sinuous.arguments import Parameter
 from sinuous.checks import Floats
 from sinuous.derivatives.parameters import GROUPS, circles_of
 from sinuous.errors import InputError
@@ -19,7 +20,7 @@ from sinuous.scene.moving import moved
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solution.solution import Solution
 
-Tangent = dict[str, Floats]
+Tangent = dict[Parameter, Floats]
 """How fast each group of parameters moves, as `Derivative.jvp` takes it."""
 
 SHARES = (1e-4, 1e-5, 1e-6, 1e-7)
@@ -89,7 +90,7 @@ def _about(place: Floats, twist: Floats) -> Floats:
 def _place_of(obstacle: Obstacle) -> Floats:
     ends = [np.asarray(getattr(obstacle, name)) for name in ("start", "end") if hasattr(obstacle, name)]
     if ends:
-        return np.mean(ends, axis=0)
+        return np.asarray(np.mean(ends, axis=0), np.float64)
     for name in ("center", "point"):
         if hasattr(obstacle, name):
             return np.asarray(getattr(obstacle, name))
@@ -118,7 +119,8 @@ def _segment(robot: Robot, k: int, way: Tangent, h: float) -> Segment:
         if np.isfinite(limits).all():
             shift = h * ends[mine[0]] if ends else np.zeros(2)
             bigger = bigger.changed(**{key: tuple(limits + shift)})
-        changed = changed.changed(**{kind: bigger})
+        own_kind: Any = {kind: bigger}
+        changed = changed.changed(**own_kind)
     return changed
 
 
@@ -210,8 +212,8 @@ def agreement(found: Solution, motion: Floats, way: Tangent, one_sided: bool = F
         if after is None or before is None:
             continue
         change = (after - before) / (h if one_sided else 2.0 * h)
-        size = max(np.linalg.norm(change / scale), np.linalg.norm(motion / scale), 1e-3)
-        best = min(best, Agreement(float(np.linalg.norm((change - motion) / scale) / size), h))
+        size = max(float(np.linalg.norm(change / scale)), float(np.linalg.norm(motion / scale)), 1e-3)
+        best = min(best, Agreement(float(np.linalg.norm((change - motion) / scale)) / size, h))
         if best.error < 1e-8:
             break
     return best

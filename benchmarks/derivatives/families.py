@@ -70,11 +70,9 @@ def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> Rob
     for _ in range(int(rng.integers(2, 7))):
         length = size * rng.uniform(0.5, 1.5)
         span = (0.6 * length, 1.4 * length) if rng.random() < 0.6 else length
-        drive = {
-            "tendons": Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None,
-            "chambers": Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None,
-        }
-        segments.append(Segment(span, rng.uniform(2.0, 3.0), radius=thick * size, **drive))
+        tendons = Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None
+        chambers = Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None
+        segments.append(Segment(span, rng.uniform(2.0, 3.0), None, thick * size, tendons, chambers))
     tool = _placed(0.3 * size, rng) if rng.random() < 0.5 else None
     base = _placed(2.0 * size, rng)
     return Robot(segments, base=base, tool=tool)

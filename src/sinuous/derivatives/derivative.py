@@ -10,7 +10,7 @@ from sinuous import checks
 from sinuous.arguments import Parameter, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.derivatives.directional import Kept, least_motion
-from sinuous.derivatives.parameters import Plan, circles_of, plan_for
+from sinuous.derivatives.parameters import Plan, circles_of, plan_for, read_wrt
 from sinuous.errors import InputError
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive, find_contacts
@@ -62,7 +62,8 @@ class Derivative:
     regular : bool
         Whether there is a derivative. There is none at a singular shape, and none at a kink: an active limit or contact
         is in the way of some changes, and not of the opposite ones. The arrays below then keep whatever is active as it
-        is, and `one_sided` and `jvp` tell what happens in a direction.
+        is, and `one_sided` and `jvp` tell what happens in a direction. Nor is an answer regular that preferences have
+        chosen: its derivatives are those of the nearest answer.
     singular : bool
         Whether the rows of the targets depend on each other: not every small change of the targets can be followed.
     active : tuple of Active
@@ -238,18 +239,23 @@ class Derivative:
         values = sides @ tangent - rows @ direct
         scaled = rows[:, moves] * scale[moves]
         kept = Kept(scaled[:targets], scaled[targets:], None)
+        least = least_motion(kept, values[:targets], values[targets:], np.zeros(len(scaled.T)))
+        if np.isnan(least).any():
+            return np.full(len(scale), np.nan)
         moved: Floats = direct.copy()
-        moved[moves] += scale[moves] * least_motion(kept, values[:targets], values[targets:], np.zeros(len(scaled.T)))
+        moved[moves] += scale[moves] * least
         return moved
 
 
-def derivative_of(problem: Problem, q: Floats, wrt: tuple[Parameter, ...]) -> Derivative:
-    """Derive an answer `q` (n, 3) by groups of parameters."""
-    plan = plan_for(problem, wrt)
+def derivative_of(problem: Problem, q: Floats, wrt: Parameter | Sequence[Parameter], liked: bool = False) -> Derivative:
+    """Derive an answer `q` (n, 3) by groups of parameters; `liked`: it was chosen by preferences."""
+    plan = plan_for(problem, read_wrt(wrt))
     answer = np.empty(plan.answer)
     group = problem.scene._kernel_group if plan.obstacles else None
     own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines, np.array(q), plan.workspace, answer
     derive(*own)
+    if liked:
+        answer[a.STATUS] += a.PREFERRED
     return Derivative(problem, q, plan, answer)
 
 

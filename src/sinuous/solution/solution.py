@@ -299,7 +299,8 @@ class Solution(NotebookMixin):
         """Derive the answer by what it depends on: targets, the robot, where it stands, obstacles.
 
         Of all configurations near this one that meet changed targets, within the limits and clear of obstacles, the
-        nearest one is meant, or where there are preferences the one that is preferred.
+        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen is not called
+        regular.
 
         Parameters
         ----------
@@ -319,11 +320,11 @@ class Solution(NotebookMixin):
             When it is not solved.
         """
         from sinuous.derivatives.derivative import derivative_of  # noqa: PLC0415
-        from sinuous.derivatives.parameters import read_wrt  # noqa: PLC0415
 
         if self._outcome.code != SOLVED:
             self.raise_for_status()
-        return derivative_of(self._problem, self._outcome.q, read_wrt(wrt))
+        liked = bool(self._resolver.prefer) and not self._resolver.prefer.satisfied(self._outcome.clearance)
+        return derivative_of(self._problem, self._outcome.q, wrt, liked)
 
     def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":
         """Derivatives (p,) of `sum(cotangent * q)` by each group of parameters, for a cotangent (n, 3).

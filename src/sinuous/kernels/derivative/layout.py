@@ -32,7 +32,7 @@ KIND, SEGMENT, OTHER, SIDE, SLACK, FACTOR, WRENCH = range(7)
 """Columns of what is known about a row: TARGET_ROW, or the kind of constraint as `velocity.layout` numbers them; its
 segment, and the obstacle, actuator limit, target or other segment; 0 for a lower and 1 for an upper end; what is left
 of a limit or gap beyond what is kept (length, rad); what the row was multiplied by, so that it has length 1 in the
-metric (0: nothing can move it); and its wrench (6)."""
+metric; and its wrench (6)."""
 
 ABOUT_WIDTH = 12
 
@@ -44,9 +44,9 @@ first; and the largest residual of these (rad, robot lengths)."""
 
 ANSWER_HEADER = 4
 
-SINGULAR, KINK, FULL = 1, 2, 4
+SINGULAR, KINK, FULL, PREFERRED = 1, 2, 4, 8
 """Rows of targets depend on each other; an active row is in the way of some changes and not of the opposite ones; there
-were more active rows than there is room for."""
+were more active rows than there is room for; preferences have chosen the answer, which kernels do not know."""
 
 MOST_ACTIVE = 256
 """Most rows of limits and contacts."""

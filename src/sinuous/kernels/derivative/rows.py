@@ -73,7 +73,7 @@ from sinuous.kernels.tables import (
 from sinuous.kernels.tables import (
     WEIGHTS as ACTUATOR_WEIGHTS,
 )
-from sinuous.kernels.velocity.contacts import PIECES, closest_place
+from sinuous.kernels.velocity.contacts import closest_place
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, LENGTH, SELF_CLEARANCE
 
 BESIDE = 1.001
@@ -82,7 +82,14 @@ BESIDE = 1.001
 BESIDE_ITSELF = 2.0
 """The same of the body and itself: these gaps are known to about a quarter of what is kept."""
 
-SAME = 1e-9
+PIECES = 16
+"""Pieces of a segment in each of which one place is the closest: beside an obstacle a bent body may have several."""
+
+STRAIGHT, CLOSELY = 1e-11, 60
+"""Cosine between gradient and tangent at which a place is the closest, and most looks for it: at a place beside it,
+what moves it along the body would count."""
+
+SAME = 1e-6
 """Difference of fractions of a segment up to which two places are one."""
 
 
@@ -248,7 +255,7 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
                 reach = 0.5 * length * (b - a) + radius + ahead
                 if look_here(scene, i, body_point(q, desk.frames, k, 0.5 * (a + b)), reach, BOUND)[0] >= reach:
                     continue
-                s, d, g, p = closest_place(problem, body, i, k, a, b)
+                s, d, g, p = closest_place(problem, body, i, (k, a, b), STRAIGHT, CLOSELY)
                 if d - radius > ahead or abs(s - before) < SAME:
                     continue
                 if at == desk.rows.shape[0]:
@@ -299,14 +306,17 @@ def add_self_contacts(problem: Problem, desk: Desk, first: int, keep: float) -> 
 
 @kernel
 def normalise(limits: Array, desk: Desk, count: int) -> None:
-    """Bring the first `count` rows to length 1 in the metric: rad, and mean lengths of the segment."""
+    """Bring the first `count` rows to length 1 in the metric: rad, and mean lengths of the segment.
+
+    A row that nothing moves stays as it is.
+    """
     for at in range(count):
         square = 0.0
         for k in range(desk.q.shape[0]):
             turning, stretching = limits[k, BEND_SCALE], limits[k, LENGTH_SCALE]
             x, y, z = turning * desk.rows[at, 3 * k], turning * desk.rows[at, 3 * k + 1], desk.rows[at, 3 * k + 2]
             square += x * x + y * y + (stretching * z) ** 2
-        factor = 1.0 / math.sqrt(square) if square > 0.0 else 0.0
+        factor = 1.0 / math.sqrt(square) if square > 0.0 else 1.0
         desk.about[at, FACTOR] = factor
         for i in range(desk.rows.shape[1]):
             desk.rows[at, i] *= factor

@@ -78,8 +78,6 @@ def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array
     sides, about = desk.sides[:count], desk.about
     _nothing(sides)
     for at in range(count):
-        if about[at, FACTOR] == 0.0:
-            continue
         wrench = (get_vec(about, at, WRENCH), get_vec(about, at, WRENCH + 3))
         if asked[BASE] >= 0:
             put_vec(sides, at, asked[BASE], scale(-1.0, wrench[0]))

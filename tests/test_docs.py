@@ -82,14 +82,17 @@ def test_what_the_page_of_formats_shows_works(tmp_path: Path, monkeypatch: pytes
     assert len(names["reached"]) > 900
     assert set(names["moved"].start) == {"given"}
     np.testing.assert_allclose(names["q_measured"], names["q"], atol=1e-12)
-    problem, driven, moving = blocks("format.md", "yaml")
+    problem, motors, driven, moving = blocks("format.md", "yaml")
     Path("gate.csv").write_text("t,x,y,z\n0,0,90,0\n1,0,60,0\n", encoding="utf-8")
     Path("problem.yaml").write_text(moving + "robot: {segments: {length: 50}}\ntarget: {position: [0, 0, 50]}")
+    Path("motors.yaml").write_text(motors + "target: {position: [10, 0, 100]}", encoding="utf-8")
     scene = sn.load("problem.yaml", sn.Job).scene
     assert len([each for each in scene.obstacles if isinstance(each, sn.Moving)]) == len(scene) == 2
-    for text in (problem, driven + "target: {position: [10, 0, 100]}"):
+    for text in (problem, *(part + "target: {position: [10, 0, 100]}" for part in (motors, driven))):
         Path("problem.yaml").write_text(text, encoding="utf-8")
         assert main(["solve", "problem.yaml"]) == 0
+    robot = sn.load("motors.yaml", sn.Job).robot
+    assert [each.limits for each in robot.actuators] == [(0, 4000), *[(1248, 2848)] * 3]
 
 
 def test_what_the_page_of_pages_shows_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,6 +37,7 @@ FLOORS = {
     "errors": 0,
     "progress": 0,
     "caches": 0,
+    "work_time": 0,
     "words": 0,
     "arguments": 0,
     "reprs": 0,

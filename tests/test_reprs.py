@@ -38,6 +38,7 @@ OBJECTS: list[Any] = [
     *(ROBOT, ROBOT.segments[0], sn.Segment(1, chambers=sn.Chambers(4, 0.1, length=(0.5, 2.0)))),
     sn.Chambers(angles=np.arange(9.0), radius=0.123456789, names=[f"{LONG} {i}" for i in range(9)]),
     sn.Tendons(3, 0.1, displacement=(-0.1, 0.2)),
+    sn.Stage(40.0, 1 / 3, LONG, LONG),
     sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),
     *(SCENE, SCENE.snapshot()),
     *(sn.Sphere((1 / 3, 2 / 3, 1e-9), 1 / 7, inside=True, name=LONG), sn.HalfSpace((0, 0, 0), (1, 2, 3))),

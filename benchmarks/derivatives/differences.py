@@ -60,7 +60,7 @@ def random_tangent(found: Solution, rng: Generator) -> Tangent:
         "curvatures": rng.normal(size=n) / size,
         "radii": np.array(robot.radii) * rng.normal(size=n),
         "tendons": size * rng.normal(size=len(circles_of(robot))),
-        "actuators": _of_circles(robot, size * rng.normal(size=(n, 2, 2))),
+        "actuators": _of_circles(robot, size * rng.normal(size=(n, 3, 2))),
         "obstacles": np.tile(twist, len(problem.scene)) * rng.normal(size=6 * len(problem.scene)),
         "initial": np.tile([1.0, 1.0, size], n) * rng.normal(size=3 * n) * (robot.limits[:, [5, 5, 6]].ravel() > 0.0),
     }
@@ -68,7 +68,7 @@ def random_tangent(found: Solution, rng: Generator) -> Tangent:
 
 def _of_circles(robot: Robot, ends: Floats) -> Floats:
     """Let the limits of all lines of a circle move alike: those of the tendons and of the chambers of each segment."""
-    kinds = ("tendon", "chamber", "linear")
+    kinds = ("tendon", "chamber", "stage", "linear")
     return np.ravel([ends[each.segment - 1, kinds.index(each.kind)] for each in robot.actuators])
 
 

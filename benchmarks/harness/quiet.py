@@ -2,7 +2,7 @@
 
 import warnings
 
-from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.errors import SuspiciousInput
 
 
 def ignore_suspicions() -> None:

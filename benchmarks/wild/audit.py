@@ -39,6 +39,9 @@ BALLS = 6
 CELLS = 24
 """Cells of a field or a grid along its longest edge."""
 
+SHORT = 0.05
+"""Budget of one solve, in seconds, of kinds whose problems are often impossible: what counts there are claims."""
+
 DRAWS = 30
 """Draws of a scene before another robot is drawn."""
 
@@ -94,7 +97,8 @@ def huge(seed: int, number: int) -> World:
             found = float(Clearances(robot, Scene([obstacle])).least(q)[0])
             if abs(found) < unit * 10.0 ** GAPS[1]:
                 targets = asked(robot, q, rng, "rotation")
-                return World(robot, Scene([obstacle]), Tolerance(1e-9 * unit, 1e-9), targets, q, found > CLEAR * unit)
+                possible = found > CLEAR * unit
+                return World(robot, Scene([obstacle]), Tolerance(1e-9 * unit, 1e-9), targets, q, possible, time=SHORT)
 
 
 def bodies(seed: int, number: int) -> World:
@@ -146,7 +150,8 @@ def bounds(seed: int, number: int) -> World:
                 balls.append(Sphere(center, unit * rng.uniform(0.05, 0.4)))
             world = _world(robot, balls, q, rng)
             if world is not None:
-                return replace(world, scene=Scene([_bounding(balls, points, unit, rng)]), truth=world.scene)
+                scene = Scene([_bounding(balls, points, unit, rng)])
+                return replace(world, scene=scene, truth=world.scene, time=SHORT)
 
 
 KINDS: dict[str, Callable[[int, int], World]] = {
@@ -222,11 +227,14 @@ def _huge(at: Floats, off: float, unit: float, rng: Generator) -> Obstacle:
 
 
 def _bounding(balls: list[Obstacle], points: Floats, unit: float, rng: Generator) -> Obstacle:
-    """A field or a grid whose values are bounds of the distance to balls."""
+    """A field or a grid whose values are bounds of the distance to balls, and says so where it has to.
+
+    Nothing said, a function may give lower bounds, and distances in a grid are exact below the largest of them.
+    """
     centers, radii = (np.array([getattr(ball, name) for ball in balls]) for name in ("center", "radius"))
-    share, most = (
-        (rng.uniform(0.2, 0.9), np.inf) if rng.random() < 0.5 else (1.0, unit * 10.0 ** rng.uniform(-2.0, 0.0))
-    )
+    cut = rng.random() < 0.5
+    share, most = (1.0, unit * 10.0 ** rng.uniform(-2.0, 0.0)) if cut else (rng.uniform(0.2, 0.9), np.inf)
+    known: dict[str, Any] = {"truncated": most} if cut and rng.random() < 0.5 else {}
     low, high = points.min(axis=0) - 0.5 * unit, points.max(axis=0) + 0.5 * unit
     spacing = float((high - low).max()) / CELLS
 
@@ -235,10 +243,11 @@ def _bounding(balls: list[Obstacle], points: Floats, unit: float, rng: Generator
         return np.asarray(np.minimum(share * gaps.min(axis=1), most))
 
     if rng.random() < 0.5:
-        return Field(bound, low, high, spacing)
+        return Field(bound, low, high, spacing, **known)
     axes = [np.arange(a, b + spacing, spacing) for a, b in zip(low, high, strict=True)]
     places = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    return Grid(bound(places.reshape(-1, 3)).reshape(places.shape[:3]), low, spacing)
+    values = bound(places.reshape(-1, 3)).reshape(places.shape[:3])
+    return Grid(values, low, spacing, **known if cut else {"exact": False})
 
 
 def _within_wall(rng: Generator) -> World:

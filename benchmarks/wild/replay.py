@@ -37,6 +37,8 @@ def _one(seed: int, name: str) -> list[str]:
     lines = [f"world {number}: {world.robot!r}, {len(world.scene)} obstacles, {world.tolerance!r}"]
     for i in chosen:
         solution = solutions[i]
+        if isinstance(solution, Exception):
+            raise solution
         false = refuted(world, {i: solution})[i]
         lines += [
             f"  {number}.{i}: {', '.join(map(repr, world.targets[i]))}",

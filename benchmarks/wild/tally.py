@@ -6,7 +6,8 @@ from typing import Any
 
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.times import Times
-from benchmarks.wild.trials import FALSE, LIMIT, Trial
+from benchmarks.wild.trials import FALSE, Trial
+from benchmarks.wild.worlds import LIMIT
 
 QUICK = 0.3
 """Seconds within which most should be solved."""

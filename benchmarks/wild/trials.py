@@ -14,17 +14,16 @@ from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.solver import Solver
 
-LIMIT = 1.0
-"""Budget of one solve, in seconds."""
-
 IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, Status.NO_ROUTE)
 """What no problem may be called: it has a hidden solution."""
 
 TARGET, LIMITS, OVERLAP, SELF_OVERLAP = "target missed", "limits", "overlap", "overlap with itself"
 CLEARANCE, SELF_CLEARANCE = "clearance overstated", "self-clearance overstated"
 
-FALSE = (TARGET, LIMITS, OVERLAP, SELF_OVERLAP, CLEARANCE, SELF_CLEARANCE, *map(str, IMPOSSIBLE))
-"""Kinds of false claims: of what is called solved, then words for what is not."""
+EXCEPTION = "exception"
+
+FALSE = (TARGET, LIMITS, OVERLAP, SELF_OVERLAP, CLEARANCE, SELF_CLEARANCE, *map(str, IMPOSSIBLE), EXCEPTION)
+"""Kinds of false claims: of what is called solved, then words for what is not; and a call that ended in no answer."""
 
 GRACE = 1e-9
 """By how much of its length a body may overlap, so that rounding accuses nobody."""
@@ -53,22 +52,31 @@ class Trial:
         return self.status == Status.SOLVED and not self.false
 
 
-def solutions_of(world: World) -> tuple[list[Solution], list[float]]:
+def solutions_of(world: World) -> tuple[list[Solution | Exception], list[float]]:
     """Solve all problems, one by one, with the defaults of a user; how long each took, in seconds."""
-    solver = Solver(world.robot, world.scene, tolerance=world.tolerance, time=LIMIT)
-    solutions, seconds = [], []
+    solver = Solver(world.robot, world.scene, tolerance=world.tolerance, time=world.time)
+    solutions: list[Solution | Exception] = []
+    seconds = []
     for targets in world.targets:
         began = perf_counter()
-        solutions.append(solver.solve(targets))
+        try:
+            solutions.append(solver.solve(targets))
+        except Exception as error:  # whatever it is, it is counted
+            solutions.append(error)
         seconds.append(perf_counter() - began)
     return solutions, seconds
 
 
 def examine(world: World) -> list[Trial]:
     """Solve all problems of a world, and judge all claims."""
-    solutions, seconds = solutions_of(world)
-    false = refuted(world, dict(enumerate(solutions)))
-    return [Trial(str(each.status), seconds[i], false[i]) for i, each in enumerate(solutions)]
+    found, seconds = solutions_of(world)
+    false = refuted(world, {i: each for i, each in enumerate(found) if isinstance(each, Solution)})
+    return [
+        Trial(str(each.status), seconds[i], false[i])
+        if isinstance(each, Solution)
+        else Trial(EXCEPTION, seconds[i], (EXCEPTION,))
+        for i, each in enumerate(found)
+    ]
 
 
 def refuted(world: World, solutions: dict[int, Solution]) -> dict[int, tuple[str, ...]]:

@@ -14,7 +14,10 @@ from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 
-SHAPES = 8
+LIMIT = 1.0
+"""Budget of one solve, in seconds, where a kind has none of its own."""
+
+SHAPES = 48
 """Hidden solutions of one world, at most, one a problem."""
 
 CLEAR = 1e-6
@@ -47,6 +50,8 @@ class World:
         Whether that is so: else the hidden shapes overlap something, and it is not known whether there is a solution.
     truth : Scene or None
         The obstacles that judges look at, where `scene` knows bounds of their distances only.
+    time : float
+        Budget of one solve, in seconds.
     """
 
     robot: Robot
@@ -56,6 +61,7 @@ class World:
     hidden: Floats
     possible: bool = True
     truth: Scene | None = None
+    time: float = LIMIT
 
 
 def make(seed: int, number: int) -> World:

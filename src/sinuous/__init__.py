@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
+    from sinuous.errors import SuspiciousInput as SuspiciousInput
     from sinuous.errors import UnfinishedError as UnfinishedError
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
@@ -42,17 +43,18 @@ if TYPE_CHECKING:
     from sinuous.problem.path import Path as Path
     from sinuous.problem.preferences import Preferences as Preferences
     from sinuous.problem.problem import Problem as Problem
-    from sinuous.problem.suspicions import SuspiciousInput as SuspiciousInput
     from sinuous.problem.target import Target as Target
     from sinuous.problem.target import Tolerance as Tolerance
     from sinuous.robot.actuators import Actuators as Actuators
     from sinuous.robot.actuators import Chambers as Chambers
+    from sinuous.robot.actuators import Stage as Stage
     from sinuous.robot.actuators import Tendons as Tendons
     from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
+    from sinuous.robot.stiffness import Stiffness as Stiffness
     from sinuous.scene.grids import Field as Field
     from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -71,6 +73,7 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import check as check
+    from sinuous.solving.memory import Memory as Memory
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
@@ -85,7 +88,7 @@ _HOMES = {
     "assessing.sweep": ("sweep",),
     "assessing.tasks": ("Follow",),
     "batch.solve": ("solve_batch",),
-    "errors": ("InputError", "NotSolvedError", "UnfinishedError"),
+    "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),
@@ -102,12 +105,12 @@ _HOMES = {
     "problem.path": ("Path",),
     "problem.preferences": ("Preferences",),
     "problem.problem": ("Problem",),
-    "problem.suspicions": ("SuspiciousInput",),
     "problem.target": ("Target", "Tolerance"),
-    "robot.actuators": ("Actuators", "Chambers", "Tendons"),
+    "robot.actuators": ("Actuators", "Chambers", "Stage", "Tendons"),
     "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
+    "robot.stiffness": ("Stiffness",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
     "scene.moving": ("Moving",),
@@ -120,6 +123,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Step",),
     "solution.verification": ("Verification", "check"),
+    "solving.memory": ("Memory",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),

@@ -4,7 +4,7 @@ NumPy's own `ArrayLike` takes a text, a single number and true or false for an a
 """
 
 from collections.abc import Sequence
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,9 @@ Stack = HasArray | Sequence[Number | Entry]
 Limits = Number | Sequence[Number]
 """A number, or a pair [low, high]."""
 
+OneEach = Number | Vector
+"""A number for all segments, or one for each (n,)."""
+
 Orientation = HasMatrix | HasArray | Sequence[Number | Vector]
 """A rotation: a quaternion (4,), a matrix (3, 3), or a `Rotation` of SciPy."""
 
@@ -72,8 +75,10 @@ MethodName = Literal["newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx
 SelfCollision = Literal["avoid", "allow"]
 """What may be said of a body that runs through itself."""
 
-StartKind = Literal["given", "arc", "random", "route"]
-"""Where a start comes from."""
+StartKind = Literal["given", "arc", "random", "route", "remembered"]
+"""Where a start comes from, in the order of the codes of `sinuous.kernels.tables`."""
+
+START_KINDS: tuple[StartKind, ...] = get_args(StartKind)
 
 Shortest = Literal["configuration", "actuators"]
 """What a motion may be shortest in."""

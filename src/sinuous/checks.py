@@ -78,6 +78,16 @@ def integer(key: str, value: Any, low: int, high: int) -> int:
     return int(value)
 
 
+def one_each(key: str, value: Any, count: int | None, what: str) -> float | tuple[float, ...]:
+    """Check a number of at least 0, or one for each of `count` things (None: of any); returns it, or all of them."""
+    if isinstance(value, numbers.Real) or not np.iterable(value) or isinstance(value, (str, bytes, dict)):
+        return number(key, value, low=0.0)
+    listed = list(value)
+    if count is not None and len(listed) != count:
+        raise InputError(key, "", listed, f"a number, or {count} numbers, one for each {what}")
+    return tuple(number(f"{key}[{i}]", each, low=0.0) for i, each in enumerate(listed))
+
+
 def array(key: str, value: Any, shape: Sequence[int | None], expected: str | None = None) -> Floats:
     """Check an array of finite numbers; `None` in `shape` stands for any extent. Returns a new read-only array."""
     wanted = expected or _described(shape)

@@ -1,6 +1,9 @@
-"""What goes wrong, in words: wrong input, and a solve that did not reach its target."""
+"""What goes wrong, in words: wrong or suspicious input, and a solve that did not reach its target."""
 
 import reprlib
+import sys
+import warnings
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:  # numpy takes long to import, and `sinuous --help` does without it
@@ -65,6 +68,24 @@ class InputError(ValueError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return InputError, (self.key, self.problem, self.value, self.expected, self.file)
+
+
+class SuspiciousInput(UserWarning):
+    """Input that can be meant, but hardly is. Nothing is changed for it."""
+
+
+def warn_of(texts: Iterable[str]) -> None:
+    """Give every text to Python's `warnings`, which by default shows each once."""
+    for text in texts:
+        warnings.warn(text, SuspiciousInput, stacklevel=_level())
+
+
+def _level() -> int:
+    """How far up the first function is that is not of this package: the one that a warning is for."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "sinuous":
+        level, frame = level + 1, frame.f_back
+    return level
 
 
 class Answer(Protocol):

@@ -39,14 +39,19 @@ def read_only(array: Any) -> Any:
     return view
 
 
-def segment_row(length: tuple[float, float], max_bend: float, max_curvature: float, radius: float) -> list[float]:
-    """Return the row of a segment; what cannot move has the scale 0."""
+def segment_row(
+    length: tuple[float, float], max_bend: float, max_curvature: float, radius: float, self_radius: float
+) -> list[float]:
+    """Return the row of a segment; what cannot move has the scale 0.
+
+    Within `radius` of its backbone no obstacle may be; two of its `self_radius` may not overlap.
+    """
     low, high = length
     bends = 1.0 if max_bend > 0.0 and max_curvature > 0.0 and high > 0.0 else 0.0
     row = [0.0] * t.SEGMENT_WIDTH
     row[t.MIN_LENGTH], row[t.MAX_LENGTH] = low, high
     row[t.MAX_BEND], row[t.MAX_CURVATURE] = max_bend if bends else 0.0, max_curvature
-    row[t.RADIUS] = radius
+    row[t.RADIUS], row[t.SELF_RADIUS] = radius, self_radius
     row[t.BEND_SCALE], row[t.LENGTH_SCALE] = bends, 0.5 * (low + high) if high > low else 0.0
     return row
 
@@ -57,7 +62,7 @@ def actuator_row(first: int, last: int, weights: Sequence[float], limits: tuple[
 
 
 def segment_table(rows: Sequence[Sequence[float]]) -> Floats:
-    """Return the table (n, 7) of segments, base to tip; read-only."""
+    """Return the table (n, 8) of segments, base to tip; read-only."""
     return _closed(np.array(rows, np.float64))
 
 
@@ -78,7 +83,7 @@ def pose_row(matrix: Floats) -> Floats:
 
 
 def robot_group(limits: Floats, actuation: Floats, base: Floats, tool: Floats, avoids_itself: bool) -> Floats:
-    """Return the group of a robot, of its tables (n, 7) and (p, 7), and the poses (4, 4) of base and tool."""
+    """Return the group of a robot, of its tables (n, 8) and (p, 7), and the poses (4, 4) of base and tool."""
     header = [float(len(limits)), float(len(actuation)), float(avoids_itself)]
     parts = (header, limits, actuation, pose_row(base), pose_row(tool))
     return np.concatenate([np.ravel(part) for part in parts])

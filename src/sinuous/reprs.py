@@ -65,7 +65,8 @@ def says_nothing(value: Any, default: Any) -> bool:
 def is_nothing(value: Any) -> bool:
     """Whether a value stands for nothing that was given: none, or no limit."""
     if isinstance(value, float | tuple):
-        return bool(np.size(value)) and all(isinstance(end, float) and math.isinf(end) for end in np.atleast_1d(value))
+        ends = value if isinstance(value, tuple) else (value,)
+        return bool(ends) and all(isinstance(end, float) and math.isinf(end) for end in ends)
     return value is None
 
 

@@ -12,9 +12,13 @@ from typing import Any
 import pytest
 
 import sinuous as sn
+from sinuous.checks import Floats
 from sinuous.cli.app import main
+from sinuous.motion import motion as motion_module
+from sinuous.motion.resampling import lines_between
 from sinuous.motion.tracker import Tracker
 from sinuous.solution.solution import Solution
+from sinuous.solving.between.steps import Steps
 from tests.cli.conftest import ROBOT
 from tests.cli.test_solve import KEYS, strict
 
@@ -145,6 +149,19 @@ def test_a_table_has_a_row_for_each_sample(problem: Write, tmp_path: Path, capsy
         assert words in capsys.readouterr().err
     assert main(["track", file, "--rate", "10"]) == 2
     assert capsys.readouterr().err.startswith("--rate: expected --csv FILE beside it, got 10.0")
+
+
+def test_lines_that_are_not_proved_are_noted(
+    problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unproved(motion: sn.Motion, times: Floats, q: Floats) -> Steps:
+        return Steps.told(len(lines_between(motion, times, q).proved), (1,), None, None)
+
+    monkeypatch.setattr(motion_module, "lines_between", unproved)
+    out = tmp_path / "q.csv"
+    assert main(["track", problem("path.yaml"), "--csv", str(out), "--rate", "10"]) == 0
+    note = f"note: {out}: rate: 1 of 20 lines between rows are not proved clear"
+    assert note in capsys.readouterr().err
 
 
 def test_tables_of_several_files_are_numbered(problem: Write, tmp_path: Path) -> None:

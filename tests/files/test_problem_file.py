@@ -250,12 +250,12 @@ BAD = {
     "robot: {segments: {length: [1, 2]}, actuators: {matrix: [[1, 0, 2]], limits: [0, 3]}}": "robot.actuators"
     ".limits[0]: expected limits that contain [2, 4], got (0.0, 3.0) (excludes straight robots)",
     "robot: {segments: {length: 1}, actuators: [[1, 0, 0]]}": "robot.actuators: "
-    "expected a mapping with matrix, names, limits, got [[1, 0, 0]]",
+    "expected a mapping with matrix, names, limits, gain, offset, unit, got [[1, 0, 0]]",
     "robot: {segments: {length: 1}, actuators: {rows: 1}}": "robot.actuators.rows: expected one of matrix ... ",
     "robot: {segments: {length: 1, tendons: {count: 2, radius: 1, names: [a]}}}": "robot.segments.tendons.names: "
     "expected a list of 2 names, got ['a']",
     "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, self_collision, actuators, name, "
-    "got 3",
+    "clearance, self_clearance, got 3",
     ROBOT + "scene: {}": "scene: expected a list of obstacles, got {}",
     ROBOT + "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space ... 'ball'",
     ROBOT + "scene: [{spere: {}}]": "scene[0].spere: expected perhaps sphere ... (unknown key)",

@@ -55,7 +55,15 @@ def take_apart(
 def read(robot: Robot, scene: Scene, targets: Any, settings: Floats) -> tuple[tuple[Floats, ...], dict[str, float]]:
     rows = target_table(robot, tuple(targets)).copy()
     table, store = packing.scene_parts(scene.group.copy())
-    shapes = [(len(robot), 7), (len(robot.actuation), 7), (1, 12), (1, 12), table.shape, store.shape, rows.shape]
+    shapes = [
+        (len(robot), t.SEGMENT_WIDTH),
+        (len(robot.actuation), 7),
+        (1, 12),
+        (1, 12),
+        table.shape,
+        store.shape,
+        rows.shape,
+    ]
     parts: Any = tuple(np.full(shape, np.nan) for shape in shapes)
     numbers = np.full(len(FIELDS), np.nan)
     take_apart(robot_group(robot), scene.group.copy(), settings, rows, parts, numbers)
@@ -100,7 +108,7 @@ def test_a_robot_is_read_back(robot: Robot) -> None:
     for row, segment, curvature in zip(own, robot.segments, robot.curvatures, strict=True):
         assert (row[t.MIN_LENGTH], row[t.MAX_LENGTH]) == segment.length
         assert row[t.MAX_CURVATURE] == curvature
-        assert row[t.RADIUS] == segment.radius
+        assert row[t.RADIUS] == row[t.SELF_RADIUS] == segment.radius
         moves = segment.max_bend > 0.0
         assert row[t.MAX_BEND] == (segment.max_bend if moves else 0.0)
         assert row[t.BEND_SCALE] == float(moves)

@@ -58,6 +58,23 @@ def test_a_smaller_deviation_of_the_tip_takes_more_knots(entered: sn.Motion) -> 
     assert finer.deviation(sn.Curve(BEZIER.points, start=STAGED.base[:3, 3])).tip < 2e-6
 
 
+def test_a_curve_that_is_met_half_way_is_looked_at_elsewhere() -> None:
+    """Ripples as long as the steps at first: the curve crosses the way of the tip at knots, and between them."""
+    spacing = 1.0 / leader.LAID
+    height = np.arange(0.0, 2.0, spacing / 16.0)
+    points = np.stack([0.004 * np.sin(2.0 * np.pi * height / spacing), 0.0 * height, height], axis=1)
+    curve = sn.Curve(points, start=STAGED.base[:3, 3])
+    staged = sn.on_stage(sn.Robot.uniform(3, 1.0, radius=0.05), curve.length - 3.0)
+    motion = sn.follow_the_leader(staged, curve, tip_deviation=1e-3)
+    assert motion.deviation(curve, between=20).tip < 1.2e-3
+
+
+def test_an_arm_that_begins_with_no_length_at_all_unrolls() -> None:
+    arm = sn.Robot.uniform(2, (0.0, 1.0), max_bend=2.0)
+    motion = sn.follow_the_leader(arm, [(0.0, 0.0, 0.0), (0.1, 0.0, 1.0)], time=0.1, tip_deviation=1e-2)
+    assert np.isfinite(motion.q).all()
+
+
 def test_an_arm_that_stretches_unrolls_into_a_solved_shape() -> None:
     solution = sn.solve(UNROLLING, sn.Target((60, 20, 200), direction=(0.7, 0, 0.7)), [BALL])
     motion = sn.follow_the_leader(UNROLLING, solution, [BALL])

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.motion.report import Report
+from sinuous.solving.between.steps import Steps
 from tests.helpers import refused
 
 ROBOT = sn.Robot(
@@ -39,6 +41,55 @@ def test_a_step_through_an_obstacle_is_unproved() -> None:
     assert (motion.between, motion.unproved_steps, motion.clearance) == ("unproved", (1,), None)
     with pytest.raises(sn.NotSolvedError):
         motion.raise_for_status()
+
+
+def test_a_motion_that_was_falsified_between_its_waypoints_does_not_verify() -> None:
+    """Knots are clear, and somebody says that the step is proved: it leads through a ball, and is looked at."""
+    across = np.stack([BENT, BENT * [-1.0, -1.0, 1.0]])
+    honest = sn.Motion(ROBOT, across, [sn.Sphere((0.0, 0.0, 2.0), 0.2, name="ball")])
+    told = Steps.told(1, (), 0.1, None)
+    false = sn.Motion.made(ROBOT, honest.scene, honest.q, honest.times, told, Report())
+    assert false.solved
+    (step,) = false.verify()
+    assert not step.ok
+    assert step.clearance < 0.0
+    assert step.obstacle == "ball"
+    assert all(step.ok for step in sn.Motion(ROBOT, KNOTS, [BALL]).verify())
+
+
+def test_a_motion_that_was_falsified_in_time_does_not_verify() -> None:
+    """The ball comes by in the middle of the step alone."""
+    still = np.stack([STRAIGHT, STRAIGHT])
+    ball = sn.Moving(sn.Sphere((0.0, 0.0, 0.0), 0.1), [0, 1, 2], [(2, 0, 1), (0, 0, 1), (2, 0, 1)])
+    honest = sn.Motion(ROBOT, still, [ball], times=[0.0, 2.0])
+    assert not honest.solved
+    false = sn.Motion.made(ROBOT, honest.scene, honest.q, honest.times, Steps.told(1, (), 0.1, None), Report())
+    assert false.solved
+    assert not false.verify()[0].ok
+
+
+def test_a_motion_that_was_falsified_in_its_file_does_not_verify() -> None:
+    """Knots are told to be others than those that were proved: the step to them breaks a limit."""
+    motion = sn.track(ROBOT, [sn.Target(ROBOT.tip(q)[:3, 3]) for q in KNOTS[1:]], start=STRAIGHT)
+    assert motion.solved
+    assert all(each.ok for each in motion.verify())
+    assert len(motion.verify()) == len(motion.solutions) + len(motion.q) - 1
+    values = motion.to_dict()
+    values["knots"][1][0][2] = 1.3
+    read = sn.Motion.from_dict(values, [solution.problem for solution in motion.solutions])
+    assert read.solved
+    assert not all(each.ok for each in read.verify())
+
+
+def test_a_motion_within_its_mount_is_written() -> None:
+    """Nothing there can be touched, so the clearance is infinite, which JSON cannot say."""
+    mounted = ROBOT.changed(mount=9.0)
+    motion = sn.track(mounted, [sn.Target(mounted.tip(q)[:3, 3]) for q in KNOTS[1:]], [BALL], start=STRAIGHT)
+    assert motion.solved
+    assert motion.clearance == np.inf
+    values = json.loads(json.dumps(motion.to_dict(), allow_nan=False))
+    assert values["clearance"] is None
+    assert sn.Motion.from_dict(values, [solution.problem for solution in motion.solutions]).solved
 
 
 def test_it_is_linear_between_knots() -> None:

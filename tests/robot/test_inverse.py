@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sinuous.robot.actuators import Actuators, Chambers, Tendons
+import sinuous as sn
+from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from tests.helpers import Floats, refused
@@ -82,7 +83,43 @@ def test_values_that_contradict_each_other_give_the_least_squares() -> None:
     matrix = robot.actuator_jacobian(np.zeros((3, 3)))
     lengths = np.tile([0.0, 0.0, 1.0], 3)
     expected = np.linalg.lstsq(matrix[:, moving], (values - matrix @ lengths).T)[0].T
-    np.testing.assert_allclose(robot.from_actuators(values)[..., :2].reshape(7, 6), expected, atol=1e-9)
+    found = robot.from_actuators(values, tolerance=10.0)
+    np.testing.assert_allclose(found[..., :2].reshape(7, 6), expected, atol=1e-9)
+
+
+def test_contradictions_are_answered_with_what_is_left() -> None:
+    """Three tendons of one arc are one too many: their displacements add up to zero."""
+    tendons = Tendons(3, 5.0, gain=[100.0, -100.0, 40.0], offset=2048.0, unit="counts")
+    robot = Robot([Segment(80.0, tendons=tendons)])
+    q = np.array([[[0.4, -0.2, 80.0]], [[0.1, 0.3, 80.0]]])
+    values = robot.to_actuators(q)
+    np.testing.assert_allclose(robot.from_actuators(values + 1e-3), q, atol=1e-5)  # digits of a table
+    values[1, 1] -= 30.0  # 0.3 too far, of which a third fits no arc
+    with pytest.warns(sn.SuspiciousInput, match=r"is off by (10|4) counts, in row 1; tolerance= says"):
+        found = robot.from_actuators(values)
+    left = robot.to_actuators(found) - values
+    np.testing.assert_allclose(left[1] / [100.0, -100.0, 40.0], -0.1, atol=1e-12)
+    np.testing.assert_array_equal(robot.from_actuators(values, tolerance=10.1), found)
+    np.testing.assert_array_equal(robot.from_actuators(values, tolerance=[10.1, 10.1, 4.1]), found)
+    refused("actuators: s1.t2", lambda: robot.from_actuators(values, tolerance=[99, 9.9, 99]), "10 counts, in row 1")
+    refused("actuators: s1.t3", lambda: robot.from_actuators(values[1], tolerance=[99.0, 99.0, 3.0]), "off by 4 counts")
+    refused("tolerance", lambda: robot.from_actuators(values, tolerance=-1.0), "at least 0")
+    refused("tolerance", lambda: robot.from_actuators(values, tolerance=[1.0]), "one number, or 3")
+
+
+def test_values_by_name_are_those_in_order() -> None:
+    robot = Robot(
+        [Segment((0.0, 50.0), 0.0, stage=Stage(unit="mm"), name="feed"), Segment(80.0, tendons=Tendons(3, 5.0))]
+    )
+    q = np.array([[[0, 0, 12.0], [0.3, 0.1, 80.0]], [[0, 0, 20.0], [0.0, -0.4, 80.0]]])
+    for shape in (q, q[0]):
+        values = robot.to_actuators(shape)
+        named = dict(zip([each.name for each in reversed(robot.actuators)], values.T[::-1], strict=True))
+        np.testing.assert_allclose(robot.from_actuators(named), shape, atol=1e-12)
+    refused("actuators", lambda: robot.from_actuators({"feed": 1.0, "left": 0.0}), "feed, s2.t1, s2.t2, s2.t3")
+    refused("actuators", lambda: robot.from_actuators({"feed": 1.0}), "a value for each: s2.t1, s2.t2, s2.t3")
+    refused("actuators.feed", lambda: robot.from_actuators(named | {"feed": "far"}), "finite")
+    refused("actuators", lambda: robot.from_actuators(named | {"feed": [1.0, 2.0]} | {"s2.t1": [0.0] * 3}), "broadcast")
 
 
 def test_what_is_open_stays_as_near_as_can_be() -> None:

@@ -47,7 +47,7 @@ def test_normals_are_derivatives_of_the_slack(seed: int) -> None:
 def test_values_slack_and_names_fit_together() -> None:
     q = random_q(1)
     gains: dict[str | None, float] = {
-        each.name: gain for each, gain in zip(ROBOT.actuators, ROBOT.drive.gains, strict=True)
+        each.name: gain for each, gain in zip(ROBOT.actuators, ROBOT.drive.scales, strict=True)
     }
     for limit in limits_of(ROBOT, q):
         lower = limit.key.endswith("[0]")

@@ -7,8 +7,7 @@ from typing import Any, Unpack
 from sinuous import checks
 from sinuous.assessing.assessment import Assessment, Row
 from sinuous.assessing.tasks import Task, read_tasks
-from sinuous.errors import InputError
-from sinuous.problem.suspicions import SuspiciousInput
+from sinuous.errors import InputError, SuspiciousInput
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene

@@ -9,9 +9,9 @@ from sinuous import checks
 from sinuous.arguments import Rows
 from sinuous.assessing.tasks import Done, binds_of
 from sinuous.checks import Floats
+from sinuous.errors import SuspiciousInput
 from sinuous.frozen import Frozen
 from sinuous.motion.plan import plan
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
 from sinuous.solving.solver import Solver

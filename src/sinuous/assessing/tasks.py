@@ -7,11 +7,10 @@ from typing import Any, NamedTuple, Protocol
 
 from sinuous import checks
 from sinuous.arguments import Rows
-from sinuous.errors import InputError
+from sinuous.errors import InputError, SuspiciousInput
 from sinuous.frozen import Frozen
 from sinuous.motion.motion import Motion
 from sinuous.motion.track import track
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.problem.target import Target, Targets, target_list, target_table
 from sinuous.robot.robot import Robot
 from sinuous.solution.binding import Binding, nearest_limits

@@ -1,5 +1,6 @@
 """What the commands solve, track and plan answer, and where that goes: standard output, a file, a table, a picture."""
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
@@ -9,6 +10,8 @@ import typer
 
 from sinuous.checks import Floats
 from sinuous.cli.options import MotionOutput, Output, is_page, numbered
+from sinuous.cli.reading import say_notes
+from sinuous.errors import SuspiciousInput
 from sinuous.files.results import json_line, result
 from sinuous.motion.knots import read_outcome, write_outcome
 from sinuous.motion.motion import Motion
@@ -145,9 +148,17 @@ class Answers:
         if isinstance(answer, Alternatives):
             write_csv(file, answer.solutions or (answer.best,))
         elif isinstance(answer, Motion):
-            answer.to_csv(file, self._output.rate if isinstance(self._output, MotionOutput) else None)
+            _write_rows(file, answer, self._output.rate if isinstance(self._output, MotionOutput) else None)
         else:
             write_csv(file, (answer,))
+
+
+def _write_rows(file: Path, motion: Motion, rate: float | None) -> None:
+    """Write a motion as a table; that lines between its rows are not proved is a note, on standard error."""
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", SuspiciousInput)
+        motion.to_csv(file, rate)
+    say_notes({str(file): tuple(str(each.message) for each in said)})
 
 
 def _draw(file: Path, answer: Answer) -> None:

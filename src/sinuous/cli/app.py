@@ -14,6 +14,7 @@ from sinuous.cli.options import (
     BAD_INPUT,
     UNSOLVED,
     BatchSolving,
+    Clearance,
     Files,
     Json,
     MapSolving,
@@ -21,9 +22,11 @@ from sinuous.cli.options import (
     Output,
     Place,
     PlanSolving,
-    Solving,
+    Remembering,
+    SelfClearance,
     Workers,
     methods_like,
+    read_demands,
     with_groups,
 )
 from sinuous.errors import InputError
@@ -41,7 +44,7 @@ app = typer.Typer(
 @with_groups
 def solve(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: Output,
     why: Annotated[
         bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")
@@ -66,7 +69,7 @@ def solve(
 @with_groups
 def track(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: MotionOutput,
     deviation: Annotated[
         float | None,
@@ -181,11 +184,14 @@ def view(
         int, typer.Option(min=0, max=65535, help="Port to listen at, or the next one that is free.")
     ] = 8080,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    clearance: Clearance = None,
+    self_clearance: SelfClearance = None,
 ) -> int:
     """Show a problem in the browser, to be solved by dragging."""
     from sinuous.cli.view import view_file  # noqa: PLC0415
 
-    return view_file(file, html, host, port, result, browser=browser)
+    demands = read_demands(clearance, self_clearance)
+    return view_file(file, html, host, port, result, browser=browser, demands=demands)
 
 
 def _kinds_like(begun: str) -> list[str]:

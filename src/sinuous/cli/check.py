@@ -86,7 +86,7 @@ def _description(problem: ProblemFile, start: Verification | None) -> str:
         sizes.append(f"targets: {span(contents['targets_from_base'])} from the base")
     notes = [f"note: {note}" for note in problem.notes]
     verdict = [] if start is None else [f"start {_verdict(problem, start)}"]
-    values = "  ".join(f"{name}={value:.4g}" for name, value in (contents["actuators"] or {}).items())
+    values = problem.robot.drive.in_words(contents["actuators"] or {})
     return "\n  ".join([line, *sizes, *notes, *verdict, *([f"actuators there: {values}"] if values else [])])
 
 

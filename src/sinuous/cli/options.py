@@ -48,6 +48,11 @@ Place = Annotated[
 MostStarts = Annotated[int, typer.Option(metavar="COUNT", help="Most starts of one solve.")]
 Routes = Annotated[bool, typer.Option(help="Search for routes through free space where the first starts fail.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
+Clearance = Annotated[
+    str | None,
+    typer.Option(metavar="LENGTH", help="Distance from obstacles that the body keeps; or one a segment, as 1,1,2."),
+]
+SelfClearance = Annotated[str | None, typer.Option(metavar="LENGTH", help="The same of the body from itself.")]
 Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or processes; by default one a core.")]
 
 
@@ -67,6 +72,8 @@ class Solving:
     ] = None
     routes: Routes = True
     seed: Annotated[int, typer.Option(help="Of the random starts; the same seed gives the same answer.")] = 0
+    clearance: Clearance = None
+    self_clearance: SelfClearance = None
 
     def arguments(self, tolerance: "Tolerance | None" = None, prefer: "Preferences | None" = None) -> dict[str, Any]:
         """Return the options of `Solver`, with what the problem file says.
@@ -78,9 +85,14 @@ class Solving:
         """
         from sinuous.solving.options import SolveOptions  # noqa: PLC0415
 
-        typed = {key: getattr(self, key) for key in ("time", "max_starts", "routes", "seed")}
+        typed = {key: getattr(self, key) for key in ("time", "max_starts", "routes", "seed")} | self.demands
         with as_typed(*typed):
             return vars(SolveOptions.of({"method": self.choice(), "tolerance": tolerance, "prefer": prefer, **typed}))
+
+    @property
+    def demands(self) -> dict[str, Any]:
+        """Clearances that are demanded, as arguments."""
+        return read_demands(self.clearance, self.self_clearance)
 
     def choice(self) -> "Choice":
         """Return the method with its options.
@@ -101,7 +113,20 @@ class Solving:
 
 
 @dataclass(frozen=True)
-class PlanSolving(Solving):
+class Remembering(Solving):
+    """How solves are done that begin from shapes of earlier ones."""
+
+    memory: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Shapes to begin from, of earlier commands; what is solved is added.",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class PlanSolving(Remembering):
     """How a plan is solved."""
 
     time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one plan.")] = 5.0
@@ -112,6 +137,9 @@ class BatchSolving(Solving):
     """How each target of a batch is solved."""
 
     max_starts: MostStarts = 1000
+    memory: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; it is only read.")
+    ] = None
 
 
 @dataclass(frozen=True)
@@ -206,6 +234,34 @@ def with_groups(command: Callable[..., int]) -> Callable[..., None]:
     run.__annotations__ = {each.name: each.annotation for each in flat}
     run.__signature__ = inspect.Signature(flat)  # type: ignore[attr-defined]
     return run
+
+
+def read_demands(clearance: str | None, self_clearance: str | None) -> dict[str, Any]:
+    """Read what `--clearance` and `--self-clearance` say: a number, or some with commas between them.
+
+    Raises
+    ------
+    InputError
+        That names the option.
+    """
+    return {
+        key: None if typed is None else _one_or_some(option, typed)
+        for key, option, typed in (
+            ("clearance", "--clearance", clearance),
+            ("self_clearance", "--self-clearance", self_clearance),
+        )
+    }
+
+
+def _one_or_some(option: str, typed: str) -> float | tuple[float, ...]:
+    from sinuous import checks  # noqa: PLC0415
+
+    try:
+        numbers = [float(part) for part in typed.split(",")]
+    except ValueError:
+        raise InputError(option, "", typed, "a number of at least 0, or one a segment, as 1,1,2") from None
+    checked = tuple(checks.number(option, each, low=0.0) for each in numbers)
+    return checked[0] if len(checked) == 1 else checked
 
 
 @contextmanager

@@ -26,7 +26,7 @@ def reach_file(
 
         check_map("--plot", plot)
     try:
-        with setting_of(file) as setting, as_typed("out", *grid):
+        with setting_of(file) as setting, as_typed("out", *grid, *solving.demands):
             given = solving.arguments(setting.tolerance, setting.prefer)
             found = reach(setting.robot, setting.scene, **grid, out=out, progress=True, **given)
     except KeyboardInterrupt:

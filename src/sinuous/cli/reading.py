@@ -4,7 +4,7 @@ import sys
 import threading
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -12,9 +12,10 @@ from typing import Any
 import typer
 
 from sinuous import checks
+from sinuous.cli.options import as_typed
+from sinuous.errors import SuspiciousInput
 from sinuous.files.problem_file import ProblemFile, read_problem
 from sinuous.files.setting import Setting, read_setting
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.progress import rich_progress
 
 PATIENCE = 0.5
@@ -32,8 +33,10 @@ class Read:
     seconds: float
 
 
-def read_all(files: list[str]) -> list[Read]:
+def read_all(files: list[str], demands: Mapping[str, Any] | None = None) -> list[Read]:
     """Read problem files with all that they name, and prepare their scenes.
+
+    `demands` are clearances that are typed, which replace those of the files.
 
     Raises
     ------
@@ -46,6 +49,9 @@ def read_all(files: list[str]) -> list[Read]:
             waiting.begin(file)
             began = time.perf_counter()
             problem = read_problem(file)
+            if demands:
+                with as_typed(*demands):
+                    problem = problem.demanding(**demands)
             with checks.in_file(file):
                 problem.scene.prepare(waiting.show)
             result.append(Read(problem, time.perf_counter() - began))

@@ -3,11 +3,13 @@
 import ipaddress
 import sys
 import webbrowser
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import typer
 
-from sinuous.cli.options import SOLVED, check_writable
+from sinuous.cli.options import SOLVED, as_typed, check_writable
 from sinuous.cli.reading import say_notes
 from sinuous.errors import InputError
 from sinuous.motion.job import Job, load
@@ -19,8 +21,19 @@ TURN = 0.001
 """Seconds after which a thread hands on Python's lock: what answers the mouse shall not wait for what sends."""
 
 
-def view_file(file: str, html: Path | None, host: str, port: int, result: Path | None = None, *, browser: bool) -> int:
+def view_file(
+    file: str,
+    html: Path | None,
+    host: str,
+    port: int,
+    result: Path | None = None,
+    *,
+    browser: bool,
+    demands: Mapping[str, Any],
+) -> int:
     """Show a problem file, with its answer in a file of results where there is one; return the exit code.
+
+    `demands` are clearances that are typed, which replace those of the file.
 
     Raises
     ------
@@ -32,7 +45,8 @@ def view_file(file: str, html: Path | None, host: str, port: int, result: Path |
         check_writable("--html", html, [file])
     require_viser("view", file)
     alone = is_loopback(host)
-    job = load(file, Job)
+    with as_typed(*demands):
+        job = load(file, Job).demanding(**demands)
     answer = None if result is None else job.result(result)
     say_notes({file: job.notes})
     if html is not None:

@@ -18,11 +18,15 @@ from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, SELF_CLEARANCE
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
+from sinuous.robot.elastic import Elastic
 from sinuous.robot.robot import Robot
 from sinuous.solution.step import CONSTRAINTS, Active
 
 SAME_GAP = 1e-6
 """Difference of gaps, in mean lengths of the robot, up to which two places are both the nearest to obstacles."""
+
+STRETCHED = 1e-6
+"""Step of the differences that stand for the derivative of the stretch of elastic actuators: rad, or length unit."""
 
 SAMPLES = 16
 """Places of a segment that are looked at for a bound of the clearance."""
@@ -256,7 +260,14 @@ def derivative_of(problem: Problem, q: Floats, wrt: Parameter | Sequence[Paramet
     derive(*own)
     if liked:
         answer[a.STATUS] += a.PREFERRED
+    if plan.elastic is not None and _is_taut(plan.elastic, q, problem.robot):
+        answer[a.STATUS] = float(int(answer[a.STATUS]) | a.KINK)
     return Derivative(problem, q, plan, answer)
+
+
+def _is_taut(elastic: Elastic, q: Floats, robot: Robot) -> bool:
+    """Whether nothing is left of what the limits of elastic actuators allow, which kernels do not know."""
+    return bool(elastic.balance(q).short.max(initial=-np.inf) > -SAME_GAP * robot.mean_length)
 
 
 def read_rows(plan: Plan, answer: Floats, size: int) -> tuple[Floats, Floats, Floats]:
@@ -312,14 +323,20 @@ def _flat(change: Floats) -> Floats:
 
 def actuator_change(robot: Robot, q: Floats, changes: Mapping[Parameter, Floats], name: Parameter) -> Floats:
     """Derivatives (m, p) of the values of all actuators by a group of parameters."""
-    change: Floats = robot.drive.jacobian @ _flat(changes[name])
+    drive, moved = robot.drive, _flat(changes[name])
+    change: Floats = drive.jacobian @ moved
     if name == "tendons":
         for i, (kind, k, radius) in enumerate(circles_of(robot)):
             for j, actuator in enumerate(robot.actuators):
                 if f"{actuator.kind}s" == kind and actuator.segment == k + 1:
-                    bends = robot.drive.jacobian[j].reshape(-1, 3)[:, :2]
+                    bends = drive.jacobian[j].reshape(-1, 3)[:, :2]
                     change[j, i] += float((bends * q[:, :2]).sum()) / radius
-    return change
+    if drive.elastic is not None:
+        for i, way in enumerate(moved.T):
+            size = STRETCHED / max(float(np.abs(way).max()), STRETCHED)
+            step = size * way.reshape(q.shape)
+            change[:, i] += (drive.stretch(q + step) - drive.stretch(q - step)) / (2.0 * size)
+    return drive.motors.speeds(change.T).T
 
 
 def clearance_change(problem: Problem, q: Floats, plan: Plan, moved: Floats) -> Floats:

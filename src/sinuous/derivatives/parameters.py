@@ -37,7 +37,7 @@ GROUPS: dict[Parameter, int] = {
 - `lengths`: of each segment its length; where it stretches, both ends of its range together;
 - `bends`, `curvatures`, `radii`: of each segment its `max_bend`, its `max_curvature`, its `radius`;
 - `tendons`: of each circle of tendons or chambers its radius;
-- `actuators`: of each actuator the lower and the upper end of its limits;
+- `actuators`: of each actuator the least and the largest displacement that its limits allow, in the length unit;
 - `obstacles`: of each obstacle a small rotation about its center, or about the origin of the frame that it is described
   in, in world axes (3), and the motion of that place (3);
 - `initial`: the configuration to stay close to, which by default is the answer itself.
@@ -89,6 +89,8 @@ class Plan:
         Circles of lines: `tendons` or `chambers`, the segment (0 = first), and the radius.
     limited : tuple of int
         Of each actuator limit that kernels see the number of the actuator.
+    elastic : Elastic or None
+        The elastic actuators, where they have limits.
     rows, columns, answer : int
         Most rows, columns of all parameters, numbers of an answer.
     """
@@ -98,6 +100,7 @@ class Plan:
         "asked",
         "circles",
         "columns",
+        "elastic",
         "group",
         "limited",
         "lines",
@@ -137,6 +140,8 @@ class Plan:
             at += widths[name]
         self.columns, self.rows = at, a.most_rows(n, self.targets)
         self.asked[a.COLUMNS], self.asked[a.ROWS] = self.columns, self.rows
+        elastic = robot.drive.elastic
+        self.elastic = elastic if elastic is not None and elastic.bounded else None
         self.limited = _limited(robot)
         self.lines = self._lines()
         self.group, self.settings = robot_group(robot), settings_group(robot, problem.tolerance)
@@ -213,7 +218,7 @@ def _limited(robot: Robot) -> tuple[int, ...]:
     moves = robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] > 0.0
     found = []
     for number, actuator in enumerate(robot.drive.actuators):
-        if not np.isfinite(actuator.limits).any():
+        if not np.isfinite(robot.drive.limits[number]).any():
             continue
         seen = robot.drive.jacobian[number].reshape(-1, 3) * moves
         if actuator.kind != "linear":

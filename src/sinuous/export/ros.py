@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -24,14 +24,26 @@ Of = Literal["joints", "actuators"]
 """Whose values a trajectory has: joints of the chain, as in the URDF, or actuators of the robot."""
 
 
-def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> tuple[tuple[str, ...], Floats]:
-    """Names (j,) of joints or actuators, and the matrix (j, 3 n) that makes their values of a flat configuration."""
+class JointMap(NamedTuple):
+    """How values of joints or actuators come of flat configurations: `matrix q + offset`.
+
+    Their names (j,), the matrix (j, 3 n) and the offset (j,).
+    """
+
+    names: tuple[str, ...]
+    matrix: Floats
+    offset: Floats
+
+
+def joint_map(robot: "Robot", of: Of, joints_per_segment: Whole) -> JointMap:
+    """Return the map to the joints of the chain, or to the motors of the robot."""
     if checks.choice("of", of, ("joints", "actuators")) == "joints":
         chain = JointChain(robot, joints_per_segment)
-        return chain.names, chain.matrix
+        return JointMap(chain.names, chain.matrix, np.zeros(len(chain.names)))
     if not robot.actuators:
         raise InputError("of", "the robot has none", of, "joints")
-    return tuple(actuator.name for actuator in robot.actuators), np.asarray(robot.drive.jacobian)
+    names = tuple(actuator.name for actuator in robot.actuators)
+    return JointMap(names, robot.drive.value_jacobian, robot.drive.motors.offset)
 
 
 def joint_trajectory(

@@ -17,9 +17,10 @@ from sinuous.files.path_csv import parse_path
 from sinuous.files.text import read_text
 from sinuous.poses import pose
 from sinuous.problem.target import Target
-from sinuous.robot.actuators import Actuators, Chambers, Tendons
+from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
+from sinuous.robot.stiffness import Stiffness
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
@@ -43,6 +44,13 @@ FROM_ARRAYS: dict[str, tuple[str, Callable[..., Obstacle]]] = {
     "grid": ("values", Grid),
 }
 """The same, where the problem file holds them itself: the key that says so, and the noun."""
+
+DRIVES: dict[str, Callable[..., Tendons | Chambers | Stage]] = {
+    "tendons": Tendons,
+    "chambers": Chambers,
+    "stage": Stage,
+}
+"""What drives a segment."""
 
 MOVING = "moving"
 """Key of an obstacle under which its trajectory stands."""
@@ -80,7 +88,9 @@ def _read_equal_segments(value: Any, radius: float) -> list[Segment]:
     keys, required = keys_of(Segment)
     entries = {"radius": radius} | known_entries(value, ("count", *keys), required)
     count = checks.integer("count", entries.pop("count", 1), 1, MOST_SEGMENTS)
-    return [make(Segment, entries, {"tendons": partial(make, Tendons), "chambers": partial(make, Chambers)})] * count
+    parts: dict[str, Callable[[Any], Any]] = {key: partial(make, noun) for key, noun in DRIVES.items()}
+    parts["stiffness"] = lambda own: make(Stiffness, own) if isinstance(own, dict) else own
+    return [make(Segment, entries, parts)] * count
 
 
 def read_scene(value: Any, robot: Robot | None, folder: Path) -> Scene:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Self, TypeVar
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Rows, Vector
+from sinuous.arguments import OneEach, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.files.build import known_entries, make
@@ -23,14 +23,15 @@ from sinuous.problem.suspicions import all_suspicions
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
 from sinuous.reprs import text
 from sinuous.robot.rates import Rates
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, demanding
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import described, plain
 
 QUESTIONS = ("target", "targets", "path", "goal")
-KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times")
+DEMANDS = ("clearance", "self_clearance")
+KEYS = ("robot", "scene", *QUESTIONS, "tolerance", "start", "prefer", "rates", "times", *DEMANDS)
 
 
 class Waypoints(NamedTuple):
@@ -61,6 +62,8 @@ class ProblemFile(Frozen):
     prefer : Preferences, optional
     rates : Rates, optional
         How fast the robot may move.
+    clearance, self_clearance : float or array_like (n,), optional
+        Distance from obstacles, and from itself, that the body has to keep, instead of what the robot demands.
     file : str
         Its name, as it was given; empty when it is not from a file.
 
@@ -103,6 +106,8 @@ class ProblemFile(Frozen):
         start: Rows | None = None,
         prefer: Preferences | None = None,
         rates: Rates | None = None,
+        clearance: OneEach | None = None,
+        self_clearance: OneEach | None = None,
         file: str = "",
     ) -> None:
         if not isinstance(robot, Robot):
@@ -124,7 +129,7 @@ class ProblemFile(Frozen):
         if times is not None and path is None:
             raise InputError("times", f"stand beside {asked[0]}", times, "those of a path")
         self._set(
-            robot=robot,
+            robot=demanding(robot, clearance, self_clearance),
             scene=place,
             waypoints=waypoints,
             times=None if times is None else checks.increasing("times", times, len(waypoints)),
@@ -162,6 +167,12 @@ class ProblemFile(Frozen):
         """Return the same with other preferences; the scene is shared."""
         other = object.__new__(type(self))
         other._set(**{**vars(self), "prefer": prefer})
+        return other
+
+    def demanding(self, clearance: OneEach | None, self_clearance: OneEach | None) -> Self:
+        """Return the same with other clearances that the body has to keep, where they are given."""
+        other = object.__new__(type(self))
+        other._set(**{**vars(self), "robot": demanding(self.robot, clearance, self_clearance)})
         return other
 
     @property
@@ -248,6 +259,8 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
         start=None if entries.get("start") is None else read_configuration("start", entries["start"], robot, folder),
         prefer=made(entries, "prefer", Preferences),
         rates=_rates(entries),
+        clearance=entries.get("clearance"),
+        self_clearance=entries.get("self_clearance"),
         file=file,
         **question,
     )

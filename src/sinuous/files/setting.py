@@ -9,12 +9,12 @@ from sinuous.errors import InputError
 from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
 from sinuous.files.nouns import read_configuration, read_place, read_robot
-from sinuous.files.problem_file import KEYS, made
+from sinuous.files.problem_file import DEMANDS, KEYS, made
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, demanding
 from sinuous.scene.scene import Scene
 
 
@@ -61,6 +61,7 @@ def _setting_of(value: Any, folder: Path) -> Setting:
     else:
         entries = known_entries(value, KEYS, ["robot"])
         robot, scene = read_place(entries, folder)
+    robot = demanding(robot, *(entries.get(key) for key in DEMANDS))
     check_sizes(robot, scene)
     start = entries.get("start")
     return Setting(

@@ -24,11 +24,12 @@ ROBOT_HEADER = 3
 """Numbers before the rows of the segments: how many segments, how many actuator limits, and 1 where the body must not
 run through itself, else 0."""
 
-MIN_LENGTH, MAX_LENGTH, MAX_BEND, MAX_CURVATURE, RADIUS, BEND_SCALE, LENGTH_SCALE = range(7)
-"""Columns of a segment. Limits of its length, bend (rad) and curvature; radius of its body; scales of a bend (rad) and
-of a length in which motion is measured (0: that coordinate cannot move)."""
+MIN_LENGTH, MAX_LENGTH, MAX_BEND, MAX_CURVATURE, RADIUS, BEND_SCALE, LENGTH_SCALE, SELF_RADIUS = range(8)
+"""Columns of a segment. Limits of its length, bend (rad) and curvature; the radius within which its body needs to be
+free of obstacles, with the clearance that is demanded; scales of a bend (rad) and of a length in which motion is
+measured (0: that coordinate cannot move); and the radius within which it needs to be free of the body itself."""
 
-SEGMENT_WIDTH = 7
+SEGMENT_WIDTH = 8
 
 FIRST_SEGMENT, LAST_SEGMENT, WEIGHTS, MIN_VALUE, MAX_VALUE = 0, 1, 2, 5, 6
 """Columns of an actuator limit. It bounds `weights . (bend_x, bend_y, length)` (3 weights), summed from the first

@@ -16,14 +16,21 @@ SAMPLES = 200
 """Places on every segment where the body is looked at."""
 
 
-def arc_poses(q: Floats, pieces: int) -> Floats:
-    """Poses (pieces + 1, 4, 4) along one segment `q` (3,), by powers of the exponential of its twist."""
+WITHIN = 1e-12
+"""What sticks out of the mount by no more counts as within it: rounding of sums of lengths, in lengths of the body."""
+
+
+def arc_poses(q: Floats, pieces: int, begin: float = 0.0) -> Floats:
+    """Poses (pieces + 1, 4, 4) along one segment `q` (3,), by powers of the exponential of its twist.
+
+    Evenly spaced from the share `begin` of the segment up to its end.
+    """
     from scipy.linalg import expm  # noqa: PLC0415
 
     ux, uy, length = q
     twist = np.array([[0, 0, ux, 0], [0, 0, uy, 0], [-ux, -uy, 0, length], [0, 0, 0, 0]], np.float64)
-    step = expm(twist / pieces)
-    poses = [np.eye(4)]
+    step = expm((1.0 - begin) * twist / pieces)
+    poses = [expm(begin * twist) if begin > 0.0 else np.eye(4)]
     for _ in range(pieces):
         poses.append(poses[-1] @ step)
     return np.stack(poses)
@@ -37,16 +44,29 @@ def segment_ends(robot: Robot, q: Floats) -> Floats:
     return np.stack(poses)
 
 
+def free_shares(robot: Robot, lengths: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """Where in each segment of these lengths (..., n) the body leaves its mount, and whether any of it is beyond.
+
+    The share (..., n) of the segment that lies within the mount, 0 to 1; the mount ends exactly there.
+    """
+    ends = np.cumsum(lengths, axis=-1)
+    left = robot.mount - (ends - lengths)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(lengths > 0.0, np.clip(left / lengths, 0.0, 1.0), 0.0)
+    beyond = (ends > robot.mount + WITHIN * ends[..., -1:]) | (left <= 0.0)
+    return shares, beyond
+
+
 def body_places(robot: Robot, q: Floats, ends: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Sampled places (m, 3) of the backbone beyond the mount, and the segment (m,), 0 = first, that each is on."""
-    places, segments = [], []
-    before = 0.0
-    for k, segment in enumerate(q):
-        length = float(segment[2])
-        free = before + np.linspace(0.0, length, SAMPLES + 1) >= robot.mount
-        places.append((ends[k] @ arc_poses(segment, SAMPLES))[free, :3, 3])
-        segments.append(np.full(len(places[-1]), k))
-        before += length
+    """Sampled places (m, 3) of the backbone beyond the mount, and the segment (m,), 0 = first, that each is on.
+
+    The first of them is where the body leaves its mount.
+    """
+    places, segments = [np.empty((0, 3))], [np.empty(0, np.intp)]
+    shares, beyond = free_shares(robot, q[:, 2])
+    for k in np.flatnonzero(beyond).tolist():
+        places.append((ends[k] @ arc_poses(q[k], SAMPLES, float(shares[k])))[:, :3, 3])
+        segments.append(np.full(SAMPLES + 1, k))
     return np.concatenate(places), np.concatenate(segments)
 
 
@@ -68,16 +88,16 @@ class Nearest(NamedTuple):
     obstacle: str | None
 
 
-def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats) -> Nearest:
+def least_clearance(robot: Robot, scene: Snapshot, q: Floats, ends: Floats, *, beyond: bool = False) -> Nearest:
     """Least clearance over sampled places of the body beyond the mount, in configuration `q` (n, 3).
 
-    `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments.
+    `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments. `beyond`: less what is demanded.
     """
     least = Nearest(math.inf, None, None)
     if len(scene) == 0:
         return least
     places, segments = body_places(robot, q, ends)
-    radii = np.array(robot.radii)[segments]
+    radii = np.array(robot.needed_radii if beyond else robot.radii)[segments]
     for i, obstacle in enumerate(scene.obstacles):
         clearances = measure(obstacle, places) - radii
         if clearances.min(initial=math.inf) < least.distance:
@@ -109,7 +129,7 @@ class Meeting(NamedTuple):
     Attributes
     ----------
     gap : float
-        Their distance less both radii; infinite when no two places concern each other.
+        Their distance less both radii, and less what is demanded of it; infinite when no two places concern each other.
     segments : (int, int) or None
         Their segments, 1 = first, the one nearer to the base first.
     """
@@ -129,6 +149,7 @@ class Places(NamedTuple):
     segments : ndarray (m,)
         0 = first.
     radii : ndarray (m,)
+        With half of the demanded clearance from itself, see `Robot.self_radii`.
     runs : ndarray (m,)
         The same number for neighbouring segments of the same radius.
     """
@@ -147,7 +168,11 @@ def least_self_clearance(robot: Robot, q: Floats, ends: Floats) -> Meeting:
 
     `ends` (n + 1, 4, 4) are the poses of the base and of the ends of all segments.
     """
-    places = backbone_places(robot, q, ends, min(SAMPLES, max(FEWEST, MOST_PLACES // len(q))))
+    return nearest_pair(backbone_places(robot, q, ends, min(SAMPLES, max(FEWEST, MOST_PLACES // len(q)))))
+
+
+def nearest_pair(places: Places) -> Meeting:
+    """Least gap over places of a body that concern each other; see `concerned`."""
     points, radii, segments = places.points, places.radii, places.segments
     least = Meeting(math.inf, None)
     for low, one, other in _nearest_first(places):
@@ -187,16 +212,23 @@ def concerned(places: Places, first: Indices, second: Indices) -> NDArray[np.boo
 
 def backbone_places(robot: Robot, q: Floats, ends: Floats, count: int) -> Places:
     """Divide each segment of a body in configuration `q` (n, 3) into `count` pieces; `ends` as above."""
+    poses = np.stack([ends[k] @ arc_poses(segment, count) for k, segment in enumerate(q)])
+    return places_of(robot, q, poses[..., :3, 3], poses[..., :3, 2])
+
+
+def places_of(robot: Robot, q: Floats, points: Floats, tangents: Floats) -> Places:
+    """Describe evenly spaced places (n, k, 3) of every segment in configuration `q` (n, 3), and its tangents there."""
+    count = points.shape[1] - 1
     fractions = np.linspace(0.0, 1.0, count + 1)
-    poses = np.concatenate([ends[k] @ arc_poses(segment, count) for k, segment in enumerate(q)])
     bends = np.hypot(q[:, 0], q[:, 1])
     along, turned = (
         ((np.cumsum(amounts) - amounts)[:, None] + amounts[:, None] * fractions).ravel() for amounts in (q[:, 2], bends)
     )
     segments = np.repeat(np.arange(len(q)), count + 1)
-    radii = np.array(robot.radii)
+    radii = np.array(robot.self_radii)
     runs = np.concatenate([[0], np.cumsum(np.diff(radii) != 0.0)])
-    return Places(poses[:, :3, 3], poses[:, :3, 2], along, turned, segments, radii[segments], runs[segments])
+    own = points.reshape(-1, 3), tangents.reshape(-1, 3)
+    return Places(*own, along, turned, segments, radii[segments], runs[segments])
 
 
 def _nearest_first(places: Places) -> Iterator[tuple[float, Indices, Indices]]:

@@ -79,20 +79,33 @@ def line_in_front(robot: Robot, curve: Rows | Curve) -> Curve:
     return Curve(own.points if own.lead == 0.0 else np.concatenate([own.start[None], own.points]), start=base)
 
 
+def together(count: int, segments: int) -> Iterator[slice]:
+    """Yield parts of so many configurations that are looked at together."""
+    most = max(1, TOGETHER // (segments * PLACES))
+    return (slice(i, i + most) for i in range(0, count, most))
+
+
 def _together(q: Floats) -> Iterator[Floats]:
-    count = max(1, TOGETHER // (q.shape[1] * PLACES))
-    return (q[i : i + count] for i in range(0, len(q), count))
+    return (q[part] for part in together(len(q), q.shape[1]))
 
 
 def body_places(robot: Robot, q: Floats) -> Floats:
     """Places (T, n, PLACES + 1, 3) of the backbone in configurations (T, n, 3), evenly spaced on every segment."""
+    return backbones(robot, q, np.zeros(q.shape[:2]))[0]
+
+
+def backbones(robot: Robot, q: Floats, begin: Floats) -> tuple[Floats, Floats]:
+    """Places (T, n, PLACES + 1, 3) of the backbone in configurations (T, n, 3), and its unit tangents there.
+
+    They are evenly spaced on every segment from the share `begin` (T, n) of it up to its end.
+    """
     from scipy.spatial.transform import Rotation  # noqa: PLC0415
 
-    shares = np.linspace(0.0, 1.0, PLACES + 1)
     frame = Rotation.from_matrix(np.broadcast_to(robot.base[:3, :3], (len(q), 3, 3)))
     start = np.broadcast_to(robot.base[:3, 3], (len(q), 3))
-    found = np.empty((*q.shape[:2], PLACES + 1, 3))
+    points, tangents = np.empty((2, *q.shape[:2], PLACES + 1, 3))
     for k in range(q.shape[1]):
+        shares = begin[:, k, None] + (1.0 - begin[:, k, None]) * np.linspace(0.0, 1.0, PLACES + 1)
         bend, length = q[:, k, :2], q[:, k, 2]
         angle = np.hypot(bend[:, 0], bend[:, 1])[:, None] * shares
         straight = angle < SMALL
@@ -100,8 +113,10 @@ def body_places(robot: Robot, q: Floats) -> Floats:
         ahead = np.where(straight, 1.0 - angle**2 / 6.0, np.sin(safe) / safe)
         aside = np.where(straight, 0.5, (1.0 - np.cos(safe)) / safe**2)
         local = np.stack([shares**2 * aside * bend[:, i, None] for i in (0, 1)] + [shares * ahead], axis=-1)
-        turned = np.einsum("tij,tsj->tsi", frame.as_matrix(), length[:, None, None] * local)
-        found[:, k] = start[:, None] + turned
-        start = found[:, k, -1]
+        along = np.stack([shares * ahead * bend[:, i, None] for i in (0, 1)] + [np.cos(angle)], axis=-1)
+        turn = frame.as_matrix()
+        points[:, k] = start[:, None] + np.einsum("tij,tsj->tsi", turn, length[:, None, None] * local)
+        tangents[:, k] = np.einsum("tij,tsj->tsi", turn, along)
+        start = points[:, k, -1]
         frame = frame * Rotation.from_rotvec(np.stack([-bend[:, 1], bend[:, 0], np.zeros(len(q))], axis=-1))
-    return found
+    return points, tangents

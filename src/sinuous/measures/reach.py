@@ -20,15 +20,17 @@ def target_errors(robot: Robot, target: Target, ends: Floats) -> tuple[float, fl
     if target.position is not None:
         off = float(np.linalg.norm(pose[:3, 3] - target.position))
     if target.direction is not None:
-        tangent = pose[:3, 2]
-        turn = 2.0 * math.atan2(
-            float(np.linalg.norm(tangent - target.direction)), float(np.linalg.norm(tangent + target.direction))
-        )
+        turn = angle_between(pose[:3, 2], target.direction)
     elif target.rotation is not None:
         # The chord between two rotations is 2 sqrt(2) sin(angle / 2); this keeps small angles exact.
         chord = float(np.linalg.norm(pose[:3, :3] - target.rotation)) / (2.0 * math.sqrt(2.0))
         turn = 2.0 * math.asin(min(1.0, chord))
     return off, turn
+
+
+def angle_between(one: Floats, other: Floats) -> float:
+    """Angle (rad) between two unit vectors (3,); exact for any angle."""
+    return 2.0 * math.atan2(float(np.linalg.norm(one - other)), float(np.linalg.norm(one + other)))
 
 
 def backbone_end(robot: Robot, target: Target, last: int, angle_tolerance: float) -> tuple[Floats, float]:
@@ -72,7 +74,7 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
     bends = np.array([min(s.max_bend, most * s.length[1]) if s.length[1] else 0.0 for s, most in pairs])
     turning = float(bends.sum())
     axis = robot.base[:3, 2]
-    own_tool = last == len(robot)
+    tilt = _tilt(robot.tool) if last == len(robot) else 0.0
     if target.position is not None:
         place, loose = backbone_end(robot, target, last, angle)
         loose += near
@@ -83,13 +85,18 @@ def bounds(robot: Robot, target: Target, tolerance: Tolerance) -> Iterator[Bound
             yield Bound("near", float(low.sum()) * math.cos(0.5 * turning), far + loose)
         yield from _cone(low, high, bends, chord, axis, loose)
         tangent = target.direction if target.rotation is None else target.rotation[:, 2]
-        if tangent is not None and not (own_tool and robot.tool[2, 2] != 1.0):
-            swing = loose + min(2.0, angle) * far
+        if tangent is not None:
+            # The curve is moved by what the place may be off, and turned about it by what the tangent may.
+            swing = loose + min(2.0, angle + tilt) * (far + loose)
             backwards = _cone(low[::-1], high[::-1], bends[::-1], -chord, -tangent, swing)
             yield from (bound._replace(pointing=True) for bound in backwards)
     if target.direction is not None and turning < math.pi:
-        off = math.acos(np.clip(robot.tool[2, 2], -1.0, 1.0)) if own_tool else 0.0
-        yield Bound("turning", math.acos(np.clip(axis @ target.direction, -1.0, 1.0)), turning + off + angle)
+        yield Bound("turning", angle_between(axis, target.direction), turning + tilt + angle)
+
+
+def _tilt(tool: Floats) -> float:
+    """By how much (rad) the z axis of a tool (4, 4) is tilted against the tangent of the body; exact for any angle."""
+    return math.atan2(math.hypot(tool[0, 2], tool[1, 2]), tool[2, 2])
 
 
 def _cone(low: Floats, high: Floats, bends: Floats, chord: Floats, axis: Floats, loose: float) -> Iterator[Bound]:

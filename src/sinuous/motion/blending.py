@@ -74,9 +74,9 @@ class Legs:
 
 def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
     """Return the legs of knots (T, n, 3) whose steps are proved so far; without any for a robot that stands still."""
-    levers = _levers(robot, q)
+    levers = levers_of(robot, q)
     moves = np.diff(q, axis=0)
-    sizes = _reach(moves, levers)
+    sizes = reach_of(moves, levers)
     moving = sizes > 0.0
     free = steps_margins(robot, q, steps)
     # Where nothing is proved, no clearance has to be kept.
@@ -84,7 +84,7 @@ def legs_of(robot: Robot, q: Floats, steps: Steps) -> Legs:
     first = np.flatnonzero(moving)[_leg_starts(moves[moving], sizes[moving], allowed[moving], levers)]
     margins = np.minimum.reduceat(np.where(moving, free, np.inf), first) if len(first) else first
     corners = np.concatenate([q[first], q[-1:]])
-    return Legs(corners, np.asarray(margins, np.float64), _reach(np.diff(corners, axis=0), levers))
+    return Legs(corners, np.asarray(margins, np.float64), reach_of(np.diff(corners, axis=0), levers))
 
 
 def _leg_starts(moves: Floats, sizes: Floats, allowed: Floats, levers: Floats) -> list[int]:
@@ -92,11 +92,11 @@ def _leg_starts(moves: Floats, sizes: Floats, allowed: Floats, levers: Floats) -
 
     By the lengths that the direction of steps differs from that of the first one, their ends leave the line of the
     leg by no more than the sum of these, and its chord by no more than twice that. This stays below what is `allowed`
-    (m,) on each step of the leg. Sizes, levers and `allowed` are in the length unit, see `_reach`.
+    (m,) on each step of the leg. Sizes, levers and `allowed` are in the length unit, see `reach_of`.
     """
     units = moves / sizes[:, None, None]
     # A step that turns by more than is allowed on its own begins a leg, whatever came before it.
-    turning = 2.0 * _reach(np.diff(units, axis=0), levers) * sizes[1:] > allowed[1:]
+    turning = 2.0 * reach_of(np.diff(units, axis=0), levers) * sizes[1:] > allowed[1:]
     ends = [*(np.flatnonzero(turning) + 1).tolist(), len(moves)]
     starts, first = [], 0
     for end in ends:
@@ -111,7 +111,7 @@ def _leg_end(units: Floats, sizes: Floats, allowed: Floats, levers: Floats) -> i
     count = 1
     while count < len(units):  # twice as many at a time: legs are as often short as long
         count = min(2 * count, len(units))
-        aside = 2.0 * np.cumsum(_reach(units[:count] - units[0], levers) * sizes[:count])
+        aside = 2.0 * np.cumsum(reach_of(units[:count] - units[0], levers) * sizes[:count])
         leaving = np.flatnonzero(aside > np.minimum.accumulate(allowed[:count]))
         if len(leaving):
             return max(1, int(leaving[0]))
@@ -126,14 +126,14 @@ def steps_margins(robot: Robot, q: Floats, steps: Steps) -> Floats:
     several radii any move may change which places concern each other, unless the body turns by less than a quarter turn
     at both knots, of q (m + 1, n, 3): then it does so wherever it may get to, and no two places do.
     """
-    if len(set(robot.radii)) == 1:
+    if len(set(robot.self_radii)) == 1:
         stretching = any(segment.length[0] < segment.length[1] for segment in robot.segments)
-        own = steps.self_clearances / (3.0 if stretching else 2.0)
+        own = steps.room[1] / (3.0 if stretching else 2.0)
     else:
         turned = np.hypot(q[..., 0], q[..., 1]).sum(axis=1)
         never = not robot.avoids_itself or np.maximum(turned[1:], turned[:-1]) < 0.5 * np.pi
         own = np.where(never, np.inf, 0.0)
-    margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.clearances, own), 0.0)
+    margins: Floats = KEPT * np.where(steps.proved, np.minimum(steps.room[0], own), 0.0)
     return margins
 
 
@@ -154,7 +154,7 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
     slopes = np.diff(legs.corners, axis=0) / legs.sizes[:, None, None]
     bends = np.diff(slopes, axis=0)
     allowed = np.minimum(most, np.minimum(legs.margins[1:], legs.margins[:-1]))
-    arms = 4.0 * allowed / _reach(bends, _levers(robot, legs.corners))
+    arms = 4.0 * allowed / reach_of(bends, levers_of(robot, legs.corners))
     shorter = np.minimum(legs.sizes[1:], legs.sizes[:-1])
     back = np.einsum("lnk,lnk->l", slopes[1:], slopes[:-1]) <= 0.0
     arms = np.where(back, 0.0, np.minimum(arms, 0.5 * shorter))
@@ -174,14 +174,14 @@ def blend_corners(robot: Robot, legs: Legs, most: float) -> BlendedPath:
     return BlendedPath(np.array(pieces), np.array(lengths), np.array(stops))
 
 
-def _levers(robot: Robot, q: Floats) -> Floats:
+def levers_of(robot: Robot, q: Floats) -> Floats:
     """Length (n,) of the body from the beginning of every segment to the tip, and to the tool, at most."""
     longest = q[..., 2].max(axis=0)
     tool: Floats = np.cumsum(longest[::-1])[::-1] + float(np.linalg.norm(robot.tool[:3, 3]))
     return tool
 
 
-def _reach(moves: Floats, levers: Floats) -> Floats:
+def reach_of(moves: Floats, levers: Floats) -> Floats:
     """How far a place of the body moves at most (m,) when configurations change by `moves` (m, n, 3).
 
     A bend turns what lies beyond it by at most as much as it changes.

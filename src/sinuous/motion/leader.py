@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, Rows
+from sinuous.arguments import Number, OneEach, Rows
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.measures.following import line_in_front
@@ -16,7 +16,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
-from sinuous.robot.actuators import Actuators
+from sinuous.robot.actuators import Stage
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.scene import SceneLike
@@ -24,7 +24,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
 from sinuous.solving.between.steps import Prover, Steps, unproved
-from sinuous.solving.options import TIME
+from sinuous.solving.options import TIME, SolveOptions
 from sinuous.solving.solver import Solver
 
 EXACT = 1e-10
@@ -32,6 +32,9 @@ EXACT = 1e-10
 
 TIP_DEVIATION = 3e-6
 """How far the tip may leave the curve between knots, by default, in lengths of the robot."""
+
+LOOKS = 7
+"""Places of a step, evenly spaced, at which it is measured how far the tip is off the curve."""
 
 LAID = 8
 """Chains that are laid, for each length of the shortest segment that bends; what lies between is interpolated."""
@@ -54,7 +57,7 @@ FORWARD = 0.5
 """Largest angle, rad, between the axis of the base and the way into the curve."""
 
 
-def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
+def on_stage(robot: Robot, travel: Number, name: str = "stage", motor: Stage | None = None) -> Robot:
     """Put a robot on a stage that pushes it forward along the axis of its base.
 
     Drawn back as far as it goes, the arm stands straight behind the base of before, at its greatest length, and its tip
@@ -67,6 +70,8 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
         How far the stage goes, in the length unit.
     name : str
         What the segment of the stage is called.
+    motor : Stage, optional
+        The motor of the stage, which makes it an actuator: `sn.Stage()`, or with its gain.
 
     Raises
     ------
@@ -76,13 +81,25 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage") -> Robot:
     reach = checks.number("travel", travel, above=0.0)
     back = np.eye(4)
     back[2, 3] = -sum(segment.length[1] for segment in robot.segments)
-    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=checks.text("name", name))
+    own = checks.text("name", name)
+    stage = Segment((0.0, reach), max_bend=0.0, radius=robot.radii[0], name=own, stage=motor)
     linear = robot.linear
     if linear is not None:
         wider = np.hstack([np.zeros((len(linear.matrix), 3)), linear.matrix])
-        linear = Actuators(wider, names=list(linear.names), limits=linear.limits)
+        linear = linear.changed(matrix=wider)
     named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
-    return robot.changed(segments=[stage, *named], base=robot.base @ back, actuators=linear)
+    return robot.changed(
+        segments=[stage, *named],
+        base=robot.base @ back,
+        actuators=linear,
+        clearance=_of_stage_too(robot.clearance),
+        self_clearance=_of_stage_too(robot.self_clearance),
+    )
+
+
+def _of_stage_too(demanded: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    """What is demanded of each segment; of the stage it is that of the first one."""
+    return (demanded[0], *demanded) if isinstance(demanded, tuple) else demanded
 
 
 def follow_the_leader(
@@ -92,6 +109,8 @@ def follow_the_leader(
     *,
     tip_deviation: Number | None = None,
     time: Number = TIME,
+    clearance: OneEach | None = None,
+    self_clearance: OneEach | None = None,
 ) -> Motion:
     """Lead a body along a curve: at every depth it lies on the part of the curve that its tip has passed.
 
@@ -109,10 +128,12 @@ def follow_the_leader(
         followed, so that the motion ends in its shape; its `route` is an array of points.
     scene : Scene or list of obstacles, optional
     tip_deviation : float, optional
-        How far the tip may leave the curve between knots, in the length unit; by default 3e-6 of the robot's mean
-        length. The smaller, the more knots.
+        How far the tip may leave the curve between knots, in the length unit, as measured at seven places of every
+        step; by default 3e-6 of the robot's mean length. The smaller, the more knots.
     time : float
         Budget of each knot in seconds; a knot is one solve, from the shape that was fitted.
+    clearance, self_clearance : float or array_like (n,), optional
+        Distance from obstacles, and from itself, that the body has to keep; see `Robot`.
 
     Returns
     -------
@@ -127,6 +148,7 @@ def follow_the_leader(
         than the robot can be.
     """
     begin = clock.perf_counter()
+    robot = SolveOptions(clearance=clearance, self_clearance=self_clearance).demanded_of(robot)
     path = curve_from_base(robot, curve)
     low, high = depths_of(robot)
     if low == high:
@@ -208,7 +230,7 @@ class _Leader:
         solutions.
         """
         found = self.solver.solve_many(positions=self.path.at(depths), initial=self.shapes(depths), workers=1)
-        clear = np.stack([found.clearance, found.self_clearance], axis=1)
+        clear = np.stack([found.clearance, found.self_clearance], axis=1) - self.robot.least_demanded
         clear[np.isnan(clear)] = math.inf  # nothing to be clear of: all that are kept are solved
         failed = np.flatnonzero(~found.solved)
         kept = len(depths)
@@ -218,9 +240,12 @@ class _Leader:
         return depths[:kept], found.q[:kept], clear[:kept], found
 
     def _off(self) -> Floats:
-        """How far the tip is off the curve in the middle of every step (t - 1,)."""
-        between = 0.5 * (self.q[1:] + self.q[:-1])
-        return self.path.distance(self.robot.forward(between)[:, -1, :3, 3])
+        """How far the tip is off the curve at `LOOKS` places of every step, at most (t - 1,)."""
+        shares = (np.arange(1, LOOKS + 1) / (LOOKS + 1.0))[:, None, None, None]
+        between = (1.0 - shares) * self.q[:-1] + shares * self.q[1:]
+        tips = self.robot.forward(between)[..., -1, :3, 3]
+        off: Floats = self.path.distance(tips.reshape(-1, 3)).reshape(LOOKS, -1).max(axis=0)
+        return off
 
     def _divide(self, counts: np.ndarray) -> bool:
         """Divide every step into so many (t - 1,); returns False where there is nothing to divide."""
@@ -245,7 +270,8 @@ class _Leader:
             if step not in self.answers:
                 pair = slice(i, i + 2)
                 self.answers[step] = prover.prove(self.q[pair], SLACK, SECONDS, known=self.clear[pair])[0]
-        return Steps(np.array([self.answers[step] for step in ends]) if ends else unproved(0))
+        answers = np.array([self.answers[step] for step in ends]) if ends else unproved(0)
+        return Steps(answers, self.robot.least_demanded)
 
     def _put_together(self, scene: Snapshot, steps: Steps, first: Solutions, seconds: float) -> Motion:
         last = first[-1] if self.ended is None else self.ended

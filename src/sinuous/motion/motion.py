@@ -17,6 +17,7 @@ from sinuous.frozen import Frozen
 from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.report import Report
+from sinuous.motion.resampling import lines_between, warn_of_corners
 from sinuous.motion.times import even_times
 from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
@@ -267,15 +268,18 @@ class Motion(NotebookMixin, Frozen):
     def resampled(self, rate: Number) -> Self:
         """Return the motion through configurations at an even rate (Hz), the last knot included.
 
-        It cuts the corners of this one, so every step is proved anew.
+        It cuts the corners of this one: each step that does is proved anew.
 
         Raises
         ------
         InputError
             When the rate is not greater than 0, or there are fewer than two knots.
         """
-        times, q = self._samples(rate)
-        return type(self)(self.robot, q, self.scene, times)
+        times = tables.sample_times(self.times, checks.number("rate", rate, above=0.0))
+        q = tables.interpolate(self.times, self.q, times) if len(self.q) else self.q
+        if len(q) < 2:
+            raise InputError("motion", "has less than two knots", self, "a motion with steps")
+        return self.made(self.robot, self.scene, q, times, lines_between(self, times, q), Report())
 
     def deviation(self, curve: "Rows | Curve", between: Whole = 4) -> "Deviation":
         """Measure how far the tip and the body are off a curve, by independent sampling.
@@ -296,7 +300,7 @@ class Motion(NotebookMixin, Frozen):
         when = np.interp(at, np.arange(len(self.q)), self.times)
         return deviation(self.robot, tables.interpolate(self.times, self.q, when), line_in_front(self.robot, curve))
 
-    def to_csv(self, file: str | Path, rate: Number | None = None) -> None:
+    def to_csv(self, file: str | Path, rate: Number | None = None) -> Self:
         """Write times, configurations and the values of all actuators as CSV.
 
         Columns: `time`, `bend_x`, `bend_y`, `length` of every segment (`s1.bend_x`), every actuator by its name.
@@ -306,32 +310,45 @@ class Motion(NotebookMixin, Frozen):
         file : path
         rate : float, optional
             Rows a unit of time (Hz), the last knot included; by default one row a knot. At a rate the lines between
-            rows cut corners of the motion, and are not proved: for this write `resampled(rate)`.
+            rows cut corners of the motion: they are proved anew, and where one is not there is a warning.
+
+        Returns
+        -------
+        Motion
+            What was written: the motion through the rows, linear in q between them. It says what is proved of that.
 
         Raises
         ------
         InputError
             When the rate is not greater than 0, or the file cannot be written.
         """
-        tables.write_motion(file, self.robot, *self._samples(rate))
+        written = self._at_rate(rate)
+        tables.write_motion(file, self.robot, written.times, written.q)
+        warn_of_corners(written, self, "lines")
+        return written
 
     def to_ros(
         self, file: str | Path, rate: Number | None = None, of: Of = "joints", joints_per_segment: Whole = 8
-    ) -> None:
+    ) -> Self:
         """Write positions as JSON in the shape of a ROS 2 `trajectory_msgs/JointTrajectory`.
 
         There are no velocities, because between positions alone a controller moves along straight lines, and these are
-        what was proved. `timed(rates).to_ros` writes velocities.
+        what is proved. `timed(rates).to_ros` writes velocities.
 
         Parameters
         ----------
         file : path
         rate : float, optional
             Points a unit of time (Hz), the last knot included; by default one point a knot. At a rate the lines between
-            points cut corners of the motion, and are not proved: for this write `resampled(rate)`.
+            points cut corners of the motion: they are proved anew, and where one is not there is a warning.
         of : str
             `joints`: those that `Robot.to_urdf` writes, with as many `joints_per_segment`; or `actuators`.
         joints_per_segment : int
+
+        Returns
+        -------
+        Motion
+            What was written: the motion through the points, linear in q between them. It says what is proved of that.
 
         Raises
         ------
@@ -339,21 +356,34 @@ class Motion(NotebookMixin, Frozen):
             When an argument is not what it should be, the robot has no actuators where those are asked for, there are
             no knots, or the file cannot be written.
         """
-        times, q = self._samples(rate)
-        if not len(q):
+        written = self._at_rate(rate)
+        if not len(self.q):
             raise InputError("motion", "has no knots", self, "a motion with knots")
-        tables.write_ros(file, self.robot, times, q, None, of, joints_per_segment)
+        tables.write_ros(file, self.robot, written.times, written.q, None, of, joints_per_segment)
+        warn_of_corners(written, self, "lines")
+        return written
 
-    def _samples(self, rate: Number | None) -> tuple[Floats, Floats]:
-        """Times and configurations, of the knots or at an even rate."""
+    def _at_rate(self, rate: Number | None) -> Self:
+        """Return the motion that a file is of: this one, or the one through samples at an even rate."""
         if rate is None:
-            return self.times, self.q
-        times = tables.sample_times(self.times, checks.number("rate", rate, above=0.0))
-        return times, tables.interpolate(self.times, self.q, times)
+            return self
+        often = checks.number("rate", rate, above=0.0)
+        return self if len(self.q) < 2 else self.resampled(often)
 
     def verify(self) -> "list[Verification]":
-        """Recompute every waypoint by an independent, slow path."""
-        return [solution.verify() for solution in self.solutions]
+        """Recompute every waypoint, and look at every step between knots densely, by an independent, slow path.
+
+        Returns
+        -------
+        list of Verification
+            One of each waypoint that was tried, then one of each step, also of those that are not proved: its least
+            clearances over so many configurations that no place of the body moves by more than a hundredth of the
+            length of the body from one to the next. Of a step no target is asked.
+        """
+        from sinuous.solution.verification import verify_steps  # noqa: PLC0415
+
+        waypoints = [solution.verify() for solution in self.solutions]
+        return waypoints + verify_steps(self.robot, self.q, self.scene, self.times)
 
     def raise_for_status(self) -> Self:
         """Return this motion when it is solved.

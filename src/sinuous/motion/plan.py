@@ -11,7 +11,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.errors import InputError, warn_of
 from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
@@ -22,7 +22,7 @@ from sinuous.motion.planning.rrt_connect import RRTConnect
 from sinuous.motion.report import Report
 from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
-from sinuous.problem.suspicions import suspicions, warn_of
+from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import Target, Targets, target_list
 from sinuous.reprs import call
 from sinuous.robot.rates import Rates
@@ -167,7 +167,8 @@ class Planner:
             raise InputError("robot", "", robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)
         self._timing = Timing.of(robot, {key: given.pop(key) for key in Timing._fields if key in given})
-        self._robot, self._scene, self._options = robot, as_scene(scene), SolveOptions.of({"time": TIME, **given})
+        self._scene, self._options = as_scene(scene), SolveOptions.of({"time": TIME, **given})
+        self._robot = robot = self._options.demanded_of(robot)
         self._timing.check(self._scene.snapshot())
         check_sizes(robot, self._scene)
         warn_of(suspicions(robot, self._scene.snapshot()))
@@ -303,7 +304,7 @@ class Planner:
             fixed = np.unique([0, len(found.q) - 1])
             times = self._timing.spread(spread_times(robot, found.q, fixed, np.arange(float(len(fixed)))))
         told = replace(report, seconds=deadline.spent, method=name_of(self._options.method), seed=self._options.seed)
-        return Motion.made(robot, scene, found.q, times, Steps(found.answers), told)
+        return Motion.made(robot, scene, found.q, times, Steps(found.answers, robot.least_demanded), told)
 
     def _end(self, goal: Goal) -> Floats | list[Target]:
         """The configuration (n, 3) or the targets that are meant."""

@@ -3,12 +3,14 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.problem.problem import Problem
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, demanding
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solution.solution import Solution
+from sinuous.solution.solution import Solution, finite_or_none
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps
@@ -55,8 +57,10 @@ def write(motion: "Motion") -> dict[str, Any]:
         "base": motion.robot.base.tolist(),
         "position_error": _largest(waypoints, "position_error"),
         "angle_error": _largest(waypoints, "angle_error"),
-        "clearance": motion.clearance,
-        "self_clearance": motion.self_clearance,
+        "clearance": finite_or_none(motion.clearance),
+        "self_clearance": finite_or_none(motion.self_clearance),
+        "demanded_clearance": motion.robot.clearance if np.any(motion.robot.clearance) else None,
+        "demanded_self_clearance": motion.robot.self_clearance if np.any(motion.robot.self_clearance) else None,
         "worst": None if worst is None else worst.to_dict(),
         "reason": next((w["reason"] for w in waypoints if w["reason"] is not None), None),
         "binding": next((w["binding"] for w in waypoints if w["binding"]), []),
@@ -95,10 +99,12 @@ def read(
         problems = _at_their_times(values, problems, scene)
     solutions = _read_waypoints(values, problems, place is None)
     robot, around = place or (problems[0].robot, scene or problems[0].scene)
+    robot = demanding(robot, *(values.get(key) for key in ("demanded_clearance", "demanded_self_clearance")))
     q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
     times = checks.increasing("times", _value(values, "times"), len(q))
-    clearances = [_optional(values, key) for key in ("clearance", "self_clearance")]
-    steps = Steps.told(max(0, len(q) - 1), _read_numbers(values, "unproved_steps", len(q) - 1), *clearances)
+    clearance, own = (_optional(values, key) for key in ("clearance", "self_clearance"))
+    wrong = _read_numbers(values, "unproved_steps", len(q) - 1)
+    steps = Steps.told(max(0, len(q) - 1), wrong, clearance, own, robot.least_demanded)
     report = Report(
         solutions=tuple(solutions),
         waypoint_knots=_read_knots(values, len(solutions), len(q)),

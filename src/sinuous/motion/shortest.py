@@ -78,7 +78,7 @@ def shorten(
 
 
 def metric_of(robot: Robot, shortest: Shortest) -> Floats:
-    """Return what the square of a step's length is (3 n, 3 n): in configurations, or in the values of the actuators."""
+    """Return what the square of a step's length is (3 n, 3 n): in configurations, or displacements of actuators."""
     own = np.diag(lever_metric(robot).ravel() ** 2)
     if shortest == "configuration":
         return own

@@ -67,7 +67,9 @@ def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> No
 
 def _numbers(robot: Robot, q: Floats) -> list[list[float]]:
     """Configurations and actuators (T, 3 n + m)."""
-    found: list[list[float]] = np.concatenate([q.reshape(len(q), -1), robot.to_actuators(q)], axis=-1).tolist()
+    found: list[list[float]] = np.concatenate(
+        [q.reshape(len(q), 3 * len(robot)), robot.to_actuators(q)], axis=-1
+    ).tolist()
     return found
 
 
@@ -98,9 +100,10 @@ def write_ros(
     InputError
         When an argument is not what it should be, or the file cannot be written.
     """
-    names, matrix = joint_map(robot, of, joints)
-    given = [q] if velocities is None else [q, velocities]
-    write_json(file, joint_trajectory(names, times, *(each.reshape(len(times), -1) @ matrix.T for each in given)))
+    own = joint_map(robot, of, joints)
+    positions = q.reshape(len(times), -1) @ own.matrix.T + own.offset
+    speeds = None if velocities is None else velocities.reshape(len(times), -1) @ own.matrix.T
+    write_json(file, joint_trajectory(own.names, times, positions, speeds))
 
 
 def write_npz(file: str | Path, robot: Robot, times: Floats, q: Floats, proved: NDArray[np.bool_]) -> None:
@@ -116,6 +119,7 @@ def write_npz(file: str | Path, robot: Robot, times: Floats, q: Floats, proved: 
         "times": times,
         "actuators": robot.to_actuators(q),
         "actuator_names": np.array([actuator.name for actuator in robot.actuators], np.str_),
+        "actuator_units": np.array([actuator.unit or "" for actuator in robot.actuators], np.str_),
         "proved": proved,
     }
     try:

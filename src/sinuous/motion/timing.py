@@ -40,7 +40,7 @@ def largest(robot: Robot, spread: Spread, slopes: Floats) -> Floats:
         [
             np.hypot(slopes[..., 0], slopes[..., 1]) / spread.bend,
             np.abs(slopes[..., 2]) / spread.length,
-            np.abs(robot.to_actuators(slopes)) / spread.actuator,
+            np.abs(robot.drive.speeds(slopes)) / spread.actuator,
         ],
         axis=-1,
     ).max(axis=-1)
@@ -140,7 +140,7 @@ def _facets(robot: Robot, spread: Spread, columns: Floats) -> Floats:
     normals = np.stack([np.cos(angles), np.sin(angles)], axis=1) / np.cos(np.pi / FACETS)
     bends = np.einsum("fi,mkic->mkfc", normals, columns[:, :, :2]) / spread.bend[:, None, None]
     lengths = columns[:, :, 2] / spread.length[:, None]
-    values = np.moveaxis(robot.to_actuators(np.moveaxis(columns, -1, 1)), 1, -1) / spread.actuator[:, None]
+    values = np.moveaxis(robot.drive.speeds(np.moveaxis(columns, -1, 1)), 1, -1) / spread.actuator[:, None]
     flat = bends.reshape(len(columns), -1, 2)
     return np.concatenate([flat, lengths, -lengths, values, -values], axis=1)
 

@@ -153,7 +153,7 @@ def wish(robot: Robot, method: Choice) -> Preferences:
         raise InputError("robot", "", robot, "a Robot")
     if not capabilities(method).preferences:
         return Preferences()
-    return Room(clearance=ROOM * robot.mean_length / len(robot))
+    return Room(clearance=robot.least_demanded[0] + ROOM * robot.mean_length / len(robot))
 
 
 def read_deviation(solver: Solver, deviation: Number | None) -> float:

@@ -346,7 +346,8 @@ class Tracker:
         robot = self._solver.robot
         q = np.array([knot.q for knot in self._knots]).reshape(-1, len(robot), 3)
         answers = [knot.proof for knot in self._knots if knot.proof is not None]
-        steps = Steps(np.concatenate(answers) if answers else np.zeros((0, ANSWER_WIDTH)))
+        proofs = np.concatenate(answers) if answers else np.zeros((0, ANSWER_WIDTH))
+        steps = Steps(proofs, robot.least_demanded)
         found = Report(
             solutions=tuple(solution for solution, _ in self._tried),
             waypoint_knots=tuple(knot for _, knot in self._tried),

@@ -13,6 +13,8 @@ from sinuous.export.ros import Of
 from sinuous.frozen import Frozen
 from sinuous.motion import tables
 from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at_corners
+from sinuous.motion.report import Report
+from sinuous.motion.resampling import splines_between, warn_of_corners
 from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
 from sinuous.reprs import call
 from sinuous.robot.rates import Rates
@@ -82,10 +84,9 @@ class Trajectory(Frozen):
 
     def resampled(self, rate: Number) -> "Motion":
         """Return the motion through configurations at an even rate (Hz), the last included; all is proved anew."""
-        times = self._samples(rate)
-        return type(self.motion)(self.robot, self.at(times), self.motion.scene, times)
+        return self._through(self._samples(rate))
 
-    def to_csv(self, file: str | Path, rate: Number | None = None) -> None:
+    def to_csv(self, file: str | Path, rate: Number | None = None) -> "Motion":
         """Write times, configurations and values of all actuators as CSV; columns as of `Motion.to_csv`.
 
         Parameters
@@ -93,13 +94,21 @@ class Trajectory(Frozen):
         file : path
         rate : float, optional
             Rows a second (Hz), the end included; by default a row for each of `times`.
+
+        Returns
+        -------
+        Motion
+            What was written: the motion through the rows, linear in q between them, all proved anew. Where a line is
+            not, as the motion is, there is a warning.
         """
-        times = self._samples(rate)
-        tables.write_motion(file, self.robot, times, self.at(times))
+        written = self._through(self._samples(rate))
+        tables.write_motion(file, self.robot, written.times, written.q)
+        warn_of_corners(written, self.motion, "lines")
+        return written
 
     def to_ros(
         self, file: str | Path, rate: Number | None = None, of: Of = "joints", joints_per_segment: Whole = 8
-    ) -> None:
+    ) -> "Motion":
         """Write positions and velocities as JSON in the shape of a ROS 2 `trajectory_msgs/JointTrajectory`.
 
         Parameters
@@ -111,14 +120,28 @@ class Trajectory(Frozen):
         of : str
             `joints`: those that `Robot.to_urdf` writes, with as many `joints_per_segment`; or `actuators`.
         joints_per_segment : int
+
+        Returns
+        -------
+        Motion
+            What was written: the motion through the points. Its steps are proved where the cubic splines between the
+            points are, and the straight lines, too. Where one is not, as the motion is, there is a warning.
         """
-        times = self._samples(rate)
-        velocities = self.velocity(times)
+        lines = self._through(self._samples(rate))
+        velocities = self.velocity(lines.times)
         velocities[-1] = 0.0
-        tables.write_ros(file, self.robot, times, self.at(times), velocities, of, joints_per_segment)
+        tables.write_ros(file, self.robot, lines.times, lines.q, velocities, of, joints_per_segment)
+        steps = splines_between(self.robot, lines.times, lines.q, velocities, lines.steps)
+        written = lines.made(self.robot, lines.scene, lines.q, lines.times, steps, Report())
+        warn_of_corners(written, self.motion, "splines")
+        return written
 
     def __repr__(self) -> str:
         return call("Trajectory", [f"{self.duration:.4g} s", f"{len(self.robot)} segments"])
+
+    def _through(self, times: Floats) -> "Motion":
+        """Return the motion through configurations at these times, proved."""
+        return type(self.motion)(self.robot, self.at(times), self.motion.scene, times)
 
     def _samples(self, rate: Number | None) -> Floats:
         return self.times if rate is None else tables.sample_times(self.times, checks.number("rate", rate, above=0.0))

@@ -237,7 +237,8 @@ def _draw_actuators(axes: Any, answer: Solution | Motion) -> None:
     assert isinstance(answer, Motion)
     robot = answer.robot
     _draw_curves(axes, answer.times, answer.actuators, [actuator.name for actuator in robot.actuators])
-    tidy(axes, "actuators", x="time", y="length unit" if robot.linear is None else "value")
+    units = {actuator.unit or ("value" if robot.linear else "length unit") for actuator in robot.actuators}
+    tidy(axes, "actuators", x="time", y=units.pop() if len(units) == 1 else "value")
 
 
 def _draw_bends(axes: Any, answer: Solution | Motion) -> None:

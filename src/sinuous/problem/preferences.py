@@ -1,6 +1,7 @@
 """What to like better among all solutions."""
 
 from dataclasses import dataclass
+from typing import Self
 
 from sinuous import checks
 from sinuous.arguments import Number
@@ -31,6 +32,12 @@ class Preferences(Frozen):
 
     def __bool__(self) -> bool:
         return self.start > 0.0 or self.bends > 0.0 or self.clearance > 0.0
+
+    def beyond(self, demanded: float) -> Self:
+        """Return the same where clearances count from the one that is demanded."""
+        if demanded == 0.0 or self.clearance == 0.0:
+            return self
+        return type(self)(self.start, self.bends, max(0.0, self.clearance - demanded))
 
     def satisfied(self, clearance: float) -> bool:
         """Say whether a solution with this clearance cannot be better: there is enough, and nothing else is wished."""

@@ -133,7 +133,7 @@ def settings_group(
     robot: Robot, tolerance: Tolerance, prefer: Preferences | None = None, options: Sequence[float] | Floats = ()
 ) -> Floats:
     """Return the settings of a solve as kernels read them, a new array; see `sinuous.packing.settings_group`."""
-    wishes = Preferences() if prefer is None else prefer
+    wishes = Preferences() if prefer is None else prefer.beyond(robot.least_demanded[0])
     return packing.settings_group(
         mount=robot.mount,
         unit=robot.mean_length,

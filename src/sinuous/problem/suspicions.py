@@ -1,9 +1,7 @@
 """What may be meant, but hardly is: units that do not fit together, degrees for radians, a body too thick to bend."""
 
 import math
-import sys
-import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -18,24 +16,6 @@ ODD = 300.0
 a few robot lengths in mm, beside a robot in m, are some hundred to some thousand times too large."""
 
 FULL_TURN = 2.0 * math.pi
-
-
-class SuspiciousInput(UserWarning):
-    """Input that can be meant, but hardly is. Nothing is changed for it."""
-
-
-def warn_of(texts: Iterable[str]) -> None:
-    """Give every text to Python's `warnings`, which by default shows each once."""
-    for text in texts:
-        warnings.warn(text, SuspiciousInput, stacklevel=_level())
-
-
-def _level() -> int:
-    """How far up the first function is that is not of this package: the one that a warning is for."""
-    level, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "sinuous":
-        level, frame = level + 1, frame.f_back
-    return level
 
 
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:

@@ -1,14 +1,16 @@
-"""The linear map from configurations to the values of all actuators, and the rows of their limits; plain NumPy.
+"""From configurations to the values of all actuators, and the rows of their limits; plain NumPy.
 
-A tendon that ends at segment k sees the sum of the coordinates of segments 1 to k, a chamber those of its segment, and
-each of `Actuators` all of them. Arrays are (..., n, 3) for configurations and (..., m) for values.
+A tendon that ends at segment k sees the sum of the coordinates of segments 1 to k, a chamber or a stage those of its
+segment, and each of `Actuators` all of them: their displacements are linear in the configuration. What motors make of
+displacements is in `motors`; kernels know displacements only. Arrays are (..., n, 3) for configurations and (..., m)
+for displacements and values.
 
 A row of the table of actuator limits weighs the coordinates of one segment, or the sums over all segments from the
 first to one. What cannot move adds a constant, whatever its weight.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Literal, NamedTuple
 
@@ -21,11 +23,13 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MAX_LENGTH, MIN_LENGTH
 from sinuous.packing import actuator_row
-from sinuous.robot.actuators import Actuators, Lines
+from sinuous.robot.actuators import UNLIMITED, Actuators, Lines, Stage
+from sinuous.robot.elastic import Elastic
+from sinuous.robot.motors import Motors
 from sinuous.robot.names import line_names, refuse_repeated
 from sinuous.robot.segment import Segment, segment_names
 
-Kind = Literal["tendon", "chamber", "linear"]
+Kind = Literal["tendon", "chamber", "stage", "linear"]
 
 TOGETHER = 256
 """Vectors that are multiplied at once. NumPy hands more of them to several threads, which wait for each other longer
@@ -38,32 +42,44 @@ class Actuator(NamedTuple):
     Attributes
     ----------
     name : str
-        Of its own, or by default `s1.t1`, `s1.c1`, `a1`.
+        Of its own, or by default `s1.t1`, `s1.c1`, `s1`, `a1`.
     kind : str
-        `tendon`: its value is the displacement, positive when pulled. `chamber`: its value is the length. `linear`: one
-        of `Actuators`.
+        `tendon`: its displacement is positive when it is pulled. `chamber`, `stage`: the displacement is the length.
+        `linear`: one of `Actuators`.
     segment : int
         Segment where it ends, 1 = first: the last one whose coordinates it sees.
     limits : (float, float)
-        Least and largest value; infinite where there is no limit.
+        Least and largest value, in the unit of the motor; infinite where there is no limit.
+    gain, offset : float
+        Its value is gain x displacement + offset.
+    unit : str or None
+        What the value counts; nothing was said with `None`.
     """
 
     name: str
     kind: Kind
     segment: int
     limits: tuple[float, float]
+    gain: float = 1.0
+    offset: float = 0.0
+    unit: str | None = None
 
 
 class Line(NamedTuple):
-    """A tendon or a chamber: its key in the robot, who it is, and its weights of bend_x, bend_y, length."""
+    """A tendon, a chamber or a stage.
+
+    Its key in the robot, who it is, its weights of bend_x, bend_y, length, and limits of its displacement beside those
+    of the segment.
+    """
 
     key: str
     actuator: Actuator
     weights: tuple[float, float, float]
+    limits: tuple[float, float]
 
 
 class Actuation(Frozen):
-    """All actuators of a robot, and what their values are.
+    """All actuators of a robot: what their displacements are, and the values of their motors.
 
     Parameters
     ----------
@@ -73,11 +89,17 @@ class Actuation(Frozen):
     Attributes
     ----------
     actuators : tuple of Actuator
-        Segment by segment, tendons before chambers, then `linear`.
+        Segment by segment, tendons before chambers before the stage, then `linear`.
+    motors : Motors
+        How displacements become values.
+    elastic : Elastic or None
+        What knows those that stretch.
     limits : ndarray (m, 2)
-    gains : ndarray (m,)
-        What values are divided by to count in the length unit: 1 but for `linear`. There it is the largest weight,
-        those of bends divided by the mean length of the robot.
+        Of the displacements, of elastic ones without their stretch; infinite for stages, which the limits of their
+        segments hold.
+    scales : ndarray (m,)
+        What displacements are divided by to count in the length unit: 1 but for `linear`. There it is the largest
+        weight, those of bends divided by the mean length of the robot.
 
     Raises
     ------
@@ -86,8 +108,10 @@ class Actuation(Frozen):
     """
 
     actuators: tuple[Actuator, ...]
+    motors: Motors
+    elastic: Elastic | None
     limits: Floats
-    gains: Floats
+    scales: Floats
     _weights: Floats
     _sums: NDArray[np.intp]
     _matrix: Floats
@@ -104,27 +128,60 @@ class Actuation(Frozen):
         # Segments and sums stand side by side: a chamber looks at a segment, a tendon at a sum.
         sums = [each.segment - 1 + (count if each.kind == "tendon" else 0) for each in listed[: len(lines)]]
         matrix = np.zeros((0, 3 * count)) if linear is None else linear.matrix
+        own = np.array([line.limits for line in lines], np.float64).reshape(-1, 2)
         arrays = {
-            "limits": np.array([each.limits for each in listed], np.float64).reshape(-1, 2),
-            "gains": np.concatenate([np.ones(len(lines)), _gains(matrix, segments)]),
+            "limits": own if linear is None else np.concatenate([own, linear.displacements]),
+            "scales": np.concatenate([np.ones(len(lines)), _scales(matrix, segments)]),
             "_weights": np.array([line.weights for line in lines], np.float64).reshape(-1, 3),
             "_sums": np.array(sums, np.intp),
             "_matrix": matrix,
         }
         for array in arrays.values():
             array.flags.writeable = False
-        self._set(actuators=listed, **arrays)
+        gain, offset = (np.array([getattr(each, key) for each in listed], np.float64) for key in ("gain", "offset"))
+        motors = Motors(gain, offset, tuple(each.unit for each in listed))
+        self._set(actuators=listed, motors=motors, **arrays)
+        stretching = list(_elastic(segments))
+        self._set(elastic=Elastic(segments, self.jacobian, stretching) if stretching else None)
 
     def __len__(self) -> int:
         return len(self.actuators)
 
     @property
-    def linear_gains(self) -> Floats:
-        """Gains of `Actuators` alone."""
-        return self.gains[len(self._weights) :]
+    def linear_scales(self) -> Floats:
+        """Scales of `Actuators` alone."""
+        return self.scales[len(self._weights) :]
 
     def values(self, q: Floats) -> Floats:
-        """Values (..., m) of all actuators in configurations (..., n, 3)."""
+        """Values (..., m) of the motors in configurations (..., n, 3): of elastic ones with the least tensions."""
+        return self.motors.values(self.displacements(q) + self.stretch(q))
+
+    def stretch(self, q: Floats) -> Floats:
+        """By how much actuators (..., m) are displaced beyond what configurations (..., n, 3) ask of rigid ones."""
+        result = np.zeros((*q.shape[:-2], len(self)))
+        if self.elastic is not None:
+            result[..., self.elastic.places] = self.elastic.stretch(q)
+        return result
+
+    def tensions(self, q: Floats, displacements: Floats) -> Floats:
+        """Tensions (..., m) at these displacements (..., m) in configurations (..., n, 3); NaN of rigid actuators."""
+        result = np.full((*q.shape[:-2], len(self)), math.nan)
+        if self.elastic is not None:
+            result[..., self.elastic.places] = self.elastic.tensions(displacements, q)
+        return result
+
+    def speeds(self, dq: Floats) -> Floats:
+        """How fast the values of the motors change (..., m) when configurations do so (..., n, 3)."""
+        return self.motors.speeds(self.displacements(dq))
+
+    def in_words(self, values: Mapping[str, float]) -> str:
+        """Values of the motors by name, with their units, on one line; two spaces between them."""
+        units = dict(zip((each.name for each in self.actuators), self.motors.unit, strict=True))
+        said = ((name, value, units[name]) for name, value in values.items())
+        return "  ".join(f"{name}={value:.4g}" + (f" {unit}" if unit else "") for name, value, unit in said)
+
+    def displacements(self, q: Floats) -> Floats:
+        """Displacements (..., m) of all actuators in configurations (..., n, 3)."""
         return self._sums_of(q) if q.ndim == 2 else product(flat(q), self.jacobian)
 
     def _sums_of(self, q: Floats) -> Floats:
@@ -135,23 +192,33 @@ class Actuation(Frozen):
 
     @cached_property
     def jacobian(self) -> Floats:
-        """Derivative (m, 3 n) of the values by the coordinates, read-only: the same everywhere."""
+        """Derivative (m, 3 n) of the displacements by the coordinates, read-only: the same everywhere."""
         columns = self._matrix.shape[1]
         result: Floats = np.ascontiguousarray(self._sums_of(np.eye(columns).reshape(columns, -1, 3)).T)
         result.flags.writeable = False
         return result
 
+    @cached_property
+    def value_jacobian(self) -> Floats:
+        """Derivative (m, 3 n) of the values by the coordinates, read-only."""
+        result: Floats = self.motors.gain[:, None] * self.jacobian
+        result.flags.writeable = False
+        return result
+
     def limit_rows(self) -> Iterator[list[float]]:
         """Yield the rows of the table of limits for tendons and chambers; those of `Actuators` see `coupled_rows`."""
-        for each, weights in zip(self.actuators, self._weights.tolist(), strict=False):
-            if math.isfinite(each.limits[0]) or math.isfinite(each.limits[1]):
+        lines = zip(self.actuators, self._weights.tolist(), self.limits.tolist(), strict=False)
+        for each, weights, (low, high) in lines:
+            if math.isfinite(low) or math.isfinite(high):
                 last = each.segment - 1
-                yield actuator_row(0 if each.kind == "tendon" else last, last, weights, each.limits)
+                yield actuator_row(0 if each.kind == "tendon" else last, last, weights, (low, high))
 
     def excess(self, q: Floats) -> Floats:
-        """By how much values (..., m) are below or above their limits, in the length unit; negative within them."""
-        values = self.values(q)
-        result: Floats = np.maximum(self.limits[:, 0] - values, values - self.limits[:, 1]) / self.gains
+        """By how much actuators (..., m) are below or above their limits, in the length unit; negative within them."""
+        there = self.displacements(q)
+        result: Floats = np.maximum(self.limits[:, 0] - there, there - self.limits[:, 1]) / self.scales
+        if self.elastic is not None:
+            result[..., self.elastic.places] = self.elastic.balance(q).short
         return result
 
 
@@ -171,21 +238,54 @@ def product(vectors: Floats, matrix: Floats) -> Floats:
 
 
 def _lines(k: int, name: str, segment: Segment) -> Iterator[Line]:
-    """Yield the tendons, then the chambers of segment `k`, 0 = first."""
+    """Yield the tendons, then the chambers, then the stage of segment `k`, 0 = first."""
     if segment.tendons is not None:
-        for key, each, (x, y) in _named(k, name, "tendon", segment.tendons, segment.tendons.displacement):
-            yield Line(key, each, (x, y, 0.0))
+        for key, each, (x, y), own in _named(k, name, "tendon", segment.tendons):
+            yield Line(key, each, (x, y, 0.0), own)
     if segment.chambers is not None:
-        for key, each, (x, y) in _named(k, name, "chamber", segment.chambers, segment.chambers.length):
-            yield Line(key, each, (-x, -y, 1.0))
+        for key, each, (x, y), own in _named(k, name, "chamber", segment.chambers):
+            yield Line(key, each, (-x, -y, 1.0), own)
+    if segment.stage is not None:
+        yield _stage(k, segment.stage.name or name, segment.length, segment.stage)
 
 
 def _named(
-    k: int, segment: str, kind: Kind, lines: Lines, limits: tuple[float, float]
-) -> Iterator[tuple[str, Actuator, tuple[float, float]]]:
+    k: int, segment: str, kind: Kind, lines: Lines
+) -> Iterator[tuple[str, Actuator, tuple[float, float], tuple[float, float]]]:
     names = line_names(segment, kind[0], lines.names, len(lines.angles))
-    for j, (name, (x, y)) in enumerate(zip(names, lines.arms.tolist(), strict=True)):
-        yield f"segments[{k}].{kind}s.names[{j}]", Actuator(name, kind, k + 1, limits), (x, y)
+    limits = lines.displacements
+    each = _actuators(names, kind, [k + 1] * len(names), lines.motors, limits)
+    rows = zip(each, lines.arms.tolist(), lines.unstretched.tolist(), strict=True)
+    for j, (actuator, (x, y), (low, high)) in enumerate(rows):
+        yield f"segments[{k}].{kind}s.names[{j}]", actuator, (x, y), (low, high)
+
+
+def _elastic(segments: Sequence[Segment]) -> Iterator[tuple[int, Lines, int]]:
+    """Yield which actuators are elastic: their places, what they belong to, and which of its lines they are."""
+    at = 0
+    for segment in segments:
+        for lines in (segment.tendons, segment.chambers):
+            if lines is not None:
+                if lines.stiffness is not None:
+                    yield from ((at + j, lines, j) for j in range(len(lines.angles)))
+                at += len(lines.angles)
+        at += segment.stage is not None
+
+
+def _stage(k: int, name: str, length: tuple[float, float], stage: Stage) -> Line:
+    (actuator,) = _actuators([name], "stage", [k + 1], stage.motors, np.array([length]))
+    return Line(f"segments[{k}].stage.name", actuator, (0.0, 0.0, 1.0), UNLIMITED)
+
+
+def _actuators(
+    names: Sequence[str], kind: Kind, segments: Sequence[int], motors: Motors, limits: Floats
+) -> list[Actuator]:
+    """Make actuators with these limits (m, 2) of their displacements."""
+    of_motors = motors.limits_of_values(limits).tolist(), motors.gain.tolist(), motors.offset.tolist(), motors.unit
+    return [
+        Actuator(name, kind, segment, (low, high), gain, offset, unit)
+        for name, segment, (low, high), gain, offset, unit in zip(names, segments, *of_motors, strict=True)
+    ]
 
 
 def _coupled(linear: Actuators, segments: int) -> list[Actuator]:
@@ -195,13 +295,11 @@ def _coupled(linear: Actuators, segments: int) -> list[Actuator]:
             "actuators.matrix", "", linear.matrix.shape, f"shape ({rows}, {3 * segments}), for {segments} segments"
         )
     last = [int(np.flatnonzero(row)[-1]) // 3 + 1 for row in linear.matrix]
-    return [
-        Actuator(name, "linear", segment, limits)
-        for name, segment, limits in zip(linear.names, last, linear.limits, strict=True)
-    ]
+    made = _actuators(linear.names, "linear", last, linear.motors, linear.displacements)
+    return [each._replace(limits=limits) for each, limits in zip(made, linear.limits, strict=True)]
 
 
-def _gains(matrix: Floats, segments: Sequence[Segment]) -> Floats:
+def _scales(matrix: Floats, segments: Sequence[Segment]) -> Floats:
     """Largest weight of each row; see `Actuation`."""
     unit = 0.5 * sum(sum(segment.length) for segment in segments)
     sizes = np.abs(matrix.reshape(len(matrix), len(segments), 3)) / (unit, unit, 1.0)
@@ -213,15 +311,15 @@ ROUNDING = 1e-13
 """Relative to its values: how near to a limit the straight robot counts as on it, and what the limit is eased by."""
 
 
-def coupled_rows(linear: Actuators, gains: Floats, limits: Floats) -> Iterator[list[float]]:
+def coupled_rows(linear: Actuators, scales: Floats, limits: Floats) -> Iterator[list[float]]:
     """Yield the rows of the table for those whose limits can be violated at all.
 
     Parameters
     ----------
     linear : Actuators
-    gains : ndarray (m,)
-        What their values are divided by, so that they count in the length unit.
-    limits : ndarray (n, 7)
+    scales : ndarray (m,)
+        What their displacements are divided by, so that they count in the length unit.
+    limits : ndarray (n, 8)
         Rows of the segments, laid out as `sinuous.kernels.tables` says.
 
     Raises
@@ -231,30 +329,43 @@ def coupled_rows(linear: Actuators, gains: Floats, limits: Floats) -> Iterator[l
     """
     moves = limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]] > 0.0
     lengths = limits[:, [MIN_LENGTH, MAX_LENGTH]]
-    for i, (row, pair, gain) in enumerate(zip(linear.matrix, linear.limits, gains, strict=True)):
+    rows = zip(linear.matrix, linear.displacements.tolist(), scales, strict=True)
+    for i, (row, (least, most), scale) in enumerate(rows):
         weights = row.reshape(-1, 3)
-        if math.isfinite(pair[0]) or math.isfinite(pair[1]):
+        if math.isfinite(least) or math.isfinite(most):
             with checks.inside(f"actuators.limits[{i}]"):
-                eased = _eased(weights, pair, lengths)
+                straight = _straight(weights, lengths)
+                if not _contains((least, most), straight):
+                    low, high = linear.motors.limits_of_values(np.tile(straight, (len(scales), 1)))[i]
+                    wanted = f"limits that contain [{low:g}, {high:g}]"
+                    raise InputError("", "excludes straight robots", linear.limits[i], wanted)
                 if (weights[:, :2] * moves[:, :2]).any():  # otherwise straight robots have all its values
-                    first, last, *numbers = _row(weights, eased, moves, lengths)
-                    yield [first, last, *(number / gain for number in numbers)]
+                    slack = _slack(straight)
+                    eased = min(least, straight[0] - slack), max(most, straight[1] + slack)
+                    first, last, *numbers = _row(weights, eased, linear.limits[i], moves, lengths)
+                    yield [first, last, *(number / scale for number in numbers)]
 
 
-def _eased(weights: Floats, pair: tuple[float, float], lengths: Floats) -> tuple[float, float]:
-    """Limits that no straight robot violates by rounding; refused where one violates them by more.
+def _straight(weights: Floats, lengths: Floats) -> tuple[float, float]:
+    """Least and largest displacement of straight robots.
 
-    Solvers count on that: they go back towards the straight robot where actuators hold them.
+    Solvers count on it that no straight robot violates limits: they go back towards it where actuators hold them.
     """
     ends = weights[:, 2:] * lengths
-    low, high = float(ends.min(axis=1).sum()), float(ends.max(axis=1).sum())
-    slack = ROUNDING * max(abs(low), abs(high))
-    if pair[0] > low + slack or high - slack > pair[1]:
-        raise InputError("", "excludes straight robots", pair, f"limits that contain [{low:g}, {high:g}]")
-    return min(pair[0], low - slack), max(pair[1], high + slack)
+    return float(ends.min(axis=1).sum()), float(ends.max(axis=1).sum())
 
 
-def _row(weights: Floats, pair: tuple[float, float], moves: NDArray[np.bool_], lengths: Floats) -> list[float]:
+def _slack(straight: tuple[float, float]) -> float:
+    return ROUNDING * max(map(abs, straight))
+
+
+def _contains(pair: tuple[float, float], straight: tuple[float, float]) -> bool:
+    return pair[0] <= straight[0] + _slack(straight) and straight[1] - _slack(straight) <= pair[1]
+
+
+def _row(
+    weights: Floats, pair: tuple[float, float], given: tuple[float, float], moves: NDArray[np.bool_], lengths: Floats
+) -> list[float]:
     seen = np.where(moves, weights, 0.0)
     last = int(np.flatnonzero(seen.any(axis=1))[-1])
     fixed = np.where(moves[:, 2], 0.0, lengths[:, 0])
@@ -263,7 +374,7 @@ def _row(weights: Floats, pair: tuple[float, float], moves: NDArray[np.bool_], l
         return actuator_row(last, last, seen[last].tolist(), (pair[0] - constant, pair[1] - constant))
     common = [seen[: last + 1, c][moves[: last + 1, c]] for c in range(3)]
     if any((column != column[0]).any() for column in common if len(column)):
-        raise InputError("", "", pair, "none: its weights are not on one segment, nor equal from the first up to one")
+        raise InputError("", "", given, "none: its weights are not on one segment, nor equal from the first up to one")
     shared = [float(column[0]) if len(column) else 0.0 for column in common]
     shift = shared[2] * float(fixed[: last + 1].sum()) - constant
     return actuator_row(0, last, shared, (pair[0] + shift, pair[1] + shift))

@@ -1,4 +1,4 @@
-"""What drives a robot: tendons and chambers of one segment, and actuators that are linear in the whole configuration.
+"""What drives a robot: tendons, chambers and the stage of one segment, and rows times the whole configuration.
 
 A line that runs parallel to the backbone at distance `radius`, on the side at angle `a` about it, has through one
 segment of length `l` and bending vector `u` the length `l - radius (ux cos a + uy sin a)`: shorter on the side bent
@@ -9,7 +9,7 @@ each of them does to it.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,9 +18,18 @@ from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Vector, Who
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.robot.names import listed_names
+from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain, checked_offset, checked_unit
+from sinuous.robot.names import listed_names, optional_name
 
 MOST_LINES = 64
+
+UNLIMITED = (-math.inf, math.inf)
+
+ENDS = 2
+"""Numbers of an interval."""
+
+TensionLimits = Limits | Sequence[Number | None]
+"""A pair [low, high], or [low, None]."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -39,11 +48,35 @@ class Lines(Frozen):
         Distance of the lines from the backbone, in the length unit.
     names : list of str, optional
         One for each; by default the robot makes them of the segment's name: `s1.t1`, `s1.c1`.
+    gain, offset : float or array_like (m,)
+        Of the motors, for all lines or for each: the value of a motor is gain x displacement + offset (of chambers:
+        gain x length + offset). A gain below 0 turns the sign.
+    unit : str or list of str, optional
+        What the values of the motors count: `counts`, `deg`. Messages, tables and pictures say it.
+    limits : (float, float), optional
+        Least and largest value of every motor, in its unit.
+    stiffness : float or array_like (m,), optional
+        Force per length by which a line stretches, for all lines or for each; by default they are rigid. The segment
+        needs a stiffness, too; only the ratio of both counts for shapes.
+    tension : (float, float), optional
+        Least and largest tension of an elastic line, positive where it pulls; None as the second is no limit.
     """
 
     angles: Floats
     radius: float
     names: tuple[str, ...] | None
+    gain: float | Floats
+    offset: float | Floats
+    unit: str | tuple[str | None, ...] | None
+    limits: tuple[float, float]
+    stiffness: float | Floats | None
+    tension: tuple[float, float] | None
+
+    one_sided: ClassVar[bool] = False
+    """Whether an elastic line only pulls."""
+
+    own_limits: ClassVar[str]
+    """Which parameter has limits of the displacement."""
 
     def __init__(
         self,
@@ -53,6 +86,12 @@ class Lines(Frozen):
         *,
         angles: Vector | None = None,
         names: Names | None = None,
+        gain: Each = 1.0,
+        offset: Each = 0.0,
+        unit: Units | None = None,
+        limits: Limits | None = None,
+        stiffness: Each | None = None,
+        tension: TensionLimits | None = None,
     ) -> None:
         if (count is None) == (angles is None):
             raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
@@ -66,7 +105,47 @@ class Lines(Frozen):
             values = checks.array("angles", angles, (None,))
             checks.integer("angles", len(values), 1, MOST_LINES)
         self._set(angles=values, radius=checks.number("radius", radius, above=0.0))
-        self._set(names=listed_names(names, len(values)))
+        m = len(values)
+        self._set(names=listed_names(names, m))
+        self._set(gain=checked_gain(gain, m), offset=checked_offset(offset, m), unit=checked_unit(unit, m))
+        self._set(limits=UNLIMITED if limits is None else checks.interval("limits", limits))
+        self._set(stiffness=None if stiffness is None else _positive("stiffness", stiffness, m))
+        self._set(tension=_tension(tension, stiffness, self.one_sided))
+
+    @property
+    def tensions(self) -> tuple[float, float]:
+        """Least and largest tension of each line, where it is elastic."""
+        return self.tension or ((0.0 if self.one_sided else -math.inf), math.inf)
+
+    @property
+    def stiffnesses(self) -> Floats:
+        """Stiffness (m,) of each line; infinite where it is rigid."""
+        return np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
+
+    @property
+    def motors(self) -> Motors:
+        """The motors of the lines."""
+        return Motors.of(len(self.angles), self.gain, self.offset, self.unit)
+
+    @property
+    def limited_by(self) -> str:
+        """Which parameter says how far the lines may go: `limits`, or `own_limits`."""
+        return self.own_limits if self.limits == UNLIMITED else "limits"
+
+    @property
+    def displacements(self) -> Floats:
+        """Least and largest displacement (m, 2) of each line."""
+        own = np.tile(getattr(self, self.limited_by), (len(self.angles), 1))
+        own.flags.writeable = False
+        return self.motors.limits_of_displacements(own) if self.limited_by == "limits" else own
+
+    @property
+    def unstretched(self) -> Floats:
+        """Displacements (m, 2) between which rigid lines would have to stay where these are within all their limits."""
+        if self.stiffness is None:
+            return self.displacements
+        result: Floats = self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None]
+        return result
 
     @property
     def arms(self) -> Floats:
@@ -83,14 +162,20 @@ class Lines(Frozen):
 class Tendons(Lines):
     """Tendons that end at the end of one segment; parameters as `Lines`, and `displacement`.
 
+    They pull and do not push. Elastic ones (`stiffness`) stretch under their tension, and go slack without one.
+
     Parameters
     ----------
     displacement : (float, float), optional
         Least and largest displacement that the drive allows, in the length unit; 0, the straight robot, must lie
-        between. Positive is pulled: the tendon is shorter than the backbone it runs along.
+        between. Positive is pulled: the tendon is shorter than the backbone it runs along. Limits of what the motors
+        count are `limits` instead.
     """
 
     displacement: tuple[float, float]
+
+    own_limits: ClassVar[str] = "displacement"
+    one_sided: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -101,9 +186,25 @@ class Tendons(Lines):
         angles: Vector | None = None,
         displacement: Limits | None = None,
         names: Names | None = None,
+        gain: Each = 1.0,
+        offset: Each = 0.0,
+        unit: Units | None = None,
+        limits: Limits | None = None,
+        stiffness: Each | None = None,
+        tension: TensionLimits | None = None,
     ) -> None:
-        super().__init__(count, radius, angle, angles=angles, names=names)
+        motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
+        motors |= {"stiffness": stiffness, "tension": tension}
+        super().__init__(count, radius, angle, angles=angles, names=names, **motors)
+        _refuse_both("displacement", displacement, limits)
         self._set(displacement=_limits_about_zero("displacement", displacement))
+        for straight, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
+            if not low <= 0.0 <= high:
+                wanted = f"[low, high] with low <= {straight:g} <= high"
+                raise InputError("limits", "excludes the straight robot", limits, wanted)
+        if (self.unstretched[:, 1] < 0.0).any():
+            wanted = f"a least one that stretches tendons by no more than {float(self.displacements[:, 1].min()):g}"
+            raise InputError("tension", "excludes the straight robot", self.tension, wanted)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -113,10 +214,14 @@ class Chambers(Lines):
     Parameters
     ----------
     length : (float, float), optional
-        Shortest and longest that a chamber may be, in the length unit.
+        Shortest and longest that a chamber may be, in the length unit. Limits of what the motors count are `limits`
+        instead.
     """
 
     length: tuple[float, float]
+
+    own_limits: ClassVar[str] = "length"
+    one_sided: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -127,15 +232,84 @@ class Chambers(Lines):
         angles: Vector | None = None,
         length: Limits | None = None,
         names: Names | None = None,
+        gain: Each = 1.0,
+        offset: Each = 0.0,
+        unit: Units | None = None,
+        limits: Limits | None = None,
+        stiffness: Each | None = None,
+        tension: TensionLimits | None = None,
     ) -> None:
-        super().__init__(count, radius, angle, angles=angles, names=names)
-        pair = (-math.inf, math.inf) if length is None else checks.interval("length", length, low=0.0)
-        self._set(length=pair)
+        motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
+        motors |= {"stiffness": stiffness, "tension": tension}
+        super().__init__(count, radius, angle, angles=angles, names=names, **motors)
+        _refuse_both("length", length, limits)
+        self._set(length=UNLIMITED if length is None else checks.interval("length", length, low=0.0))
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class Stage(Frozen):
+    """A motor that sets the length of a segment: an insertion stage, where the segment cannot bend.
+
+    Its limits are those of the length of the segment.
+
+    Parameters
+    ----------
+    gain, offset : float
+        The value of the motor is gain x length + offset. A gain below 0 turns the sign.
+    unit : str, optional
+        What the value counts: `counts`, `deg`.
+    name : str, optional
+        By default the name of the segment.
+    """
+
+    gain: float
+    offset: float
+    unit: str | None
+    name: str | None
+
+    def __init__(
+        self, gain: Number = 1.0, offset: Number = 0.0, unit: str | None = None, name: str | None = None
+    ) -> None:
+        self._set(gain=checked_gain(checks.number("gain", gain), 1), offset=checks.number("offset", offset))
+        self._set(unit=None if unit is None else checks.text("unit", unit), name=optional_name(name))
+
+    @property
+    def motors(self) -> Motors:
+        """The motor."""
+        return Motors.of(1, self.gain, self.offset, self.unit)
+
+    def changed(self, **values: Any) -> Self:
+        """Return the same stage with other values of some parameters."""
+        return self._changed(values)
+
+
+def _positive(key: str, value: Each, count: int) -> float | Floats:
+    """Check a number greater than 0 for all lines, or one for each."""
+    numbers = checked_each(key, value, count)
+    for i, each in enumerate(np.atleast_1d(numbers).tolist()):
+        checks.number(key if isinstance(numbers, float) else f"{key}[{i}]", each, above=0.0)
+    return numbers
+
+
+def _tension(value: TensionLimits | None, stiffness: Each | None, one_sided: bool) -> tuple[float, float] | None:
+    """Check limits of the tension, which only elastic lines have; of those that only pull it is at least 0."""
+    if value is None:
+        return None
+    if stiffness is None:
+        raise InputError("tension", "of lines without a stiffness nothing is known", value, "stiffness beside it")
+    if isinstance(value, list | tuple) and len(value) == ENDS and value[1] in (None, math.inf):
+        return checks.number("tension[0]", value[0], low=0.0 if one_sided else -math.inf), math.inf
+    return checks.interval("tension", value, low=0.0 if one_sided else -math.inf)
+
+
+def _refuse_both(key: str, own: Limits | None, limits: Limits | None) -> None:
+    if own is not None and limits is not None:
+        raise InputError("limits", f"{key} says them already", limits, f"either {key} or limits")
 
 
 def _limits_about_zero(key: str, value: Limits | None) -> tuple[float, float]:
     if value is None:
-        return -math.inf, math.inf
+        return UNLIMITED
     pair = checks.interval(key, value)
     if not pair[0] <= 0.0 <= pair[1]:
         raise InputError(key, "excludes the straight robot", value, "[low, high] with low <= 0 <= high")
@@ -143,8 +317,6 @@ def _limits_about_zero(key: str, value: Limits | None) -> tuple[float, float]:
 
 
 MOST_ACTUATORS = 10_000
-
-UNLIMITED = (-math.inf, math.inf)
 
 RowLimits = HasArray | Sequence[Number | Vector | None]
 """A pair [low, high] for all rows, or one for each; None stands for no limits."""
@@ -157,13 +329,17 @@ class Actuators(Frozen):
     Parameters
     ----------
     matrix : array_like (m, 3 n)
-        One row an actuator: its value is this row times the configuration, written as `bend_x, bend_y, length` of the
-        first segment, of the second, and so on. Any unit.
+        One row an actuator: its displacement is this row times the configuration, written as `bend_x, bend_y, length`
+        of the first segment, of the second, and so on. Any unit.
     names : list of str, optional
         By default `a1`, `a2`, ...
     limits : (float, float) or list of these, optional
         Least and largest value, for all actuators or for each; None in the list stands for no limits. The robot
         says which rows may have limits.
+    gain, offset : float or array_like (m,)
+        For all actuators or for each: its value is gain x displacement + offset. A gain below 0 turns the sign.
+    unit : str or list of str, optional
+        What the values count: `counts`, `deg`; None in the list stands for none.
 
     Raises
     ------
@@ -174,15 +350,42 @@ class Actuators(Frozen):
     matrix: Floats
     names: tuple[str, ...]
     limits: tuple[tuple[float, float], ...]
+    gain: float | Floats
+    offset: float | Floats
+    unit: str | tuple[str | None, ...] | None
 
-    def __init__(self, matrix: Rows, names: Names | None = None, limits: RowLimits | None = None) -> None:
+    def __init__(
+        self,
+        matrix: Rows,
+        names: Names | None = None,
+        limits: RowLimits | None = None,
+        *,
+        gain: Each = 1.0,
+        offset: Each = 0.0,
+        unit: Units | None = None,
+    ) -> None:
         rows = checks.array("matrix", matrix, (None, None))
         count = checks.integer("len(matrix)", len(rows), 1, MOST_ACTUATORS)
         for i, row in enumerate(rows):
             if not row.any():
                 raise InputError(f"matrix[{i}]", "", row.tolist(), "a row that is not zero")
         own = listed_names(names, count) or tuple(f"a{i + 1}" for i in range(count))
-        self._set(matrix=rows, names=own, limits=_limits(limits, count))
+        self._set(matrix=rows, names=own, limits=_limits(limits, count), gain=checked_gain(gain, count))
+        self._set(offset=checked_offset(offset, count), unit=checked_unit(unit, count))
+
+    @property
+    def motors(self) -> Motors:
+        """The motors of the rows."""
+        return Motors.of(len(self.matrix), self.gain, self.offset, self.unit)
+
+    @property
+    def displacements(self) -> Floats:
+        """Least and largest displacement (m, 2) of each row."""
+        return self.motors.limits_of_displacements(np.array(self.limits))
+
+    def changed(self, **values: Any) -> Self:
+        """Return the same actuators with other values of some parameters."""
+        return self._changed(values)
 
 
 def _limits(value: Any, count: int) -> tuple[tuple[float, float], ...]:
@@ -193,4 +396,11 @@ def _limits(value: Any, count: int) -> tuple[tuple[float, float], ...]:
         return (checks.interval("limits", entries),) * count
     if len(entries) != count:
         raise InputError("limits", "", value, f"[low, high], or a list of {count} of these")
-    return tuple(UNLIMITED if e is None else checks.interval(f"limits[{i}]", e) for i, e in enumerate(entries))
+    return tuple(
+        UNLIMITED if e is None or _is_unlimited(e) else checks.interval(f"limits[{i}]", e)
+        for i, e in enumerate(entries)
+    )
+
+
+def _is_unlimited(value: Any) -> bool:
+    return isinstance(value, tuple) and value == UNLIMITED

@@ -39,9 +39,10 @@ def held_back(segments: Sequence[Segment], radii: Sequence[float], curvatures: S
         length = segment.length[0] or segment.length[1]
         own, allowed = min(segment.max_bend, segment.max_curvature * length), curvature * length
         if allowed < own * (1.0 - 2.0 * ROUND):
+            half = "" if radius == segment.radius else ", with half of the demanded clearance from itself,"
             which = f"segment {first}" if first == last else f"segments {first} to {last}"
             notes.append(
-                f"{which}: a radius of {radius:g} is above the smallest radius of curvature, {length / own:.4g}; "
+                f"{which}: a radius of {radius:g}{half} is above the smallest radius of curvature, {length / own:.4g}; "
                 f"while self_collision is avoided, the bend at length {length:g} is at most {allowed:.4g}"
             )
         first = last + 1

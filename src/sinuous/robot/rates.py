@@ -66,7 +66,7 @@ class Changes(_Bounds):
     length : float or array_like (n,), optional
         Of the length of a segment.
     actuator : float or array_like (m,), optional
-        Of the value of an actuator, in the order of `Robot.actuators`: length unit for tendons and chambers.
+        Of the value of an actuator, in the order of `Robot.actuators`: units of its motor (length unit without a gain).
 
     Raises
     ------
@@ -93,7 +93,8 @@ class Rates(_Bounds):
     length : float or array_like (n,), optional
         Of the length of a segment, length unit/s.
     actuator : float or array_like (m,), optional
-        Of the value of an actuator, in the order of `Robot.actuators`: length unit/s for tendons and chambers.
+        Of the value of an actuator, in the order of `Robot.actuators`: units of its motor a second
+        (length unit/s without a gain).
     acceleration : Rates, optional
         The same of their derivatives: rad/s^2, length unit/s^2.
 

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypedDict, Unpack, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks, packing
-from sinuous.arguments import Batch, Limits, Number, Rows, SelfCollision, Stack, Whole
+from sinuous.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -19,7 +20,7 @@ from sinuous.reprs import call, text
 from sinuous.robot import limits
 from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
-from sinuous.robot.inverse import Inverse, fitting
+from sinuous.robot.inverse import Inverse, answer_contradictions, fitting
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.names import optional_name
 from sinuous.robot.segment import Segment, segment_names
@@ -28,6 +29,7 @@ from sinuous.writing.plain import counted, described
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain
+    from sinuous.export.drives import DrivenChain
 
 MOST_SEGMENTS = 10_000
 
@@ -44,6 +46,8 @@ class WholeArguments(TypedDict, total=False):
     self_collision: SelfCollision
     actuators: Actuators | None
     name: str | None
+    clearance: OneEach
+    self_clearance: OneEach
 
 
 class RobotArguments(WholeArguments, total=False):
@@ -78,6 +82,11 @@ class Robot(NotebookMixin, Frozen):
     actuators : Actuators, optional
         Actuators beside the tendons and chambers of the segments.
     name : str, optional
+    clearance : float or array_like (n,)
+        Least distance of the body from obstacles that every solution keeps: of all segments, or one each.
+    self_clearance : float or array_like (n,)
+        The same of the body from itself: two places keep the mean of what is demanded of their segments. It counts as
+        half as much thickness on either side: in `self_collision` for the radius stands the radius and half of it.
 
     Attributes
     ----------
@@ -86,23 +95,29 @@ class Robot(NotebookMixin, Frozen):
         By default `s1`, `s2`, ... from base to tip.
     radii : tuple of float
         Radius of the body, per segment.
+    needed_radii, self_radii : tuple of float
+        Within which the backbone of a segment needs to be free of obstacles, and of other places of the body with
+        theirs: the radius, and what is demanded of clearance.
     curvatures : tuple of float
-        Largest curvature, per segment: its own limit or 1 / radius.
+        Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
         What was given as `actuators`.
-    limits, actuation : ndarray (n, 7), (p, 7)
+    limits, actuation : ndarray (n, 8), (p, 7)
         Limits of segments and actuators as `sinuous.kernels.tables` lays them out, read-only.
 
     Raises
     ------
     InputError
         When there is no segment, nothing has a length, a pose is none, `self_collision` is another word, two segments
-        or two actuators have the same name, or `actuators` do not fit the robot.
+        or two actuators have the same name, `actuators` do not fit the robot, or a clearance from itself is demanded of
+        a body that may run through itself.
     """
 
     segments: tuple[Segment, ...]
     segment_names: tuple[str, ...]
     radii: tuple[float, ...]
+    needed_radii: tuple[float, ...]
+    self_radii: tuple[float, ...]
     curvatures: tuple[float, ...]
     mount: float
     base: Floats
@@ -110,6 +125,8 @@ class Robot(NotebookMixin, Frozen):
     self_collision: SelfCollision
     linear: Actuators | None
     name: str | None
+    clearance: float | tuple[float, ...]
+    self_clearance: float | tuple[float, ...]
     limits: Floats
     actuation: Floats
     drive: Actuation
@@ -127,6 +144,8 @@ class Robot(NotebookMixin, Frozen):
         self_collision: SelfCollision = "avoid",
         actuators: Actuators | None = None,
         name: str | None = None,
+        clearance: OneEach = 0.0,
+        self_clearance: OneEach = 0.0,
     ) -> None:
         if not isinstance(segments, Iterable):
             raise InputError("segments", "", segments, "a list of Segment")
@@ -143,15 +162,21 @@ class Robot(NotebookMixin, Frozen):
         if not (actuators is None or isinstance(actuators, Actuators)):
             raise InputError("actuators", "", actuators, "Actuators or nothing")
         radii = tuple(segment.radius for segment in listed)
-        curvatures = curvature_limits(listed, radii, self_collision == "avoid")
+        away = checks.one_each("clearance", clearance, len(listed), "segment")
+        apart = checks.one_each("self_clearance", self_clearance, len(listed), "segment")
+        if self_collision == "allow" and np.any(apart):
+            raise InputError("self_clearance", "stands beside self_collision: allow", self_clearance, "0")
+        needed = tuple(float(each) for each in np.add(radii, away))
+        own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
+        curvatures = curvature_limits(listed, own, self_collision == "avoid")
         drive = Actuation(listed, actuators)
         table = packing.segment_table(
             [
-                packing.segment_row(segment.length, segment.max_bend, curvature, segment.radius)
-                for segment, curvature in zip(listed, curvatures, strict=True)
+                packing.segment_row(segment.length, segment.max_bend, *rest)
+                for segment, *rest in zip(listed, curvatures, needed, own, strict=True)
             ]
         )
-        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_gains, table)
+        coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)
         self._set(
             segments=listed,
             segment_names=segment_names(listed),
@@ -162,7 +187,11 @@ class Robot(NotebookMixin, Frozen):
             tool=as_pose("tool", tool),
             linear=actuators,
             name=optional_name(name),
+            clearance=away,
+            self_clearance=apart,
             radii=radii,
+            needed_radii=needed,
+            self_radii=own,
             limits=table,
             actuation=packing.actuator_table([*drive.limit_rows(), *coupled]),
             drive=drive,
@@ -210,12 +239,22 @@ class Robot(NotebookMixin, Frozen):
     @property
     def avoids_itself(self) -> bool:
         """Whether the body must not run through itself: it has a thickness, and `self_collision` is `avoid`."""
-        return self.self_collision == "avoid" and max(self.radii) > 0.0
+        return self.self_collision == "avoid" and max(self.self_radii) > 0.0
+
+    @cached_property
+    def least_demanded(self) -> tuple[float, float]:
+        """Clearance from obstacles, and from itself, that is demanded of all segments at least."""
+        return float(np.min(self.clearance)), float(np.min(self.self_clearance))
+
+    @cached_property
+    def demands(self) -> bool:
+        """Whether any clearance is demanded."""
+        return bool(np.any(self.clearance) or np.any(self.self_clearance))
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What may surprise: segments that are too thick for their own limits."""
-        return tuple(held_back(self.segments, self.radii, self.curvatures))
+        return tuple(held_back(self.segments, self.self_radii, self.curvatures))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the robot as a problem file says it: plain values that make an equal robot."""
@@ -248,6 +287,35 @@ class Robot(NotebookMixin, Frozen):
         chain = JointChain(self, joints_per_segment)
         write_urdf(file, chain)
         return chain
+
+    def to_mjcf(self, file: str | Path, joints_per_segment: Whole = 8, mass: Number = 1.0) -> "DrivenChain":
+        """Write the robot with its motors as MJCF, so that MuJoCo moves it by them.
+
+        The controls are the values of the actuators, in the units of the motors. What no actuator determines has a
+        servo of its own, under the name of the coordinate: `s1.bend_x`, `s1.length`. Returns the chain with its drives,
+        whose `controls` are those of a configuration; the keyframe `rest` is the straight robot. The tip is off as that
+        of `to_urdf`. Masses are nominal: the file is for motion and contact, not for forces.
+
+        Parameters
+        ----------
+        file : path
+        joints_per_segment : int
+        mass : float
+            Of the whole arm.
+
+        Raises
+        ------
+        InputError
+            When an argument is not what it should be, nothing can move, or the file cannot be written.
+        """
+        from sinuous.export.chain import JointChain  # noqa: PLC0415
+        from sinuous.export.drives import DrivenChain  # noqa: PLC0415
+        from sinuous.export.mjcf import write_mjcf  # noqa: PLC0415
+
+        chain = JointChain(self, joints_per_segment)
+        driven = DrivenChain(self, chain, self._inverse.undetermined, checks.number("mass", mass, above=0.0))
+        write_mjcf(file, driven)
+        return driven
 
     def configuration(self, key: str, q: Batch) -> Floats:
         """Check an array (..., n, 3) of finite numbers; limits are not looked at."""
@@ -306,10 +374,18 @@ class Robot(NotebookMixin, Frozen):
     def excess(self, q: Batch) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
-        Bends and lengths count in their own units (rad, length unit), actuators in the length unit: the values of
-        `Actuators` are divided by their largest weight, those of bends taken relative to the mean length.
+        Bends and lengths count in their own units (rad, length unit), actuators in the length unit: by their
+        displacements, of `Actuators` divided by their largest weight, those of bends relative to the mean length.
         """
         return limits.excess(self.segments, self.curvatures, self.drive, self.configuration("q", q))
+
+    def within_tensions(self, q: Floats) -> NDArray[np.bool_]:
+        """Whether tensions within their limits hold configurations (..., n, 3), as compiled solvers do not know."""
+        elastic = self.drive.elastic
+        if elastic is None or not elastic.bounded:
+            return np.ones(q.shape[:-2], np.bool_)
+        short: NDArray[np.bool_] = elastic.balance(q).short.max(axis=-1) <= LIMIT_ROUNDING * self.mean_length
+        return short
 
     def violations(self, q: Rows) -> list[Violation]:
         """List the limits that a configuration (n, 3) violates, each with its segment (1 = first) and by how much.
@@ -323,46 +399,84 @@ class Robot(NotebookMixin, Frozen):
 
     @property
     def actuators(self) -> tuple[Actuator, ...]:
-        """All actuators: segment by segment tendons, then chambers; at the end those of `Actuators`."""
+        """All actuators: segment by segment tendons, chambers, the stage; at the end those of `Actuators`."""
         return self.drive.actuators
 
     def to_actuators(self, q: Batch) -> Floats:
         """Values (..., m) of all actuators in configurations (..., n, 3), in the order of `actuators`.
 
-        Of a tendon it is the displacement (positive is pulled), of a chamber the length, both in the length unit.
+        They are those of the motors: gain x displacement + offset. Without a gain, a tendon's value is its displacement
+        (positive is pulled), that of a chamber or a stage its length, both in the length unit. Elastic tendons and
+        chambers are displaced by their stretch, too, at the least tensions within their limits that hold the shape.
         """
         return self.drive.values(self.configuration("q", q))
 
-    def from_actuators(self, actuators: Stack, initial: Batch | None = None) -> Floats:
+    def from_actuators(
+        self,
+        actuators: Stack | Mapping[str, Number | Stack],
+        initial: Batch | None = None,
+        tolerance: Number | Vector | None = None,
+    ) -> Floats:
         """Configurations (..., n, 3) of the robot whose actuators have these values (..., m); limits are not looked at.
 
-        Least squares where values contradict each other. Coordinates that cannot move are what they are.
+        Where values contradict each other (three tendons of an arc are one too many) it is the nearest: least squares
+        of displacements, and that is said; `to_actuators(q) - actuators` is what is left. Elastic actuators take the
+        shape of least energy, in which tendons that would have to push are slack (see `tensions`). Coordinates that
+        cannot move are what they are.
 
         Parameters
         ----------
-        actuators : array_like (..., m)
+        actuators : array_like (..., m), or mapping from names to array_like (...)
+            In the units of the motors; by name as `Solution.actuators` and `Solutions.actuators` give them.
         initial : array_like (..., n, 3), optional
             What no actuator determines stays as it is here: of all configurations with these values the nearest to
             this one (bends in rad, lengths relative to the mean length of their segment).
+        tolerance : float or array_like (m,), optional
+            By how much values may contradict each other, in the units of the motors: up to this nothing is said, and
+            more is refused. By default what rounding does, and a `SuspiciousInput` warns of more, with the residual.
 
         Raises
         ------
         InputError
-            When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named.
+            When there is no `initial`, and actuators leave a coordinate open; all such coordinates are named. When
+            values contradict each other by more than `tolerance`, or a name is missing or unknown.
         """
-        values, reference = fitting(actuators, initial, len(self.drive), len(self))
+        names = [actuator.name for actuator in self.actuators]
+        values, reference = fitting(actuators, initial, names, len(self))
         if reference is None:
             self._inverse.refuse_undetermined(self.segment_names)
-        return self._inverse.configuration(values, reference)
+        displacements = self.drive.motors.displacements(values)
+        found = self._inverse.configuration(displacements, reference)
+        if self.drive.elastic is not None:
+            found = self.drive.elastic.shape(displacements, found)
+        answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
+        return found
+
+    def tensions(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> Floats:
+        """Tensions (..., m) of all actuators at these values (..., m): 0 where a tendon is slack, NaN of rigid ones.
+
+        Parameters as for `from_actuators`. Positive pulls; a chamber that pushes has a negative tension. In the unit
+        of force of `stiffness`.
+        """
+        q = self.from_actuators(actuators, initial)
+        values, _ = fitting(actuators, initial, [actuator.name for actuator in self.actuators], len(self))
+        return self.drive.tensions(q, self.drive.motors.displacements(values))
+
+    def slack(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> tuple[str, ...]:
+        """Names of the elastic tendons that are slack at these values (m,)."""
+        tensions = self.tensions(actuators, initial)
+        if tensions.ndim != 1:
+            raise InputError("actuators", f"shape {tensions.shape}", actuators, f"{len(self.drive)} values")
+        return tuple(each.name for each, own in zip(self.actuators, tensions, strict=True) if own == 0.0)
 
     def actuator_jacobian(self, q: Batch) -> Floats:
         """Derivative (..., m, 3 n) of the values of all actuators, read-only.
 
         Columns are `bend_x, bend_y, length` of the first segment, of the second, and so on. It is the same for every
-        configuration, because all actuators are linear.
+        configuration, because all actuators are linear; of elastic ones the stretch is left out.
         """
         lead = self.configuration("q", q).shape[:-2]
-        jacobian = self.drive.jacobian
+        jacobian = self.drive.value_jacobian
         return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
 
     @cached_property
@@ -373,3 +487,13 @@ class Robot(NotebookMixin, Frozen):
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
+
+
+def demanding(robot: Robot, clearance: OneEach | None, self_clearance: OneEach | None) -> Robot:
+    """Return the robot with other clearances demanded, where they are given; the same one where nothing changes."""
+    given = {"clearance": clearance, "self_clearance": self_clearance}
+    asked = {
+        key: checks.one_each(key, value, len(robot), "segment") for key, value in given.items() if value is not None
+    }
+    changed: Any = {key: value for key, value in asked.items() if value != getattr(robot, key)}
+    return robot.changed(**changed) if changed else robot

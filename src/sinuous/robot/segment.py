@@ -8,13 +8,14 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Limits, Number, Stack
+from sinuous.arguments import Limits, Number, Stack, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.reprs import call, text
-from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.actuators import Chambers, Stage, Tendons
 from sinuous.robot.names import optional_name
+from sinuous.robot.stiffness import Stiffness
 from sinuous.writing.plain import described, plain
 
 
@@ -28,6 +29,9 @@ class SegmentArguments(TypedDict, total=False):
     tendons: Tendons | None
     chambers: Chambers | None
     name: str | None
+    stage: Stage | None
+    stiffness: Stiffness | Number | None
+    rest: Vector
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -51,12 +55,18 @@ class Segment(Frozen):
         Chambers along this segment.
     name : str, optional
         By default the robot calls its segments `s1`, `s2`, ... from base to tip.
+    stage : Stage, optional
+        A motor that sets the length of this segment.
+    stiffness : Stiffness or float, optional
+        How hard it is to bend, which elastic tendons and chambers need; a number is EI, force x length^2.
+    rest : array_like (2,)
+        Bend that it has by itself, where elastic actuators leave it alone, rad.
 
     Raises
     ------
     InputError
         When a limit is negative, NaN, or the wrong way round, or when the straight segment breaks a limit of its
-        chambers.
+        chambers, or a stage is to move a segment whose length is fixed.
     """
 
     length: tuple[float, float]
@@ -66,6 +76,9 @@ class Segment(Frozen):
     tendons: Tendons | None
     chambers: Chambers | None
     name: str | None
+    stage: Stage | None
+    stiffness: Stiffness | None
+    rest: Floats
 
     def __init__(
         self,
@@ -76,18 +89,27 @@ class Segment(Frozen):
         tendons: Tendons | None = None,
         chambers: Chambers | None = None,
         name: str | None = None,
+        stage: Stage | None = None,
+        *,
+        stiffness: Stiffness | Number | None = None,
+        rest: Vector = (0.0, 0.0),
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
-        for key, value, kind in (("tendons", tendons, Tendons), ("chambers", chambers, Chambers)):
+        kinds = ("tendons", tendons, Tendons), ("chambers", chambers, Chambers), ("stage", stage, Stage)
+        for key, value, kind in kinds:
             if value is not None and not isinstance(value, kind):
                 raise InputError(key, "", value, f"{kind.__name__} or nothing")
         if chambers is not None:
-            low, high = max(low, chambers.length[0]), min(high, chambers.length[1])
+            least, most = chambers.displacements.T
+            low, high = max(low, float(least.max())), min(high, float(most.min()))
             if low > high:
-                raise InputError(
-                    "chambers.length", "excludes the straight segment", chambers.length, f"overlap with {length}"
-                )
+                key = chambers.limited_by
+                own = getattr(chambers, key)
+                problem = "excludes the straight segment"
+                raise InputError(f"chambers.{key}", problem, own, f"lengths that overlap with {length}")
+        if stage is not None and low == high:
+            raise InputError("stage", "there is nothing to move", stage, f"a length that changes, not {low:g}")
         self._set(
             length=(low, high),
             max_bend=checks.number("max_bend", max_bend, low=0.0),
@@ -96,6 +118,9 @@ class Segment(Frozen):
             tendons=tendons,
             chambers=chambers,
             name=optional_name(name),
+            stage=stage,
+            stiffness=stiffness if stiffness is None or isinstance(stiffness, Stiffness) else _bent(stiffness),
+            rest=checks.array("rest", rest, (2,)),
         )
 
     def changed(self, **values: Unpack[SegmentArguments]) -> "Segment":
@@ -114,7 +139,12 @@ class Segment(Frozen):
         lines = [
             f"{len(own.angles)} {key}" for key in ("tendons", "chambers") if (own := getattr(self, key)) is not None
         ]
-        return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *lines])
+        driven = lines if self.stage is None else [*lines, "stage"]
+        return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *driven])
+
+
+def _bent(value: Number) -> Stiffness:
+    return Stiffness(checks.number("stiffness", value, above=0.0))
 
 
 def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from sinuous.arguments import Constraint
 from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.reprs import ShortRepr
+from sinuous.robot.actuation import Actuator
 from sinuous.robot.rates import Changes
 from sinuous.solution.at_rest import at_rest, nonnegative_least_squares
 from sinuous.solution.constraints import Limit, limits_of, normal, rates_of
@@ -42,6 +43,12 @@ MOST_ENTRIES = 4_000_000
 RATES = {"bend_rate": "change of the bend", "length_rate": "change of the length", "actuator_rate": "change"}
 """What sentences call rates."""
 
+OF_THICKNESS = {
+    "radius": ", because the body is that thick",
+    "self_clearance": ", because the body is that thick and must keep its distance from itself",
+}
+"""Why a curvature is limited, by the key of the limit."""
+
 ENDS = {"length[0]": "least ", "length[1]": "greatest "}
 """What sentences call the ends of an interval of lengths."""
 
@@ -61,7 +68,7 @@ class Binding(ShortRepr):
         Name of the obstacle, for `clearance`.
     value, limit : float
         What the configuration has, and what is allowed: lengths, rad for `bend`, 1 / length for `curvature`; for rates
-        the change from where it began.
+        the change from where it began; for clearances the distance, and the one that is demanded.
     actuator : str or None
         Name of the tendon or chamber, for `actuator` and `actuator_rate`: `s1.t2`.
     key : str or None
@@ -72,6 +79,8 @@ class Binding(ShortRepr):
         Whether the limit leaves no choice: of a segment that cannot stretch, the length.
     inside : bool
         Whether the body has to stay inside the obstacle.
+    motor : Actuator or None
+        The actuator, where value and limit are those of its motor, in its unit, and not displacements.
     """
 
     constraint: Constraint
@@ -84,15 +93,17 @@ class Binding(ShortRepr):
     other_segment: int | None = None
     fixed: bool = False
     inside: bool = False
+    motor: Actuator | None = None
 
     @classmethod
     def of(cls, met: Limit | Contact) -> "Binding":
         """Make it of a limit or a contact."""
         if isinstance(met, Limit):
-            return cls(met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key, fixed=met.fixed)
+            own = met.constraint, met.segment, None, met.value, met.limit, met.actuator, met.key
+            return cls(*own, fixed=met.fixed, motor=met.motor)
         kind: Constraint = "clearance" if met.other_segment is None else "self_clearance"
-        own = kind, met.segment, met.obstacle, met.clearance, 0.0
-        return cls(*own, other_segment=met.other_segment, inside=met.inside)
+        there = kind, met.segment, met.obstacle, met.clearance + met.demanded, met.demanded
+        return cls(*there, other_segment=met.other_segment, inside=met.inside)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
@@ -232,7 +243,7 @@ def _what(binding: Binding) -> str:
         return RATES[binding.constraint]
     if binding.actuator is not None and binding.key is not None:
         name = binding.key.partition("[")[0]
-        return "value" if name == "actuators.limits" else name.rpartition(".")[2]
+        return "value" if name.endswith(".limits") or binding.motor else name.rpartition(".")[2]
     return f"{'fixed ' if binding.fixed else ENDS.get(binding.key or '', '')}{binding.constraint}"
 
 
@@ -245,20 +256,36 @@ def _whose(own: list[Binding], count: int) -> str:
     return f" of {segments(sorted({each.segment or 0 for each in own}), count)}"
 
 
+def _away(binding: Binding) -> str:
+    """How far the body is from the obstacle, or how deep in it."""
+    value, limit = binding.value, binding.limit
+    where = "the body" if binding.segment is None else f"segment {binding.segment}"
+    if value < 0.0:
+        return f"{where} is {number(-value)} {'outside it' if binding.inside else 'deep in it'}"
+    if limit == 0.0:
+        return f"{where} touches it"
+    return f"{where} is {number(value)} away from it, at least {number(limit)} is demanded"
+
+
 def _measured(binding: Binding) -> str:
     """What there is, and what is allowed."""
     value, limit = binding.value, binding.limit
     if binding.other_segment is not None:
-        return f"{number(max(0.0, -value))} too near"
+        return f"{number(max(0.0, limit - value))} too near"
     if binding.obstacle is not None:
-        where = "the body" if binding.segment is None else f"segment {binding.segment}"
-        if value >= 0.0:
-            return f"{where} touches it"
-        return f"{where} is {number(-value)} {'outside it' if binding.inside else 'deep in it'}"
+        return _away(binding)
     if binding.fixed:
         return number(limit)
-    thick = ", because the body is that thick" if binding.key == "radius" else ""
+    unit = f" {binding.motor.unit}" if binding.motor is not None and binding.motor.unit else ""
+    thick = OF_THICKNESS.get(binding.key or "", "")
     if abs(value - limit) <= ACTIVE * max(1.0, abs(limit)) or binding.constraint in RATES:
-        return f"at its limit of {number(limit)}{thick}"
-    bound = "at least" if binding.key is not None and binding.key.endswith("[0]") else "at most"
-    return f"{number(value)}, {bound} {number(limit)} is allowed"
+        return f"at its limit of {number(limit)}{unit}{thick}"
+    bound = "at least" if _is_lower(binding) else "at most"
+    return f"{number(value)}{unit}, {bound} {number(limit)}{unit} is allowed"
+
+
+def _is_lower(binding: Binding) -> bool:
+    """Whether a limit is the least value that is allowed."""
+    lower = binding.key is not None and binding.key.endswith("[0]")
+    turned = binding.motor is not None and binding.motor.gain < 0.0 and ".limits" not in (binding.key or "")
+    return lower != turned

@@ -11,11 +11,9 @@ import numpy as np
 
 from sinuous.arguments import LimitKind, RateKind
 from sinuous.checks import Floats
+from sinuous.robot.actuation import Actuator
 from sinuous.robot.rates import Changes
 from sinuous.robot.robot import Robot
-
-KEYS = {"tendon": "tendons.displacement", "chamber": "chambers.length", "linear": "actuators.limits"}
-"""What the problem file calls the limits of an actuator, by its kind."""
 
 
 class Limit(NamedTuple):
@@ -31,17 +29,19 @@ class Limit(NamedTuple):
         Name of the actuator.
     key : str
         What the problem file calls it; `length[0]` is the lower end of `length`, and `radius` a curvature that the
-        thickness of the body limits.
+        thickness of the body limits, `self_clearance` one that this and the clearance limit that is demanded.
     value, limit : float
         What the configuration has, and what it may have: lengths, rad for `bend`, 1 / length for `curvature`; for an
         actuator in its own unit.
     slack : float
-        What is left until the limit stops a motion; length, rad for `bend` and `curvature`. Values of `Actuators` are
-        divided by their gain, see `Actuation.gains`.
+        What is left until the limit stops a motion; length, rad for `bend` and `curvature`. Displacements of
+        `Actuators` are divided by their scale, see `Actuation.scales`.
     gradient : ndarray (n, 3)
         By how much the slack shrinks with `bend_x`, `bend_y`, `length` of each segment.
     fixed : bool
         Whether the limit leaves no choice: a length that cannot change, a segment that cannot bend.
+    motor : Actuator or None
+        The actuator, where value and limit are those of its motor and not displacements.
     """
 
     constraint: LimitKind | RateKind
@@ -53,13 +53,14 @@ class Limit(NamedTuple):
     slack: float
     gradient: Floats
     fixed: bool = False
+    motor: Actuator | None = None
 
 
 def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
     """Yield all limits of a robot at the configuration `q` (n, 3), segment by segment, actuators last."""
     count = len(robot)
-    parts = zip(robot.segments, robot.curvatures, q.tolist(), strict=True)
-    for number, (segment, tightest, (ux, uy, length)) in enumerate(parts, 1):
+    parts = zip(robot.segments, robot.curvatures, robot.self_radii, q.tolist(), strict=True)
+    for number, (segment, tightest, radius, (ux, uy, length)) in enumerate(parts, 1):
         for i, sign in enumerate((-1.0, 1.0)):
             slack = sign * (segment.length[i] - length)
             end = number, None, f"length[{i}]", length, segment.length[i]
@@ -73,7 +74,8 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
             yield Limit("bend", *end, most - bend, gradient_at(count, number, (x, y, 0.0)), most == 0.0)
             if math.isfinite(tightest):
                 curvature = bend / length if length > 0.0 else 0.0
-                key = "max_curvature" if tightest == segment.max_curvature else "radius"
+                thick = "radius" if radius == segment.radius else "self_clearance"
+                key = "max_curvature" if tightest == segment.max_curvature else thick
                 own = number, None, key, curvature, tightest
                 yield Limit("curvature", *own, tightest * length - bend, gradient_at(count, number, (x, y, -tightest)))
     yield from _actuators(robot, q)
@@ -81,14 +83,33 @@ def limits_of(robot: Robot, q: Floats) -> Iterator[Limit]:
 
 def _actuators(robot: Robot, q: Floats) -> Iterator[Limit]:
     drive = robot.drive
-    rows = zip(drive.actuators, drive.values(q).tolist(), drive.gains.tolist(), drive.jacobian, strict=True)
-    for actuator, value, gain, row in rows:
-        key = KEYS[actuator.kind]
+    there = zip(drive.displacements(q).tolist(), drive.values(q).tolist(), strict=True)
+    rows = zip(drive.actuators, there, drive.limits.tolist(), drive.scales.tolist(), drive.jacobian, strict=True)
+    for actuator, (displacement, value), own, scale, row in rows:
+        key = _key(robot, actuator)
+        order = (0, 1) if actuator.gain > 0.0 else (1, 0)
         for i, sign in enumerate((-1.0, 1.0)):
-            limit = actuator.limits[i]
-            if math.isfinite(limit):
-                own = actuator.segment, actuator.name, f"{key}[{i}]", value, limit
-                yield Limit("actuator", *own, sign * (limit - value) / gain, (sign / gain) * row.reshape(-1, 3))
+            if math.isfinite(own[i]):
+                limit = actuator.limits[order[i]]
+                end = i if key.endswith(".displacement") or key.endswith(".length") else order[i]
+                slack, gradient = sign * (own[i] - displacement) / scale, (sign / scale) * row.reshape(-1, 3)
+                name = actuator.segment, actuator.name, f"{key}[{end}]"
+                yield Limit("actuator", *name, value, limit, slack, gradient, motor=_motor(actuator))
+
+
+def _key(robot: Robot, actuator: Actuator) -> str:
+    """What the problem file calls the limits of an actuator."""
+    segment = robot.segments[actuator.segment - 1]
+    if actuator.kind == "tendon" and segment.tendons is not None:
+        return f"tendons.{segment.tendons.limited_by}"
+    if actuator.kind == "chamber" and segment.chambers is not None:
+        return f"chambers.{segment.chambers.limited_by}"
+    return "actuators.limits"
+
+
+def _motor(actuator: Actuator) -> Actuator | None:
+    plain = actuator.unit is None and (actuator.gain, actuator.offset) == (1.0, 0.0)
+    return None if plain else actuator
 
 
 def gradient_at(segments: int, number: int, weights: tuple[float, float, float]) -> Floats:
@@ -124,13 +145,13 @@ def rates_of(robot: Robot, q: Floats, initial: Floats, within: Changes) -> Itera
     drive = robot.drive
     changes = drive.values(q) - drive.values(initial)
     rows = zip(
-        drive.actuators, changes.tolist(), own.actuator.tolist(), drive.gains.tolist(), drive.jacobian, strict=True
+        drive.actuators, changes.tolist(), own.actuator.tolist(), drive.scales.tolist(), drive.jacobian, strict=True
     )
-    for actuator, change, most, gain, row in rows:
+    for actuator, change, most, scale, row in rows:
         if _used_up(abs(change), most):
-            outward = (np.sign(change) / gain) * row.reshape(-1, 3)
+            outward = (np.sign(change * actuator.gain) / scale) * row.reshape(-1, 3)
             name = actuator.segment, actuator.name, "rates.actuator"
-            yield Limit("actuator_rate", *name, abs(change), most, 0.0, outward)
+            yield Limit("actuator_rate", *name, abs(change), most, 0.0, outward, motor=_motor(actuator))
 
 
 def _used_up(change: float, most: float) -> bool:

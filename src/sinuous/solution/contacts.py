@@ -32,13 +32,15 @@ class Contact(NamedTuple):
         1 = first.
     obstacle : str
     clearance : float
-        Distance of the surface of the body from the obstacle; negative where they overlap.
+        Distance of the surface of the body from the obstacle, less what is demanded of it; negative where it is nearer.
     gradient : ndarray (3 n,)
         Of the clearance, by bends (rad) and lengths (length unit).
     other_segment : int or None
         The segment that it touches, where the body touches itself: not beyond `segment`.
     inside : bool
         Whether the body has to stay inside the obstacle.
+    demanded : float
+        The distance that is demanded.
     """
 
     segment: int
@@ -47,6 +49,7 @@ class Contact(NamedTuple):
     gradient: Floats
     other_segment: int | None = None
     inside: bool = False
+    demanded: float = 0.0
 
 
 class _Places(NamedTuple):
@@ -73,12 +76,14 @@ def contacts_of(problem: Problem, q: Floats, margin: float | None = None) -> lis
     found: list[Contact] = []
     for i in range(len(scene)):
         distances, slopes = scene.distance_to(i, places.points)
-        clearances = distances - np.array(robot.radii)[places.segments]
+        clearances = distances - np.array(robot.needed_radii)[places.segments]
         for m in _deepest(places, clearances, reach):
             place = int(places.segments[m]), float(places.along[m]), places.points[m]
             gradient = _gradient(robot, q, place, slopes[m])
             own = place[0] + 1, scene.name(i), float(clearances[m]), gradient
-            found.append(Contact(*own, inside=getattr(scene.obstacles[i], "inside", False)))
+            inside = getattr(scene.obstacles[i], "inside", False)
+            demanded = robot.needed_radii[place[0]] - robot.radii[place[0]]
+            found.append(Contact(*own, inside=inside, demanded=demanded))
     return sorted(found, key=lambda contact: contact.clearance)
 
 
@@ -86,7 +91,7 @@ def _near(problem: Problem, q: Floats, reach: float) -> _Places:
     """Places that may be within reach of an obstacle: pieces that might touch are halved again and again."""
     robot, ends = problem.robot, problem.robot.forward(q)
     starts = np.concatenate([robot.base[None], ends[:-1]])
-    radii, begin = np.array(robot.radii), np.concatenate([[0.0], np.cumsum(q[:, 2])[:-1]])
+    radii, begin = np.array(robot.needed_radii), np.concatenate([[0.0], np.cumsum(q[:, 2])[:-1]])
     segments = np.repeat(np.arange(len(robot)), FIRST_PIECES + 1)
     along = np.tile(np.linspace(0.0, 1.0, FIRST_PIECES + 1), len(robot))
     step = 1.0 / FIRST_PIECES
@@ -164,5 +169,6 @@ def self_contacts_of(problem: Problem, q: Floats) -> list[Contact]:
         away = apart / max(float(np.linalg.norm(apart)), 1e-300)
         ends = ((int(segments[k]), float(along[k]), points[k]) for k in (j, i))
         far, near = (_gradient(robot, q, end, away) for end in ends)
-        found.append(Contact(int(b) + 1, None, float(own[i, j]), far - near, int(a) + 1))
+        demanded = sum(robot.self_radii[k] - robot.radii[k] for k in (int(a), int(b)))
+        found.append(Contact(int(b) + 1, None, float(own[i, j]), far - near, int(a) + 1, demanded=demanded))
     return sorted(found, key=lambda contact: contact.clearance)

@@ -4,9 +4,11 @@ import math
 from typing import Any, NamedTuple
 
 from sinuous import checks
+from sinuous.arguments import START_KINDS
 from sinuous.errors import InputError
 from sinuous.kernels import tables as t
 from sinuous.problem.problem import Problem
+from sinuous.robot.robot import demanding
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.status import CODES, Status
 
@@ -33,7 +35,7 @@ def read_result(values: Any, problem: Problem) -> Read:
         When a key is missing or its value cannot be meant.
     """
     result = _Result(values)
-    status, start = result.choice("status", _STATUSES), result.choice("start", t.SOURCES)
+    status, start = result.choice("status", _STATUSES), result.choice("start", START_KINDS)
     clearance = result.optional("clearance")
     q = checks.array("q", result.value("q"), (len(problem.robot), 3)).copy()
     outcome = t.Outcome(
@@ -41,11 +43,11 @@ def read_result(values: Any, problem: Problem) -> Read:
         CODES.get(Status(status), t.FAILED),
         checks.integer("iterations", result.value("iterations"), 0, 2**62),
         checks.integer("starts", result.value("starts"), 0, 2**62),
-        t.SOURCES.index(start),
+        START_KINDS.index(start),
         _or(result.optional("position_error"), math.nan),
         _or(result.optional("angle_error"), math.nan),
-        -math.inf if status == Status.BLOCKED else _or(clearance, math.inf),
-        _or(result.optional("self_clearance"), math.inf),
+        -math.inf if status == Status.BLOCKED else _or(clearance, math.inf) - problem.robot.least_demanded[0],
+        _or(result.optional("self_clearance"), math.inf) - problem.robot.least_demanded[1],
         status == Status.LIMIT_BOUND,
         math.nan,
         result.number("seconds"),
@@ -54,6 +56,13 @@ def read_result(values: Any, problem: Problem) -> Read:
     seed = checks.integer("seed", result.value("seed"), 0, 2**31 - 1)
     method = checks.text("method", result.value("method"))
     return Read(outcome, outcome.seconds, method, seed, _route_class(values))
+
+
+def as_demanded(problem: Problem, values: Any) -> Problem:
+    """Return the problem with the clearances that a result says were demanded; earlier versions say nothing."""
+    own = values if isinstance(values, dict) else {}
+    robot = demanding(problem.robot, own.get("demanded_clearance"), own.get("demanded_self_clearance"))
+    return problem if robot is problem.robot else problem.changed(robot=robot)
 
 
 class _Result:

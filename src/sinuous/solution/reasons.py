@@ -37,6 +37,8 @@ class Reason(ShortRepr):
         For `route`: the greatest length of the robot; longer routes were not looked at.
     inside : bool
         Whether the body has to stay inside the obstacle.
+    clearance : float
+        What is demanded of it, which is part of what is needed.
     """
 
     bound: BoundName
@@ -46,12 +48,20 @@ class Reason(ShortRepr):
     pointing: bool = False
     longest: float | None = None
     inside: bool = False
+    clearance: float = 0.0
 
     def __str__(self) -> str:
         missing = number(self.needed - self.available)
         needed, available, obstacle = number(self.needed), number(self.available), self.obstacle
         this_way = " pointing this way" if self.pointing else ""
-        overlap = f"{missing} outside {obstacle}" if self.inside else f"{missing} deep in {obstacle}"
+        body, overlap = (
+            f"the body, of radius {needed},",
+            f"{missing} {'outside' if self.inside else 'deep in'} {obstacle}",
+        )
+        thick = f"a body of radius {needed}"
+        if self.clearance > 0.0:
+            with_it = f"of radius {number(self.needed - self.clearance)} and with {number(self.clearance)} of clearance"
+            body, overlap, thick = f"the body, {with_it},", f"{missing} too near to {obstacle}", f"a body {with_it}"
         return {
             "length": f"the target is {missing} farther from the base than the robot is long "
             f"({needed} away, the robot at most {available} long)",
@@ -61,11 +71,10 @@ class Reason(ShortRepr):
             "behind": f"the target lies {missing} behind everything that the tip can reach{this_way}",
             "turning": f"the direction asks for a turn of {needed} rad, and all bends together make {available} at "
             f"most: {missing} rad too little",
-            "target": f"at the target the body, of radius {needed}, would be {overlap}",
-            "base": f"where the body, of radius {needed}, leaves its mount it is {overlap}; "
-            "the usual remedy is a longer mount",
+            "target": f"at the target {body} would be {overlap}",
+            "base": f"where {body} leaves its mount it is {overlap}; the usual remedy is a longer mount",
             "route": f"between base and target no way that is no longer than the robot ({number(self.longest)}) is "
-            f"wide enough for a body of radius {needed} (shown with cells of edge {available}); the obstacle nearest "
+            f"wide enough for {thick} (shown with cells of edge {available}); the obstacle nearest "
             f"to the target is {obstacle}",
         }[self.bound]
 
@@ -90,7 +99,9 @@ def target_in(problem: Problem) -> Reason | None:
             room = room_at(place, problem.scene)
             available = room.distance + loose + (tolerance.position or 0.0)
             inside = _is_inside(problem, room.obstacle)
-            found.append(Reason("target", robot.radii[last - 1], available, room.obstacle, inside=inside))
+            own = robot.needed_radii[last - 1], available, room.obstacle
+            clearance = robot.needed_radii[last - 1] - robot.radii[last - 1]
+            found.append(Reason("target", *own, inside=inside, clearance=clearance))
     return max(found, key=lambda reason: reason.needed - reason.available, default=None)
 
 
@@ -99,14 +110,23 @@ def base_in(problem: Problem) -> Reason:
     robot = problem.robot
     room = room_at(robot.base[:3, 3] + robot.mount * robot.base[:3, 2], problem.scene)
     inside = _is_inside(problem, room.obstacle)
-    return Reason("base", min(robot.radii), room.distance, room.obstacle, inside=inside)
+    needed, clearance = _thinnest(problem)
+    return Reason("base", needed, room.distance, room.obstacle, inside=inside, clearance=clearance)
 
 
 def closed_in(problem: Problem, cell: float) -> Reason:
     """The obstacle nearest to a target that no route leads to; `cell` is the edge of the cells that proved it."""
     place = next(target.position for target in reversed(problem.targets) if target.position is not None)
     longest = sum(segment.length[1] for segment in problem.robot.segments)
-    return Reason("route", min(problem.robot.radii), cell, room_at(place, problem.scene).obstacle, longest=longest)
+    needed, clearance = _thinnest(problem)
+    nearest = room_at(place, problem.scene).obstacle
+    return Reason("route", needed, cell, nearest, longest=longest, clearance=clearance)
+
+
+def _thinnest(problem: Problem) -> tuple[float, float]:
+    """What the segment that needs least needs, and which part of it is clearance."""
+    robot = problem.robot
+    return min((needed, needed - radius) for needed, radius in zip(robot.needed_radii, robot.radii, strict=True))
 
 
 def _is_inside(problem: Problem, name: str | None) -> bool:

@@ -15,6 +15,7 @@ from sinuous.checks import Floats
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr
+from sinuous.solution.binding import OF_THICKNESS
 from sinuous.solution.contacts import contacts_of
 from sinuous.solution.residual import residual_of, rotation_between
 from sinuous.solution.status import Status
@@ -105,9 +106,17 @@ def _kinds(case: Case) -> list[tuple[Kind, float]]:
     """What can help, and the shares of the time that each may take; what one leaves is for those after it."""
     if case.within is not None:  # all others begin anywhere, and go anywhere
         return [(allow_larger_changes, 1.0)]
+    demanded: list[tuple[Kind, float]] = [(demand_less, 3.0)] if case.problem.robot.demands else []
     if case.status is Status.BASE_BLOCKED:
-        return [(free_the_base, 1.0), (clear_away, 3.0), (make_thinner, 1.0)]
-    kinds: list[tuple[Kind, float]] = [(widen, 3.0), (relax, 3.0), (clear_away, 3.0), (make_thinner, 1.0), (drop, 1.0)]
+        return [*demanded, (free_the_base, 1.0), (clear_away, 3.0), (make_thinner, 1.0)]
+    kinds: list[tuple[Kind, float]] = [
+        *demanded,
+        (widen, 3.0),
+        (relax, 3.0),
+        (clear_away, 3.0),
+        (make_thinner, 1.0),
+        (drop, 1.0),
+    ]
     return kinds if case.status in PROVED else [(change_method, 2.0), *kinds, (search_longer, 1.0)]
 
 
@@ -148,6 +157,31 @@ def allow_larger_changes(trials: Trials, case: Case) -> Iterator[Remedy]:
     factor = rounded_up(high)
     if trials.whole(case.problem, within=case.within * factor) is not None:
         yield Remedy("within", 1.0, factor, "times the changes that were allowed")
+
+
+def demand_less(trials: Trials, case: Case) -> Iterator[Remedy]:
+    """Yield the largest clearance that can be kept, each alone: where they are several, by the same share of all."""
+    robot = case.problem.robot
+    for key in ("clearance", "self_clearance"):
+        before = getattr(robot, key)
+
+        def less(by: float, key: str = key, before: Any = before) -> Problem:
+            after = np.maximum(0.0, (1.0 - by) * np.asarray(before))
+            return case.problem.changed(robot=robot.changed(**{key: _rounded_down(after)}))
+
+        share = trials.smallest(less, 1.0, thorough=True) if np.any(before) else None
+        if share is not None:
+            yield Remedy(key, _listed(before), _listed(getattr(less(share).robot, key)))
+
+
+def _listed(demanded: float | tuple[float, ...]) -> float | list[float]:
+    """What is demanded as a problem file says it."""
+    return list(demanded) if isinstance(demanded, tuple) else demanded
+
+
+def _rounded_down(values: Floats) -> Any:
+    """Values that are a little less where they had many digits."""
+    return tuple(map(_rounded_down, values)) if values.ndim else rounded(float(values))
 
 
 def widen(trials: Trials, case: Case) -> Iterator[Remedy]:
@@ -369,7 +403,7 @@ def make_thinner(trials: Trials, case: Case) -> Iterator[Remedy]:
     robot, radius = case.problem.robot, case.problem.robot.radii[0]
     proved = case.reason is not None and case.reason.obstacle is not None
     kinds = "clearance", "self_clearance"
-    concerned = proved or any(each.constraint in kinds or each.key == "radius" for each in case.binding)
+    concerned = proved or any(each.constraint in kinds or each.key in OF_THICKNESS for each in case.binding)
     if len(set(robot.radii)) > 1 or radius == 0.0 or not concerned:
         return
 

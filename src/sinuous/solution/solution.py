@@ -3,22 +3,22 @@
 import textwrap
 from collections.abc import Mapping, Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
+from sinuous.arguments import START_KINDS, Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
+from sinuous.kernels.tables import SOLVED, Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
 from sinuous.solution.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.solution.explanation import Explanation, explain
-from sinuous.solution.reading import read_result
+from sinuous.solution.reading import as_demanded, read_result
 from sinuous.solution.reasons import Reason, base_in, closed_in, target_in, unreachable
 from sinuous.solution.resolver import LoadedResult, ReSolver
 from sinuous.solution.route_class import RouteClass
@@ -33,6 +33,15 @@ if TYPE_CHECKING:
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
+
+
+_OF_CLEARANCE = {
+    **dict.fromkeys(_OVERLAPS, "or is nearer to one than is demanded"),
+    Status.SOLVED: "by as much as is demanded",
+    Status.NO_ROUTE: "with the clearance that is demanded",
+    Status.UNPROVED: "as far as it is demanded",
+}
+"""What is added to the meaning of a status where a clearance is demanded."""
 
 
 class Solution(NotebookMixin):
@@ -163,8 +172,8 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random or route."""
-        return cast(StartKind, SOURCES[self._outcome.source])
+        """Which kind of start won: given, arc, random, route or remembered."""
+        return START_KINDS[self._outcome.source]
 
     @property
     def route(self) -> Floats | None:
@@ -198,12 +207,26 @@ class Solution(NotebookMixin):
     @property
     def clearance(self) -> float | None:
         """Proved lower bound of the distance between body and obstacles."""
-        return self._outcome.clearance if self.solved and len(self.problem.scene) else None
+        if not (self.solved and len(self.problem.scene)):
+            return None
+        return self._outcome.clearance + self.problem.robot.least_demanded[0]
 
     @property
     def self_clearance(self) -> float | None:
         """Proved lower bound of the distance of the body from itself."""
-        return self._outcome.self_clearance if self.solved and self.problem.robot.avoids_itself else None
+        if not (self.solved and self.problem.robot.avoids_itself):
+            return None
+        return self._outcome.self_clearance + self.problem.robot.least_demanded[1]
+
+    @property
+    def demanded_clearance(self) -> float | tuple[float, ...] | None:
+        """Clearance that the body had to keep: of all segments, or one each; `None` where none was demanded."""
+        return _demanded(self.problem.robot.clearance)
+
+    @property
+    def demanded_self_clearance(self) -> float | tuple[float, ...] | None:
+        """The same from itself."""
+        return _demanded(self.problem.robot.self_clearance)
 
     @property
     def base(self) -> Floats:
@@ -212,10 +235,19 @@ class Solution(NotebookMixin):
 
     @property
     def actuators(self) -> dict[str, float] | None:
-        """Displacement of every tendon, length of every chamber, values of other actuators; `None` without any."""
+        """Values of the motors by name, see `Robot.to_actuators`; `None` without any actuator."""
         robot = self.problem.robot
         names = [actuator.name for actuator in robot.actuators]
         return dict(zip(names, robot.to_actuators(self.q).tolist(), strict=True)) if names else None
+
+    @property
+    def tensions(self) -> dict[str, float] | None:
+        """Tensions of the elastic actuators by name, positive where they pull; `None` without any."""
+        drive = self.problem.robot.drive
+        if drive.elastic is None:
+            return None
+        names = [drive.actuators[place].name for place in drive.elastic.places]
+        return dict(zip(names, drive.elastic.balance(self.q).tensions.tolist(), strict=True))
 
     @property
     def reason(self) -> Reason | None:
@@ -241,6 +273,8 @@ class Solution(NotebookMixin):
     @property
     def sentence(self) -> str:
         """What the status means here; of `limit_bound` with the names of the limits."""
+        if self.status in _OF_CLEARANCE and self.problem.robot.demands:
+            return f"{self.status.sentence}, {_OF_CLEARANCE[self.status]}"
         if self.status is not Status.LIMIT_BOUND:
             return self.status.sentence
         limits = [each for each in self.binding if each.key is not None]
@@ -281,7 +315,8 @@ class Solution(NotebookMixin):
         reason = self.reason
         if reason is None or reason.obstacle is None or self.status is Status.NO_ROUTE:
             return found
-        first = Binding("clearance", None, reason.obstacle, reason.available - reason.needed, 0.0)
+        spare = reason.available - reason.needed
+        first = Binding("clearance", None, reason.obstacle, spare + reason.clearance, reason.clearance)
         return (first, *(each for each in found if each.obstacle != reason.obstacle))
 
     def _find_reason(self) -> Reason | None:
@@ -378,6 +413,7 @@ class Solution(NotebookMixin):
         InputError
             When `values` are no result, or one for another number of segments.
         """
+        problem = as_demanded(problem, values)
         read = read_result(values, problem)
         nothing: Floats = np.empty((0, len(problem.robot), 3))
         return cls(problem, read.outcome, read.seconds, LoadedResult(read.method, read.seed), nothing, read.route_class)
@@ -391,9 +427,12 @@ class Solution(NotebookMixin):
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": _finite(self.clearance),
-            "self_clearance": _finite(self.self_clearance),
+            "clearance": finite_or_none(self.clearance),
+            "self_clearance": finite_or_none(self.self_clearance),
+            "demanded_clearance": self.demanded_clearance,
+            "demanded_self_clearance": self.demanded_self_clearance,
             "actuators": self.actuators,
+            "tensions": self.tensions,
             "worst": None if worst is None else worst.to_dict(),
             "reason": None
             if reason is None
@@ -436,12 +475,16 @@ class Solution(NotebookMixin):
             parts.append(f"  route      {self.route_class}")
         parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")
         parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
-        values = "  ".join(f"{name}={value:.4g}" for name, value in (self.actuators or {}).items())
+        values = self.problem.robot.drive.in_words(self.actuators or {})
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
         parts += [f"  {'' if i else 'actuators':<10} {line}" for i, line in enumerate(lines)]
         return "\n".join(parts)
 
 
-def _finite(value: float | None) -> float | None:
+def _demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | None:
+    return value if np.any(value) else None
+
+
+def finite_or_none(value: float | None) -> float | None:
     """What a file says of a number: nothing where it is infinite."""
     return None if value is None or np.isinf(value) else value

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.arguments import Parameter
+from sinuous.arguments import START_KINDS, Parameter
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
@@ -23,7 +23,6 @@ from sinuous.kernels.tables import (
     SELF_CLEARANCE,
     SOLVED,
     SOURCE,
-    SOURCES,
     STARTS,
     Outcome,
 )
@@ -197,15 +196,16 @@ class Solutions(Frozen, Sequence[Solution]):
     @property
     def clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance between body and obstacles; NaN without obstacles, or a proof."""
-        return self._proved(CLEARANCE, len(self._problems.scene) > 0)
+        return self._proved(CLEARANCE, len(self._problems.scene) > 0, self._problems.robot.least_demanded[0])
 
     @property
     def self_clearance(self) -> Floats:
         """Proved lower bounds (m,) of the distance of the body from itself; NaN where it may cross, or unproved."""
-        return self._proved(SELF_CLEARANCE, self._problems.robot.avoids_itself)
+        robot = self._problems.robot
+        return self._proved(SELF_CLEARANCE, robot.avoids_itself, robot.least_demanded[1])
 
-    def _proved(self, column: int, matters: bool) -> Floats:
-        return np.where(self.solved & matters, self._answers[:, column], np.nan)
+    def _proved(self, column: int, matters: bool, demanded: float) -> Floats:
+        return np.where(self.solved & matters, self._answers[:, column] + demanded, np.nan)
 
     @property
     def iterations(self) -> Whole:
@@ -220,7 +220,7 @@ class Solutions(Frozen, Sequence[Solution]):
     @property
     def start(self) -> NDArray[np.str_]:
         """Which kind of start won (m,): given, arc, random or route."""
-        return np.array(SOURCES)[self._answers[:, SOURCE].astype(np.int64)]
+        return np.array(START_KINDS)[self._answers[:, SOURCE].astype(np.int64)]
 
     @property
     def seconds(self) -> Floats:

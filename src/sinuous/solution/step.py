@@ -7,11 +7,13 @@ import numpy as np
 
 from sinuous.arguments import StepConstraint, StepStatus
 from sinuous.checks import Floats
+from sinuous.kernels.between.sweep import LOW, SEEN_WIDTH
 from sinuous.kernels.body.proof import CLEAR
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import CLEARANCE, POSITION, SELF_CLEARANCE, TARGETS
 from sinuous.problem.target import Tolerance
 from sinuous.reprs import ShortRepr, call
+from sinuous.robot.actuation import Actuator
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 
@@ -62,6 +64,8 @@ class Wanted(NamedTuple):
         See `sinuous.kernels.velocity.layout`.
     motion : tuple of float
         Of the tip in that time (6), rad and length unit.
+    limited : tuple of Actuator
+        Those that have a limit or a rate, as the kernel numbers them.
     """
 
     robot: Robot
@@ -70,6 +74,7 @@ class Wanted(NamedTuple):
     dt: float
     kind: int
     motion: tuple[float, ...]
+    limited: tuple[Actuator, ...]
 
 
 class Step:
@@ -170,13 +175,19 @@ class Step:
 
     @property
     def clearance(self) -> float | None:
-        """Proved lower bound of the clearance at `q`; `None` without obstacles or without a proof."""
-        return self._bound(t.CLEARANCE)
+        """Proved lower bound of the clearance at `q`; `None` without obstacles, and where nothing is proved of `q`.
+
+        It is a number wherever the step is proved.
+        """
+        return self._bound(t.CLEARANCE, 0) if len(self.scene) else None
 
     @property
     def self_clearance(self) -> float | None:
-        """Proved lower bound of the self-clearance at `q`; `None` where it does not matter, or without a proof."""
-        return self._bound(t.SELF_CLEARANCE)
+        """The same from itself; `None` where the body may run through itself, and where nothing is proved of `q`.
+
+        Infinite where no two places of the body come near each other that could touch.
+        """
+        return self._bound(t.SELF_CLEARANCE, 1) if self._wanted.robot.avoids_itself else None
 
     @property
     def position_error(self) -> float | None:
@@ -214,9 +225,18 @@ class Step:
         asked, reached = self._motions()
         return bool(np.linalg.norm(reached - asked) <= NEARLY * np.linalg.norm(asked))
 
-    def _bound(self, column: int) -> float | None:
+    def _bound(self, column: int, row: int) -> float | None:
+        """What was proved of `q` itself; where there was no time for that, what the proof of the way says of all of it.
+
+        Of a way that was cut short, that is no more than what is demanded.
+        """
         value = float(self._answer[column])
-        return value if np.isfinite(value) else None
+        if value == -np.inf:
+            if not self.proved:
+                return None
+            whole = self._answer[t.SHARE] == 1.0
+            value = max(0.0, float(self._answer[t.SEEN + row * SEEN_WIDTH + LOW])) if whole else 0.0
+        return value + self._wanted.robot.least_demanded[row]
 
     def _find_active(self) -> tuple[Active, ...]:
         first = t.SHAPE + self.q.size
@@ -225,14 +245,14 @@ class Step:
         return tuple(dict.fromkeys(self._named(*row) for row in ordered))
 
     def _named(self, kind: int, segment: int, which: int) -> Active:
-        robot, scene = self._wanted.robot, self._wanted.scene
+        scene = self._wanted.scene
         place = segment + 1 if segment >= 0 else None
         if kind == CLEARANCE:
             return Active("clearance", place, obstacle=scene.name(which))
         if kind == SELF_CLEARANCE:
             return Active("self_clearance", place, other_segment=which + 1)
-        actuator = robot.actuators[which] if segment < 0 else None
-        if actuator is not None:
+        if segment < 0:
+            actuator = self._wanted.limited[which]
             return Active(CONSTRAINTS[kind], actuator.segment, actuator=actuator.name)
         return Active(CONSTRAINTS[kind], place)
 

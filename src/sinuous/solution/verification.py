@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from sinuous.arguments import Batch, Number
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.measures.between import least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
 from sinuous.measures.reach import target_errors
 from sinuous.problem.problem import Problem, check_sizes
@@ -35,7 +36,8 @@ class Verification(ShortRepr):
     Attributes
     ----------
     ok : bool
-        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere.
+        Targets met, limits kept, no place of the body inside an obstacle, and none inside the body elsewhere; nor
+        nearer to either than the robot demands.
     position_error, angle_error : float
         Largest over the targets; 0 where nothing is asked.
     excess : float
@@ -105,16 +107,47 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
     clearance, segment, obstacle = least_clearance(robot, scene, q, ends)
     itself = nearest_meeting(robot, q, ends)
-    excess = robot.excess(q)
+    spare = clearance - robot.least_demanded[0]
+    if isinstance(robot.clearance, tuple):
+        spare = least_clearance(robot, scene, q, ends, beyond=True).distance
     slack = ROUNDING * robot.mean_length
     ok = (
         off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
-        and all(amount <= LIMIT_SLACK * unit_of(limit, robot.mean_length) for limit, _, amount in robot.violations(q))
-        and clearance >= -slack
+        and _within_limits(robot, q)
+        and spare >= -slack
         and itself.gap >= -slack
     )
-    return Verification(ok, off, turn, excess, clearance, segment, obstacle, *itself)
+    gap = itself.gap + robot.least_demanded[1]
+    return Verification(ok, off, turn, robot.excess(q), clearance, segment, obstacle, gap, itself.segments)
+
+
+def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> list[Verification]:
+    """Look at the steps between knots (T, n, 3) at many places of each, in the scene as it is at their `times` (T,)."""
+    return [_step(robot, q[i : i + 2], scene, times[i : i + 2]) for i in range(len(q) - 1)]
+
+
+def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
+    """Look at one step: limits at both ends, for they are convex; clearances at shares of it."""
+    shares = shares_between(robot, *ends)
+    q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
+    if scene.moves:
+        when = times[0] + shares * (times[1] - times[0])
+        seen = [least_clearances(robot, scene.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
+        clearances, spares, segments, obstacles = (np.concatenate(each) for each in zip(*seen, strict=True))
+    else:
+        clearances, spares, segments, obstacles = least_clearances(robot, scene, q)
+    at = int(clearances.argmin())
+    itself = least_meeting(robot, q)
+    gap, slack = itself.gap + robot.least_demanded[1], ROUNDING * robot.mean_length
+    ok = all(_within_limits(robot, one) for one in ends) and spares.min() >= -slack and itself.gap >= -slack
+    segment, obstacle = (None, None) if obstacles[at] < 0 else (int(segments[at]) + 1, scene.name(int(obstacles[at])))
+    near = float(clearances[at]), segment, obstacle
+    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), *near, gap, itself.segments)
+
+
+def _within_limits(robot: Robot, q: Floats) -> bool:
+    return all(amount <= LIMIT_SLACK * unit_of(limit, robot.mean_length) for limit, _, amount in robot.violations(q))
 
 
 KINDS = {"ok": np.bool_, "segment": np.object_, "obstacle": np.object_, "self_segments": np.object_}
@@ -188,6 +221,7 @@ def check(
     if not isinstance(robot, Robot):
         raise InputError("robot", "", robot, "a Robot")
     shapes, place = robot.configuration("q", q), as_snapshot(scene)
+    place.refuse_moving()
     check_sizes(robot, place)
     asked = () if targets is None else target_list("targets", targets)
     if asked:

@@ -3,10 +3,10 @@
 import math
 from typing import Any, NamedTuple
 
-from sinuous.robot.actuators import UNLIMITED, Actuators
+from sinuous.robot.actuators import Actuators
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
-from sinuous.solution.binding import Binding
+from sinuous.solution.binding import OF_THICKNESS, Binding
 from sinuous.words import listed, rounded, segments
 
 MOST = 4.0
@@ -18,7 +18,7 @@ FROM_NOTHING = 0.1
 COUPLED = "actuators.limits"
 """What the problem file calls limits of the robot's `Actuators`; all others are limits of segments."""
 
-OF_ANY_SIGN = ("tendons.displacement", COUPLED)
+OF_ANY_SIGN = ("tendons.displacement", "tendons.limits", "chambers.limits", COUPLED)
 """Limits that may be negative."""
 
 Limits = float | tuple[float, float]
@@ -74,9 +74,7 @@ class Widening(NamedTuple):
             return robot.changed(segments=[_with(s, self.key, limits) if k in self.shared else s for k, s in numbered])
         linear = _linear(robot)
         own = [limits if i in self.shared else each for i, each in enumerate(linear.limits)]
-        return robot.changed(
-            actuators=Actuators(linear.matrix, linear.names, [None if each == UNLIMITED else each for each in own])
-        )
+        return robot.changed(actuators=linear.changed(limits=own))
 
 
 def widenings(robot: Robot, binding: tuple[Binding, ...]) -> list[Widening]:
@@ -108,7 +106,7 @@ def limits_of(robot: Robot, key: str, place: int) -> Limits | None:
     group, _, name = key.rpartition(".")
     segment = robot.segments[place - 1]
     owner = getattr(segment, group) if group else segment
-    limits: Limits | None = None if owner is None or key == "radius" else getattr(owner, name)
+    limits: Limits | None = None if owner is None or key in OF_THICKNESS else getattr(owner, name)
     return limits
 
 

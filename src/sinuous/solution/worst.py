@@ -39,9 +39,9 @@ class Worst(ShortRepr):
     obstacle : str or None
         Name of the obstacle, for `clearance`.
     amount : float
-        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); the depth of overlap
-        for `clearance` and `self_clearance` (length); beyond the limit for the others (length; rad for `bend` and
-        `curvature`).
+        By how much it is missed: beyond the tolerance for `position` (length) and `angle` (rad); for
+        `clearance` and `self_clearance` the depth of overlap, or what is missing of what is demanded (length); beyond
+        the limit for the others (length; rad for `bend` and `curvature`).
     other_segment : int or None
         The segment that it touches, for `self_clearance`; not beyond `segment`.
     """
@@ -138,7 +138,7 @@ def _seen(problem: Problem, q: Floats) -> Meeting:
 
 
 def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats) -> tuple[float, int | None, str | None]:
-    """Least clearance, its segment (1 = first) and obstacle: as `measures.body.least_clearance`, but compiled."""
+    """Least clearance beyond what is demanded, its segment (1 = first) and obstacle: as `measures.body` has it."""
     if len(scene) == 0:
         return math.inf, None, None
     points, lengths = robot.backbone(q, SAMPLES), q[:, 2]
@@ -147,6 +147,6 @@ def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats) -> tuple[float,
     before = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
     free = before[:, None] + np.linspace(0.0, lengths, SAMPLES + 1, axis=-1) >= robot.mount
     segments = np.broadcast_to(np.arange(len(robot))[:, None], free.shape)[free]
-    nearest = least_gap(points[places[free]], np.array(robot.radii)[segments], scene)
+    nearest = least_gap(points[places[free]], np.array(robot.needed_radii)[segments], scene)
     segment = None if nearest.place is None else int(segments[nearest.place]) + 1
     return nearest.distance, segment, nearest.obstacle

@@ -16,17 +16,17 @@ Ramp = tuple[float, float, float]
 
 
 def base_blocked(robot: Robot, scene: Snapshot) -> bool:
-    """Prove that the body overlaps an obstacle where it leaves its mount, whatever the configuration.
+    """Prove that the body is too near to an obstacle where it leaves its mount, whatever the configuration.
 
     Where the whole robot may be shorter than its mount, nothing is proved. The backbone at arc length `mount` is
     within `sway` of the straight line.
     """
     if len(scene) == 0:
         return False
-    reached, radius = 0.0, robot.radii[0]
+    reached, radius = 0.0, robot.needed_radii[0]
     ramps: list[Ramp] = []
     if robot.mount > 0.0:
-        for segment, own, curvature in zip(robot.segments, robot.radii, robot.curvatures, strict=True):
+        for segment, own, curvature in zip(robot.segments, robot.needed_radii, robot.curvatures, strict=True):
             # Lengths vary: this may be the segment that leaves the mount, and so may any before it.
             radius = min(radius, own)
             low, high = segment.length

@@ -5,12 +5,14 @@ from dataclasses import dataclass, field
 from typing import Any, TypedDict
 
 from sinuous import checks
-from sinuous.arguments import Number, Truth, Whole
+from sinuous.arguments import Number, OneEach, Truth, Whole
 from sinuous.errors import InputError
 from sinuous.methods import registry
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
+from sinuous.robot.robot import Robot, demanding
 from sinuous.solving.attempts import read_without
+from sinuous.solving.memory import Memory
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -30,6 +32,9 @@ class SolveArguments(TypedDict, total=False):
     seed: Whole
     routes: Truth
     without: str | Sequence[str]
+    memory: Memory | None
+    clearance: OneEach | None
+    self_clearance: OneEach | None
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,11 @@ class SolveOptions:
         (see `Capabilities.routes`).
     without : str or sequence of str
         Attempts that are switched off, by the names in `sinuous.solving.attempts.ATTEMPTS`: to see what they bring.
+    memory : Memory, optional
+        Shapes that are tried before anything is searched, and where what is solved is kept.
+    clearance, self_clearance : float or array_like (n,), optional
+        Least distance of the body from obstacles, and from itself, that a solution has to keep, instead of what the
+        robot demands: of all segments, or one each. See `Robot`.
 
     Raises
     ------
@@ -70,12 +80,17 @@ class SolveOptions:
     seed: int = 0
     routes: bool = True
     without: tuple[str, ...] = ()
+    memory: Memory | None = None
+    clearance: OneEach | None = None
+    self_clearance: OneEach | None = None
 
     def __post_init__(self) -> None:
         prefer, most = Preferences() if self.prefer is None else self.prefer, self.max_starts
         if not isinstance(prefer, Preferences):
             raise InputError("prefer", "", prefer, "Preferences")
         registry.name_of(self.method)
+        if not isinstance(self.memory, Memory | None):
+            raise InputError("memory", "", self.memory, "a Memory")
         values = {
             "tolerance": as_tolerance(self.tolerance),
             "prefer": prefer,
@@ -84,9 +99,15 @@ class SolveOptions:
             "seed": checks.integer("seed", self.seed, 0, 2**31 - 1),
             "routes": checks.truth("routes", self.routes),
             "without": read_without(self.without),
+            "clearance": _each("clearance", self.clearance),
+            "self_clearance": _each("self_clearance", self.self_clearance),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
+
+    def demanded_of(self, robot: Robot) -> Robot:
+        """Return the robot with the clearances that are demanded here, where any are."""
+        return demanding(robot, self.clearance, self.self_clearance)
 
     @property
     def most_starts(self) -> int:
@@ -105,3 +126,8 @@ class SolveOptions:
             if key not in cls.__dataclass_fields__:
                 raise InputError(key, "is not known", value, "one of " + ", ".join(cls.__dataclass_fields__))
         return cls(**given)
+
+
+def _each(key: str, value: OneEach | None) -> float | tuple[float, ...] | None:
+    """Check what is demanded of every segment; how many there are says the robot."""
+    return None if value is None else checks.one_each(key, value, None, "segment")

@@ -52,7 +52,10 @@ class RateLimits:
     segments : ndarray (n, 7)
         See `BEND_CHANGE` and its neighbours in `sinuous.kernels.velocity.layout`.
     actuators : ndarray (p, 3 n + 5)
-        Of those that have a limit or a rate: derivatives of their values, then see `LEAST` and its neighbours there.
+        Of those that have a limit or a rate: derivatives of their displacements, then see `LEAST` and its neighbours
+        there.
+    limited : tuple of Actuator
+        These.
     """
 
     def __init__(self, robot: Robot, most: Rates | Changes) -> None:
@@ -64,11 +67,13 @@ class RateLimits:
         self.segments[:, a.BEND_CHANGE], self.segments[:, a.LENGTH_CHANGE] = own.bend, own.length
         self.segments[:, a.BEND_SECOND], self.segments[:, a.LENGTH_SECOND] = turns.bend, turns.length
         limits = robot.drive.limits
-        listed = np.isfinite(limits).any(axis=1) | np.isfinite(own.actuator) | np.isfinite(turns.actuator)
+        changes, seconds = (robot.drive.motors.within(each.actuator) for each in (own, turns))
+        listed = np.isfinite(limits).any(axis=1) | np.isfinite(changes) | np.isfinite(seconds)
+        self.limited = tuple(robot.actuators[i] for i in np.flatnonzero(listed))
         least, greatest = limits[listed].T
         columns = [np.empty(0)] * a.ACTUATOR_COLUMNS
         columns[a.LEAST], columns[a.MOST], columns[a.LAST] = least, greatest, np.zeros(len(least))
-        columns[a.CHANGE], columns[a.SECOND] = own.actuator[listed], turns.actuator[listed]
+        columns[a.CHANGE], columns[a.SECOND] = changes[listed], seconds[listed]
         self.actuators = np.column_stack([robot.drive.jacobian[listed].reshape(-1, 3 * n), *columns])
         self.accelerates = further is not None
 
@@ -156,6 +161,7 @@ class ControlLoop:
 
     def __init__(self, robot: Robot, scene: Scene, options: SolveOptions, tolerance: Tolerance) -> None:
         self._robot, self._scene, self._tolerance = robot, scene, tolerance
+        self._demanded = robot.least_demanded[0]
         self._wish, self._time = options.prefer.clearance, options.time
         self._group = robot_group(robot)
         self._settings = settings_group(robot, tolerance)
@@ -195,13 +201,13 @@ class ControlLoop:
         if limits.accelerates and before is None:
             raise InputError("velocity", "missing", None, "that of the step before, for rates with an acceleration")
         scene = self._scene.snapshot()
-        asked = Asked(kind, motion, rows, 1, wish, self._time)
+        asked = Asked(kind, motion, rows, 1, self._beyond(wish), self._time)
         answer = self._tick(scene, asked, own, limits, seconds, before if limits.accelerates else None)
-        return Step(Wanted(self._robot, scene, self._tolerance, seconds, kind, motion), own, answer)
+        return Step(Wanted(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited), own, answer)
 
     def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
         """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
-        asked = Asked(TARGETS, STILL, problem._rows, ROUNDS, self._wish, seconds)
+        asked = Asked(TARGETS, STILL, problem._rows, ROUNDS, self._beyond(self._wish), seconds)
         answer = self._tick(problem.scene, asked, initial, self._limits_of(changes), 1.0, None)
         q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape).copy()
         off, turn, clearance, own = answer[[t.POSITION_ERROR, t.ANGLE_ERROR, t.CLEARANCE, t.SELF_CLEARANCE]].tolist()
@@ -216,6 +222,10 @@ class ControlLoop:
             code = RATE_BOUND
         rounds, merit = int(answer[t.ROUNDS]), float(answer[t.MERIT])
         return Outcome(q, code, rounds, 1, GIVEN, off, turn, clearance, own, len(kinds) > 0, merit, 0.0)
+
+    def _beyond(self, clearance: float) -> float:
+        """What is wished for beyond the clearance that is demanded."""
+        return max(0.0, clearance - self._demanded)
 
     def _limits_of(self, most: Rates | Changes | None) -> RateLimits:
         """Limits and rates as the kernel reads them; those of the last call are kept."""

@@ -6,8 +6,8 @@ from typing import Any
 
 from sinuous.arguments import MethodName
 from sinuous.checks import Floats
+from sinuous.errors import SuspiciousInput
 from sinuous.motion.job import Job
-from sinuous.problem.suspicions import SuspiciousInput
 from sinuous.problem.target import Target
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot

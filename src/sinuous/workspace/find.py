@@ -113,7 +113,7 @@ def reach(
     calls = Calls(workers, checkpoint)
     taken = _within_reach(free, voxels, calls)
     points = voxels.middles[taken]
-    work = _Work(robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
+    work = _Work(solver.robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
     with ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
         alone = _without_obstacles(work, free, bar)
         among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
@@ -184,7 +184,7 @@ def _among_obstacles(work: _Work, solver: Solver, alone: Answers, bar: ProgressB
 
 def _blocked_places(work: _Work, solver: Solver) -> NDArray[np.int64]:
     """Numbers of the places where the body of the tip would overlap an obstacle, whatever the direction."""
-    near = np.flatnonzero(work.scene.distance(work.places) < max(work.robot.radii))
+    near = np.flatnonzero(work.scene.distance(work.places) < max(work.robot.needed_radii))
     if not len(near):
         return near
     codes, _ = work.calls.solve(solver, positions=work.places[near])
@@ -209,7 +209,7 @@ def _blame(work: _Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:
 def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
     """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
     found = np.empty(len(q), np.int16)
-    radii = np.repeat(np.array(robot.radii), SAMPLES)
+    radii = np.repeat(np.array(robot.needed_radii), SAMPLES)
     for first in range(0, len(q), BODIES_TOGETHER):
         some = q[first : first + BODIES_TOGETHER].astype(np.float64)
         points = robot.backbone(some, SAMPLES)[:, 1:]

@@ -23,6 +23,7 @@ from benchmarks.wild.worlds import World
 from sinuous.kernels.tables import BASE_BLOCKED, NO_ROUTE, OUT_OF_REACH, SOLVED, TARGET_BLOCKED
 from sinuous.problem.target import Tolerance
 from sinuous.solution.solution import Solution
+from sinuous.solving.solver import Solver
 from tests.benchmarks.tampering import moved
 
 STRAIGHT = np.array([[[0.0, 0.0, 1.0]] * 3])
@@ -40,6 +41,7 @@ BESIDE = [sn.Sphere((0.5, 0.0, 1.5), 0.3)]
 @pytest.fixture(scope="module")
 def solution() -> Solution:
     (found,), _ = solutions_of(world(BESIDE))
+    assert isinstance(found, Solution)
     assert found.solved
     return found
 
@@ -109,9 +111,19 @@ def test_a_liar_is_found_out(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def lying(asked: World) -> tuple[list[Solution], list[float]]:
         solutions, seconds = honest(asked)
-        return [moved(each, (0, 0), 1e-3) for each in solutions], seconds
+        return [moved(each, (0, 0), 1e-3) for each in solutions if isinstance(each, Solution)], seconds
 
     monkeypatch.setattr(trials, "solutions_of", lying)
     (trial,) = examine(world(BESIDE))
     assert not trial.solved
     assert TARGET in trial.false
+
+
+def test_a_call_that_ends_in_an_exception_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: Any) -> Solution:
+        raise IndexError
+
+    monkeypatch.setattr(Solver, "solve", failing)
+    (trial,) = examine(world(BESIDE))
+    assert not trial.solved
+    assert trial.false == (trials.EXCEPTION,)

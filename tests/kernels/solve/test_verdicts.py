@@ -5,10 +5,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from sinuous.kernels.solve import verdicts
 from sinuous.kernels.solve.verdicts import POSSIBLE
 from sinuous.kernels.tables import OUT_OF_REACH, TARGET_BLOCKED
+from sinuous.measures.reach import bounds
 from sinuous.poses import pose
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
@@ -20,8 +22,8 @@ from tests.helpers import Floats, kernel_problem, random_pose
 TOLERANCE = (1e-3, 1e-2)
 
 
-def verdict(robot: Robot, targets: Any, scene: Scene | None = None) -> int:
-    return verdicts.verdict_of(kernel_problem(robot, targets, scene, Tolerance(*TOLERANCE), margin=0.0, look_depth=2))
+def verdict(robot: Robot, targets: Any, scene: Scene | None = None, tolerance: tuple[float, float] = TOLERANCE) -> int:
+    return verdicts.verdict_of(kernel_problem(robot, targets, scene, Tolerance(*tolerance), margin=0.0, look_depth=2))
 
 
 def robots(seed: int) -> Robot:
@@ -66,6 +68,31 @@ def test_what_a_configuration_attains_is_never_impossible(seed: int) -> None:
             assert verdict(robot, target) == POSSIBLE
         if k < len(robot):
             assert verdict(robot, Target(inner[:3, 3], direction=inner[:3, 2], segment=k)) == POSSIBLE
+
+
+@pytest.mark.parametrize("tilt", [1e-10, 3e-9, 1e-8, 1.4e-8, 1e-7, 1e-3, 0.3])
+def test_a_tool_that_is_hardly_tilted_is_tilted(tilt: float) -> None:
+    """The cosine of 1e-8 is 1 to the last digit; links of 2 in all are aside by twice that."""
+    tool = pose(direction=(math.sin(tilt), 0.0, math.cos(tilt)))
+    robot = Robot.uniform(2, 1.0, max_bend=0.0, tool=tool)
+    tip = robot.tip(np.array([[0.0, 0.0, 1.0]] * 2))
+    for target in (Target(tip[:3, 3], direction=tip[:3, 2]), Target(tip[:3, 3], rotation=tip[:3, :3])):
+        assert all(b.needed <= b.available + 1e-12 for b in bounds(robot, target, Tolerance(1e-13, 1e-13)))
+        assert verdict(robot, target, tolerance=(1e-13, 1e-13)) == POSSIBLE
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_what_is_attained_within_large_tolerances_is_never_impossible(seed: int) -> None:
+    robot, rng = robots(seed), np.random.default_rng(seed)
+    for _ in range(10):
+        tip = robot.tip(extreme(robot, rng))
+        near, angle = rng.uniform(0.01, 1.0, 2) * (robot.mean_length, 2.0)
+        off, axis = (vector / np.linalg.norm(vector) for vector in rng.normal(size=(2, 3)))
+        place = tip[:3, 3] + 0.999 * near * off
+        rotation = Rotation.from_rotvec(0.999 * angle * axis).as_matrix() @ tip[:3, :3]
+        for target in (Target(place, direction=rotation[:, 2]), Target(place, rotation=rotation)):
+            assert all(b.needed <= b.available + 1e-9 for b in bounds(robot, target, Tolerance(near, angle)))
+            assert verdict(robot, target, tolerance=(near, angle)) == POSSIBLE
 
 
 @pytest.mark.parametrize("seed", range(40))

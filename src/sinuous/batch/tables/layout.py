@@ -100,7 +100,7 @@ class Layout:
 def _actuators(robot: Robot, q: Floats) -> Floats:
     """Values (m, k) of all actuators, summed in an order that does not depend on m, as that of a product does."""
     flat, jacobian = q.reshape(len(q), -1), robot.drive.jacobian
-    values = np.zeros((len(q), len(jacobian)))
+    displacements = np.zeros((len(q), len(jacobian)))
     for k, j in np.argwhere(jacobian).tolist():
-        values[:, k] += jacobian[k, j] * flat[:, j]
-    return values
+        displacements[:, k] += jacobian[k, j] * flat[:, j]
+    return robot.drive.motors.values(displacements)

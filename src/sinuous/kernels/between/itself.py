@@ -30,7 +30,7 @@ from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING
 from sinuous.kernels.clock import spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add, norm, sub
-from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.tables import SELF_RADIUS
 
 
 @kernel
@@ -48,8 +48,8 @@ def passed_over(limits: Array, qa: Array, qb: Array) -> float:
     for k in range(n):
         length += max(qa[k, 2], qb[k, 2])
         curvature = max(curvature, _most_curved(qa, qb, k))
-        if k == n - 1 or limits[k + 1, RADIUS] != limits[k, RADIUS]:
-            low = min(low, least_of_run(limits[k, RADIUS], length, curvature))
+        if k == n - 1 or limits[k + 1, SELF_RADIUS] != limits[k, SELF_RADIUS]:
+            low = min(low, least_of_run(limits[k, SELF_RADIUS], length, curvature))
             length = curvature = 0.0
     return low
 
@@ -60,7 +60,7 @@ def cannot_meet(limits: Array, qa: Array, qb: Array) -> bool:
     first = second = 0.0
     enough = HALF_TURN
     for k in range(limits.shape[0]):
-        if limits[k, RADIUS] != limits[0, RADIUS]:
+        if limits[k, SELF_RADIUS] != limits[0, SELF_RADIUS]:
             enough = QUARTER_TURN
         first += math.hypot(qa[k, 0], qa[k, 1])
         second += math.hypot(qb[k, 0], qb[k, 1])
@@ -73,7 +73,7 @@ def _alone(limits: Array, qa: Array, qb: Array, k: int) -> float:
 
     Those of places that turn by less than half a turn are bounded by `passed_over`.
     """
-    radius, length = limits[k, RADIUS], max(qa[k, 2], qb[k, 2])
+    radius, length = limits[k, SELF_RADIUS], max(qa[k, 2], qb[k, 2])
     bend = max(math.hypot(qa[k, 0], qa[k, 1]), math.hypot(qb[k, 0], qb[k, 1]))
     if radius == 0.0 or bend < HALF_TURN or length < math.pi * radius:
         return math.inf
@@ -130,7 +130,8 @@ def _never_concern(swept: Swept, i: int, j: int) -> bool:
     """Whether no two places of segments i < j concern each other during an interval."""
     first, last = swept.first, swept.last
     most = max(first.spans[j + 1, TURNED] - first.spans[i, TURNED], last.spans[j + 1, TURNED] - last.spans[i, TURNED])
-    return bool(most < enough_between(first, i, j) or first.limits[i, RADIUS] + first.limits[j, RADIUS] == 0.0)
+    needed = first.limits[i, SELF_RADIUS] + first.limits[j, SELF_RADIUS]
+    return bool(most < enough_between(first, i, j) or needed == 0.0)
 
 
 @kernel
@@ -162,7 +163,7 @@ def clear_of_itself(swept: Swept, sweep: Sweep, level: int, aim: Aim, seen: Arra
             sure = _alone(swept.first.limits, swept.first.q, swept.last.q, i) - aim.rounding
             verdict = TOUCHING if _see_alone(swept, i, seen) else _judge(sure, aim, seen)
         elif not _never_concern(swept, i, j):
-            needed = swept.first.limits[i, RADIUS] + swept.first.limits[j, RADIUS]
+            needed = swept.first.limits[i, SELF_RADIUS] + swept.first.limits[j, SELF_RADIUS]
             verdict = _judge(_apart(swept, i, j) - needed - aim.rounding, aim, seen)
             if verdict != CLEAR:
                 sure, gap, s, _, when, looks = nearest_places(swept, pair_of(swept, i, j), own, seen[LEAST])

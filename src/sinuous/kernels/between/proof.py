@@ -32,7 +32,7 @@ from sinuous.kernels.chain.rates import measure_rates
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, norm
-from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.tables import RADIUS, SELF_RADIUS
 
 ROUNDING = 1e-12
 """What arithmetic may be wrong by, relative to how far the body is from the origin of the world."""
@@ -211,10 +211,10 @@ def _clear_of_itself(
 
 @kernel
 def _thickest(limits: Array) -> float:
-    """Largest radius of a body."""
+    """Largest radius of a body, whatever it has to be free of."""
     radius = 0.0
     for k in range(limits.shape[0]):
-        radius = max(radius, limits[k, RADIUS])
+        radius = max(radius, limits[k, RADIUS], limits[k, SELF_RADIUS])
     return radius
 
 

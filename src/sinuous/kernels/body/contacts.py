@@ -19,7 +19,7 @@ SOFTNESS = 1e-4
 """Scale of rows that are only wished for; with their variance, 1e-10, they weigh 100 times a radian."""
 
 Body = namedtuple("Body", ["limits", "q", "frames", "unit"])
-"""Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
+"""Rows of segments (n, 8), configuration (n, 3), frames (n + 1, 12), and the length that rows are measured in."""
 
 Look = namedtuple("Look", ["margin", "wish", "depth", "mode"])
 """How closely contacts are looked for: clearance that is needed, clearance that is wished for (lengths), how often a

@@ -27,7 +27,7 @@ from sinuous.kernels.body.chords import arc_chord
 from sinuous.kernels.chain.kinematics import frame
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, norm, scale, sub
-from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.tables import SELF_RADIUS
 
 ALONG, TURNED, CURVATURE, RUN, FIRST = range(5)
 """Columns of `spans`, a row a segment and one more for the tip: length and turn (rad) of the backbone before the
@@ -37,7 +37,7 @@ before itself, that it may have to be looked at with."""
 SPAN_WIDTH = 5
 
 Shape = namedtuple("Shape", ["limits", "q", "frames", "spans"])
-"""Rows of segments (n, 7), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
+"""Rows of segments (n, 8), configuration (n, 3), frames (n + 1, 12), and `spans` (n + 1, 5), which `survey` fills."""
 
 HALF_TURN, QUARTER_TURN = math.pi - 1e-9, 0.5 * math.pi - 1e-9
 """Turn (rad) from which on places are looked at: of one run, and of two."""
@@ -57,9 +57,9 @@ def survey(shape: Shape) -> tuple[float, float]:
     along = turned = begun = tightest = 0.0
     run = 0
     for k in range(n):
-        radius, length = limits[k, RADIUS], q[k, 2]
-        if k > 0 and radius != limits[k - 1, RADIUS]:
-            most = min(most, least_of_run(limits[k - 1, RADIUS], along - begun, tightest))
+        radius, length = limits[k, SELF_RADIUS], q[k, 2]
+        if k > 0 and radius != limits[k - 1, SELF_RADIUS]:
+            most = min(most, least_of_run(limits[k - 1, SELF_RADIUS], along - begun, tightest))
             run, begun, tightest = run + 1, along, 0.0
         bend = math.sqrt(q[k, 0] * q[k, 0] + q[k, 1] * q[k, 1])
         curvature = bend / max(length, NO_LENGTH)
@@ -73,7 +73,7 @@ def survey(shape: Shape) -> tuple[float, float]:
             while first < n and spans[first + 1, TURNED] - spans[k, TURNED] < HALF_TURN:
                 first += 1
         spans[k, FIRST] = first if run == 0 else k
-    return min(most, least_of_run(limits[n - 1, RADIUS], along - begun, tightest)), thickest
+    return min(most, least_of_run(limits[n - 1, SELF_RADIUS], along - begun, tightest)), thickest
 
 
 @kernel
@@ -118,7 +118,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
             if meets_itself(shape, i):
                 return i, i, low
             continue
-        needed = limits[i, RADIUS] + limits[j, RADIUS]
+        needed = limits[i, SELF_RADIUS] + limits[j, SELF_RADIUS]
         if needed == 0.0 or spans[j + 1, TURNED] - spans[i, TURNED] < enough_between(shape, i, j):
             continue
         sure = norm(sub(_middle(frames, i), _middle(frames, j))) - 0.5 * (q[i, 2] + q[j, 2]) - needed
@@ -126,7 +126,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
             return i, j, low
         low = level
         # What follows within this length of backbone is far enough away, too.
-        reached = spans[j + 1, ALONG] + sure - level - (thickest - limits[j, RADIUS])
+        reached = spans[j + 1, ALONG] + sure - level - (thickest - limits[j, SELF_RADIUS])
         while j + 1 < n and spans[j + 2, ALONG] <= reached:
             j += 1
 
@@ -134,7 +134,7 @@ def next_pair(shape: Shape, i: int, j: int, level: float, thickest: float) -> tu
 @kernel
 def meets_itself(shape: Shape, i: int) -> bool:
     """Whether segment `i` alone turns far enough to come back to itself."""
-    radius = shape.limits[i, RADIUS]
+    radius = shape.limits[i, SELF_RADIUS]
     turn = shape.spans[i + 1, TURNED] - shape.spans[i, TURNED]
     return bool(radius > 0.0 and turn >= HALF_TURN and shape.q[i, 2] >= math.pi * radius)
 
@@ -142,7 +142,7 @@ def meets_itself(shape: Shape, i: int) -> bool:
 @kernel
 def own_gap(shape: Shape, i: int) -> tuple[float, float]:
     """Least gap between the beginning of segment `i` and another place of it, and the fraction of that place."""
-    radius, length, curvature = shape.limits[i, RADIUS], shape.q[i, 2], shape.spans[i, CURVATURE]
+    radius, length, curvature = shape.limits[i, SELF_RADIUS], shape.q[i, 2], shape.spans[i, CURVATURE]
     if curvature * radius > 1.0:
         return arc_chord(curvature, math.pi * radius) - 2.0 * radius, math.pi * radius / length
     return arc_chord(curvature, length) - 2.0 * radius, min(1.0, 2.0 * math.pi / (curvature * length))

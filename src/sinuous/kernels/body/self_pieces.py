@@ -19,7 +19,7 @@ from sinuous.kernels.chain.kinematics import frame, place_on, tangent
 from sinuous.kernels.chain.rates import BEND_RATE, LENGTH_RATE, TURNING, bow_from
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, norm, scale, sub, vec_mat
-from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.tables import SELF_RADIUS
 
 Swept = namedtuple("Swept", ["first", "last", "rates", "begin", "h"])
 """The body during an interval of time: its shapes (`Shape`) when that begins and ends, `rates` (n, 5) of the whole
@@ -100,7 +100,8 @@ def _past(swept: Swept, begin: int, end: int, step: int) -> tuple[float, float]:
 def pair_of(swept: Swept, i: int, j: int) -> Pair:
     """Put together what is known of segments i < j in an interval."""
     first, last = swept.first, swept.last
-    needed, stepped = first.limits[i, RADIUS] + first.limits[j, RADIUS], first.spans[i, RUN] != first.spans[j, RUN]
+    needed = first.limits[i, SELF_RADIUS] + first.limits[j, SELF_RADIUS]
+    stepped = first.spans[i, RUN] != first.spans[j, RUN]
     tightest = 0.0
     for k in range(i, j + 1):
         tightest = max(tightest, first.spans[k, CURVATURE], last.spans[k, CURVATURE])

@@ -41,13 +41,16 @@ from sinuous.kernels.tables import (
     PLACE,
     PLACED,
     POSE_POSITION,
-    RADIUS,
     SAMPLES,
+    SELF_RADIUS,
     TREE,
     WEIGHTS,
 )
 from sinuous.kernels.tables import KIND as OBSTACLE_KIND
 from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, LENGTH, SELF_CLEARANCE
+
+THICK = 1e-6
+"""By what share the largest curvature may be below 1 / radius where the thickness of the body limits it."""
 
 COLUMN, RADIUS_OF, NUMBER = range(3)
 """Columns of `lines`, a row an actuator limit: number of the circle that its line is on (-1: none), the radius of that
@@ -150,7 +153,7 @@ def _of_constraint(
     if asked[BENDS] >= 0 and kind == BEND:
         sides[at, asked[BENDS] + k] = -1.0
     if kind == CURVATURE:
-        thick = problem.avoids_itself and limits[k, MAX_CURVATURE] * limits[k, RADIUS] >= 1.0 - 1e-12
+        thick = problem.avoids_itself and limits[k, MAX_CURVATURE] * limits[k, SELF_RADIUS] >= 1.0 - THICK
         if asked[CURVATURES] >= 0 and not thick:
             sides[at, asked[CURVATURES] + k] = -desk.q[k, 2]
         if asked[RADII] >= 0 and thick:

@@ -9,7 +9,7 @@ from sinuous.kernels.growing.arcs import Start
 from sinuous.kernels.growing.beam import LAST, LENGTH, PARENT
 from sinuous.kernels.maths.vectors import Array, Vec, add, add_scaled, dot, get_vec, mat_vec, norm, sub
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.tables import RADIUS
+from sinuous.kernels.tables import SELF_RADIUS
 
 PIECES = 3
 """Pieces of a segment, of which ends are compared with chords: a first look, which a proof follows."""
@@ -49,13 +49,16 @@ def _meet(one: Arc, other: Arc, apart: float, near: float) -> bool:
 
 
 @kernel
-def meets_itself(problem: Problem, levels: Array, k: int, i: int, q: Vec) -> bool:
-    """Whether segment `k`, with the coordinates `q`, beyond chain `i` comes nearer to that chain than their radii."""
-    new = frame(levels[k], i), q, levels[k, i, LENGTH]
+def meets_itself(problem: Problem, levels: Array, k: int, i: int, start: Start, q: Vec) -> bool:
+    """Whether segment `k`, with the coordinates `q`, beyond chain `i` comes nearer to that chain than their radii.
+
+    It begins with the pose `start`: near the end of that chain.
+    """
+    new = start, q, levels[k, i, LENGTH]
     end = _at(new, PIECES)
-    own = problem.limits[k, RADIUS]
+    own = problem.limits[k, SELF_RADIUS]
     while k > 0:
-        parent, radius = int(levels[k, i, PARENT]), problem.limits[k - 1, RADIUS]
+        parent, radius = int(levels[k, i, PARENT]), problem.limits[k - 1, SELF_RADIUS]
         old = frame(levels[k - 1], parent), get_vec(levels[k], i, LAST), levels[k - 1, parent, LENGTH]
         near = own + radius
         close = norm(sub(old[0][1], end)) < near + q[2] + old[1][2]

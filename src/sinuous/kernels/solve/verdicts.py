@@ -22,6 +22,9 @@ from sinuous.kernels.tables import (
 
 POSSIBLE, OUT_OF_REACH, TARGET_BLOCKED = -1, 4, 5
 
+ROUNDING = 1e-9
+"""By what share of its mount a body must be longer at least to end beyond it for certain."""
+
 
 @kernel
 def sine_area(angle: float) -> float:
@@ -77,7 +80,10 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
     axis = (rotation[0][2], rotation[1][2], rotation[2][2])
     asked = problem.targets[i, ORIENTATION]
     slack = 1e-9 * (problem.unit + longest)
-    has_tool = k == problem.limits.shape[0] - 1 and problem.tool[0, 8] != 1.0
+    tilt = 0.0  # of the tool's z axis against the tangent, which adds to what the bends can turn
+    if k == problem.limits.shape[0] - 1:
+        offset, _ = frame(problem.tool, 0)
+        tilt = math.atan2(math.hypot(offset[0][2], offset[1][2]), offset[2][2])
     if problem.targets[i, HAS_POSITION] != 0.0:
         place, loose = backbone_end(problem, i, k)
         far = norm(sub(place, base))
@@ -88,18 +94,14 @@ def _out_of_reach(problem: Problem, i: int, k: int) -> bool:
             return True
         if _beside(problem.limits, k, base, axis, place, loose, False):
             return True
-        if asked != FREE and not has_tool:
-            swing = loose + min(2.0, problem.angle_tolerance) * far
+        if asked != FREE:
+            # The curve is moved by what the place may be off, and turned about it by what the tangent may.
+            swing = loose + min(2.0, problem.angle_tolerance + tilt) * (far + loose)
             if _beside(problem.limits, k, place, tangent_back(problem.targets, i), base, swing, True):
                 return True
     if asked == DIRECTION and turning < math.pi:
-        # The tool's z axis is away from the tangent by a fixed angle, which adds to what the bends can turn.
-        off = 0.0
-        if k == problem.limits.shape[0] - 1:
-            offset, _ = frame(problem.tool, 0)
-            off = math.acos(max(-1.0, min(1.0, offset[2][2])))
         needed = math.acos(max(-1.0, min(1.0, dot(axis, get_vec(problem.targets, i, GOAL)))))
-        return bool(needed > turning + off + problem.angle_tolerance + 1e-7)
+        return bool(needed > turning + tilt + problem.angle_tolerance + 1e-7)
     return False
 
 
@@ -112,7 +114,7 @@ def _target_blocked(scene: Scene | None, problem: Problem, i: int, k: int) -> bo
     shortest = 0.0
     for j in range(k + 1):
         shortest += problem.limits[j, MIN_LENGTH]
-    if shortest <= problem.mount:
+    if shortest <= (1.0 + ROUNDING) * problem.mount:
         return False
     place, loose = backbone_end(problem, i, k)
     loose += problem.position_tolerance

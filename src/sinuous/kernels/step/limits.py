@@ -1,6 +1,6 @@
 """The limits of one segment, held exactly: length in [low, high], bend at most `max_bend` and `max_curvature * length`.
 
-Row k of `limits` (n, 7): low, high, max_bend, max_curvature, body radius, and the scales of a bend (rad) and of a
+Row k of `limits` (n, 8): low, high, max_bend, max_curvature, body radius, and the scales of a bend (rad) and of a
 length in which motion is measured (0: that coordinate cannot move).
 """
 

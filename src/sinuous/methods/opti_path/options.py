@@ -217,7 +217,7 @@ class OptiPath(Options):
         reach = sum(segment.length[1] for segment in robot.segments)
         spacing = self.spacing * unit if self.spacing > 0.0 else max(0.1 * unit, 2.0 * reach / EXTENT)
         origin = robot.base[:3, 3] - reach - 0.5 * spacing
-        place = [*origin, spacing, max(robot.radii)]
+        place = [*origin, spacing, max(robot.needed_radii)]
         if self.potential == "exact" or len(scene) == 0:
             return np.concatenate([own, [0.0, 0.0, 0.0], place])
         nodes = math.ceil(2.0 * reach / spacing) + 2

@@ -39,9 +39,12 @@ class Steps:
     ----------
     answers : ndarray (m, 14)
         What the kernel found, see `kernels.between.query`.
+    demanded : (float, float)
+        Clearance and self-clearance that the robot keeps in any case, from which those of the kernel count.
     """
 
     answers: Floats
+    demanded: tuple[float, float] = (0.0, 0.0)
 
     @cached_property
     def proved(self) -> NDArray[np.bool_]:
@@ -51,16 +54,21 @@ class Steps:
 
     @classmethod
     def told(
-        cls, count: int, unproved: Sequence[int], clearance: float | None, self_clearance: float | None
+        cls,
+        count: int,
+        unproved: Sequence[int],
+        clearance: float | None,
+        self_clearance: float | None,
+        demanded: tuple[float, float] = (0.0, 0.0),
     ) -> "Steps":
         """Make what somebody says: so many steps, numbers (1 = first) of those not proved, and bounds of all others."""
         answers = np.zeros((count, ANSWER_WIDTH))
         answers[:, VERDICT], answers[:, UNTIL] = CLEAR, 1.0
-        answers[:, SEEN] = math.inf if clearance is None else clearance
-        answers[:, SEEN + SEEN_WIDTH] = math.inf if self_clearance is None else self_clearance
+        answers[:, SEEN] = math.inf if clearance is None else clearance - demanded[0]
+        answers[:, SEEN + SEEN_WIDTH] = math.inf if self_clearance is None else self_clearance - demanded[1]
         wrong = np.array(unproved, np.intp) - 1
         answers[wrong, VERDICT], answers[wrong, UNTIL] = UNDECIDED, 0.0
-        return cls(answers)
+        return cls(answers, demanded)
 
     @property
     def until(self) -> Floats:
@@ -70,12 +78,17 @@ class Steps:
     @property
     def clearances(self) -> Floats:
         """Proved lower bounds of the clearance in each motion (m,); infinite without obstacles."""
-        return self.answers[:, SEEN]
+        return self.answers[:, SEEN] + self.demanded[0]
 
     @property
     def self_clearances(self) -> Floats:
         """Proved lower bounds of the self-clearance in each motion (m,); infinite where it does not matter."""
-        return self.answers[:, SEEN + SEEN_WIDTH]
+        return self.answers[:, SEEN + SEEN_WIDTH] + self.demanded[1]
+
+    @property
+    def room(self) -> tuple[Floats, Floats]:
+        """The same two (m,), beyond what is demanded: by so much the body may come nearer."""
+        return self.answers[:, SEEN], self.answers[:, SEEN + SEEN_WIDTH]
 
     @property
     def clearance(self) -> float | None:
@@ -93,7 +106,7 @@ class Steps:
         answers[:, UNTIL] = np.where(answers[:, VERDICT] == CLEAR, 1.0, 0.0)
         for seen in (SEEN, SEEN + SEEN_WIDTH):
             answers[:, seen + WHEN] = 1.0 - answers[:, seen + WHEN]
-        return Steps(answers)
+        return Steps(answers, self.demanded)
 
     def __repr__(self) -> str:
         return call("Steps", [f"{int(self.proved.sum())} of {len(self.proved)} proved clear"])
@@ -130,8 +143,8 @@ class Prover:
     ) -> Floats:
         """Return answers (T - 1, 14) about the motions between neighbouring `knots`; see `prove_steps`.
 
-        `known` (T, 2): proved clearances and self-clearances of the knots; 0: not known. Bounds are no more than
-        `slack` below these, then.
+        `known` (T, 2): proved clearances and self-clearances of the knots, beyond what is demanded; 0: not known.
+        Bounds are no more than `slack` below these, then.
         """
         clear = np.zeros((len(knots), 2)) if known is None else known
         if self._drifts is None:
@@ -172,7 +185,7 @@ def prove_steps(
         for i in np.flatnonzero(answers[:, VERDICT] == UNDECIDED).tolist():
             again = prover.prove(path[i : i + 2], 1.0, LOOSE_SECONDS, times[i : i + 2])[0]
             answers[i] = again if again[VERDICT] == CLEAR else answers[i]
-    return Steps(answers)
+    return Steps(answers, robot.least_demanded)
 
 
 def unproved(count: int) -> Floats:

@@ -133,7 +133,7 @@ class Searches:
         self._about: tuple[Snapshot, bool] | None = None
         self._longest = sum(segment.length[1] for segment in robot.segments)
         self.coarse, self.fine = (_plan_of(self._radius, self._longest, coarse) for coarse in (True, False))
-        self.proves = min(robot.radii) >= self._radius
+        self.proves = min(robot.needed_radii) >= self._radius
 
     def coarser(self, plan: Plan) -> Plan:
         """Return a search with cells of twice the edge."""
@@ -301,7 +301,7 @@ class Searches:
     def room(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
         points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
-        room_along(problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.radii), distances)
+        room_along(problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.needed_radii), distances)
         return distances
 
     def beside(self, problem: Problem, line: Floats) -> Floats:

@@ -43,6 +43,7 @@ FLOORS = {
     "reprs": 0,
     "frozen": 0,
     "gc_pause": 0,
+    "guesses": 0,
     "notebook": 0,
     "writing": 0,
 }

@@ -413,7 +413,7 @@ class Robot(NotebookMixin, Frozen):
 
     def from_actuators(
         self,
-        actuators: Stack | Mapping[str, Number | Stack],
+        actuators: Stack | Mapping[str, Number | Stack] | None,
         initial: Batch | None = None,
         tolerance: Number | Vector | None = None,
     ) -> Floats:

@@ -16,6 +16,7 @@ from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
+from sinuous.robot.robot import Robot
 from sinuous.solution.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import as_demanded, read_result
@@ -227,6 +228,16 @@ class Solution(NotebookMixin):
     def demanded_self_clearance(self) -> float | tuple[float, ...] | None:
         """The same from itself."""
         return _demanded(self.problem.robot.self_clearance)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self.problem.robot
+
+    @property
+    def tip(self) -> Floats:
+        """Pose (4, 4) of the tool (of the tip, without one) in the world."""
+        return self.problem.robot.tip(self.q)
 
     @property
     def base(self) -> Floats:

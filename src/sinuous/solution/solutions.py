@@ -26,6 +26,7 @@ from sinuous.kernels.tables import (
     STARTS,
     Outcome,
 )
+from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Tolerance
 from sinuous.problem.target_sets import TargetSets
@@ -79,7 +80,7 @@ class Beyond(NamedTuple):
     route: Floats | None
 
 
-class Solutions(Frozen, Sequence[Solution]):
+class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     """What solving many targets found, in their order; frozen.
 
     A sequence of `Solution`, each made when it is asked for. An index that is a slice, or an array of numbers or of

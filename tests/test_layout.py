@@ -17,11 +17,14 @@ FLOORS = {
     "workspace": 5,
     "viewer": 6,
     "display": 5,
+    "torch": 5,
+    "jax": 5,
     "motion": 5,
     "solving": 4,
     "methods": 3,
     "problem": 2,
     "solution": 2,
+    "derivatives": 2,
     "measures": 2,
     "files": 2,
     "export": 1,
@@ -47,6 +50,7 @@ FLOORS = {
 }
 
 KERNEL_FLOORS = {
+    "derivative": 5,
     "solve": 5,
     "fitting": 4,
     "growing": 4,

@@ -15,6 +15,7 @@ from sinuous.errors import InputError, warn_of
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -495,6 +496,11 @@ class SolvesAgain:
     def max_starts(self) -> int | None:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
+
+    @property
+    def prefer(self) -> Preferences:
+        """What is liked better among solutions."""
+        return self.options.prefer
 
     def solve(
         self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any

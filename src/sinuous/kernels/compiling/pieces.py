@@ -107,6 +107,12 @@ PIECES = (
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
     Piece("shapes under load", 8, ("kernels.statics.equilibrium.equilibrate",)),
     Piece("control loops", 15, ("kernels.velocity.query.tick",)),
+    Piece("derivatives", 6, ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE)),
+    Piece(
+        "derivatives among obstacles",
+        9,
+        tuple(f"kernels.derivative.query.{name}" for name in ("derive", "derive_many", "find_contacts")),
+    ),
     Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
     Piece("the method dls", 4, ("methods.dls.search",)),
     Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.reaching.search",)),

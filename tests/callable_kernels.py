@@ -10,6 +10,7 @@ import numpy as np
 from numba import types
 from numba.extending import typeof_impl
 
+from sinuous import work_time
 from sinuous.kernels import compile as compiling
 
 
@@ -19,20 +20,26 @@ class Callable:
     Parameters
     ----------
     function : callable
-        Not compiled yet.
-    compiled : callable
         The inner kernel.
     """
 
-    def __init__(self, function: Any, compiled: Any) -> None:
-        self.py_func, self.compiled = function, compiled
+    def __init__(self, function: Any) -> None:
+        self.py_func = function
         self.__module__ = function.__module__  # an entry that is made around it is kept under this name
+        self.__code__ = function.__code__
         self._entry: Any = None
 
     def __call__(self, *arguments: Any) -> Any:
+        if work_time.interpreting():
+            return self.py_func(*arguments)
         if self._entry is None:
             self._entry = compiling.entry(self.py_func)
         return self._entry(*map(_writable, arguments))
+
+    @property
+    def compiled(self) -> Any:
+        """What Numba compiles for other kernels."""
+        return compiling.compiled_form(self.py_func)
 
 
 def _writable(value: Any) -> Any:
@@ -46,12 +53,9 @@ def _writable(value: Any) -> Any:
 
 def install() -> None:
     """Have all kernels that are made from now on behind a `Callable`."""
-    plain = compiling.kernel
-
-    def kernel(function: Any) -> Callable:
-        return Callable(function, plain(function))
-
-    compiling.kernel = kernel  # type: ignore[assignment]
+    kernel, inline = compiling.kernel, compiling.inline
+    compiling.kernel = lambda function: Callable(kernel(function))  # type: ignore[assignment, return-value]
+    compiling.inline = lambda function: inline(function.py_func)  # type: ignore[attr-defined]
 
     @typeof_impl.register(Callable)
     def type_of(value: Callable, context: Any) -> types.Dispatcher:

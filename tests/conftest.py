@@ -20,8 +20,12 @@ for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+# Kernels run compiled, whatever happens to be compiled already, unless the command says how.
+os.environ.setdefault("SINUOUS_KERNELS", "compiled")
+
 # Before any kernel is made: tests call every one of them from Python.
-callable_kernels.install()
+if os.environ["SINUOUS_KERNELS"] != "interpreted":
+    callable_kernels.install()
 
 # The first example of a law may compile a kernel, so that time says nothing; the same examples every time.
 settings.register_profile(

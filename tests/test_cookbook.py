@@ -39,6 +39,8 @@ def run(job: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, An
     shutil.copytree(ROOT / "examples", folder / "examples")
     monkeypatch.chdir(folder)
     pytest.importorskip("matplotlib").use("agg")
+    if "import mujoco" in JOBS[job]:
+        pytest.importorskip("mujoco")
     names: dict[str, Any] = {}
     exec(compile(JOBS[job].replace("100_000", str(FEWER)), job, "exec"), names)
     return names
@@ -55,6 +57,9 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "From a table of points to a table of motors":
             assert names["motion"].solved
             assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") == len(names["motion"].q) + 1
+        case "In MuJoCo, moved by its motors":
+            reached = names["robot"].tip(solution.q)[:3, 3]
+            np.testing.assert_allclose(names["data"].site("tip").xpos, reached, atol=1.0)
         case "Motors that count":
             np.testing.assert_allclose(names["q"], names["motion"].q, atol=1e-9)
         case "Through poses, at times" | "Into a hole, along a curve" | "In RViz, MuJoCo and PyBullet":

@@ -10,6 +10,8 @@ the manual of Python wants it: it takes the interpreter's lock and calls `PyErr_
 main thread; that of `Ctrl-C` raises `KeyboardInterrupt`. Other threads are stopped by an exception that somebody raises
 in them (`PyThreadState_SetAsyncExc`): Python tells of it when it runs any statement, so one is run that does nothing.
 Then all time is over, and an exception of the same type is raised as soon as the compiled code is back in Python.
+
+Where kernels are interpreted the time is that of work: a look is worth what it takes in machine code (`work_time`).
 """
 
 import sys
@@ -17,8 +19,9 @@ from typing import Any
 
 from numba import types
 
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import interpreted_as, kernel
 from sinuous.kernels.maths.vectors import Array
+from sinuous.work_time import looked, work_time
 
 _READ, _REST, DEADLINE, LOOKS, _LISTENED, STOPPED, _RAISED = range(7)
 """Places in a clock: two that the operating system fills; when all has to end (ns); looks since the time was read; when
@@ -110,6 +113,16 @@ def _listen(clock: Array) -> None:
     _give_lock(lock)
 
 
+@interpreted_as(_nanoseconds)
+def _work_nanoseconds(clock: Array) -> int:
+    return int(1e9 * work_time())
+
+
+@interpreted_as(_listen)
+def _let_python_listen(clock: Array) -> None:
+    """Do nothing: Python itself hears signals."""
+
+
 @kernel
 def now(clock: Array) -> float:
     """Seconds of `time.monotonic`; of `clock` (2 or more,) int64 the first two places are scratch."""
@@ -156,6 +169,13 @@ def over(clock: Array) -> bool:
 @kernel
 def spend(clock: Array, looks: int) -> bool:
     """Count looks, and say whether the time is over; it is read every `STRIDE` looks."""
+    clock[LOOKS] += looks
+    return clock[LOOKS] >= STRIDE and over(clock)
+
+
+@interpreted_as(spend)
+def _spend_work(clock: Array, looks: int) -> bool:
+    looked(looks)
     clock[LOOKS] += looks
     return clock[LOOKS] >= STRIDE and over(clock)
 

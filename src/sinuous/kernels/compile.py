@@ -1,18 +1,39 @@
-"""The decorators that compile kernels with Numba: `entry` for what Python calls, `kernel` for what kernels call."""
+"""The decorators of kernels: `entry` for what Python calls, `kernel` for what kernels call.
 
+`SINUOUS_KERNELS` says how entries run: `compiled` by Numba; `interpreted`, as the Python that stands there; `auto`.
+A kernel stays the function that it is: other kernels call it, interpreted, as they call any function, and Numba is told
+what is compiled for it when it meets it.
+"""
+
+import functools
+import os
 from collections.abc import Callable
+from contextlib import nullcontext
+from types import FunctionType
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
 from numba import types
+from numba.core.compiler_lock import global_compiler_lock
+from numba.core.extending import _Intrinsic
+from numba.extending import typeof_impl
 
 from sinuous.gc_pause import gc_paused
 from sinuous.kernels.compiling import once
+from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, plain, written
 from sinuous.kernels.compiling.pieces import telling
 from sinuous.kernels.compiling.store import KERNELS, Store
+from sinuous.work_time import counting_looks, no_work
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+MODES = ("auto", "compiled", "interpreted")
+MODE = os.environ.get("SINUOUS_KERNELS", "auto")
+if MODE not in MODES:
+    raise ValueError(f"SINUOUS_KERNELS: expected one of {', '.join(MODES)}, got {MODE!r}")
+
+# Raise `VERSION` in `compiling/sources` with these: their text does not count for what is kept.
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}
 """Without the GIL; NaN and infinity exact. Of the fast-math flags `contract` alone is on: it allows fused multiply-add
 and never changes what NaN does. Kernels own no memory (`_nrt`): counting references to arrays took longer than the
@@ -22,44 +43,127 @@ NO_WRAPPERS: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": T
 
 
 def entry(function: Function) -> Function:
-    """Compile a kernel that Python calls."""
-    compiled: Function = telling(_stored(function, "entry", once.Whole, {"no_cfunc_wrapper": True}))
-    return compiled
+    """Let Python call a kernel."""
+    return _entry(function)
 
 
 def entry_around(inner: Any, function: Function) -> Function:
-    """Compile a kernel that Python calls, and that is made around the kernel `inner` as a function within a function.
+    """Let Python call a kernel that is made around the kernel `inner` as a function within a function.
 
     It bears the name of the module of `inner`: by that, and by what the file of `inner` imports, its code is found
     again. That file has to import the one in which the function is made.
     """
     function.__module__, function.__qualname__ = inner.__module__, function.__name__
-    file = inner.py_func.__code__.co_filename
-    compiled: Function = telling(_stored(function, "entry", once.Whole, {"no_cfunc_wrapper": True}, file))
-    return compiled
+    return _entry(function, inner.__code__.co_filename)
 
 
 def kernel(function: Function) -> Function:
-    """Compile a kernel that other kernels call. It cannot be called from Python: the wrapper for that costs time."""
-    compiled = _stored(function, "inner", once.Part, NO_WRAPPERS)
-    KERNELS[function.__module__, function.__qualname__] = compiled
-    return compiled
+    """Let other kernels call this one. It has no wrapper for calls of compiled code from Python: that costs time."""
+    return _inner(function, _original(function), NO_WRAPPERS)
 
 
-def inline(compiled: Function) -> Function:
+def inline(function: Function) -> Function:
     """The same kernel, copied into its caller: for the one place of the innermost loop that calls it.
 
     A call hands over every array by its parts, some hundred numbers; that took longer than the arithmetic.
     """
-    function: Any = compiled.py_func  # type: ignore[attr-defined]
-    own = type(function)(function.__code__, function.__globals__, f"{function.__name__}_here")
-    own.__module__, own.__qualname__ = function.__module__, f"{function.__qualname__}_here"
-    copied = _stored(own, "inner", once.Part, {**NO_WRAPPERS, "forceinline": True})
-    KERNELS[own.__module__, own.__qualname__] = copied
-    return copied
+    own: Any = _original(function)
+    own.__name__, own.__qualname__ = f"{own.__name__}_here", f"{own.__qualname__}_here"
+    return _inner(own, _original(own), {**NO_WRAPPERS, "forceinline": True})
 
 
-def _stored(function: Function, kind: str, library: Any, options: dict[str, Any], file: str | None = None) -> Any:
+def interpreted_as(machine: Function) -> Callable[[Function], Function]:
+    """Let this function of the same file run in the place of the kernel `machine` where kernels are interpreted."""
+
+    def mark(function: Function) -> Function:
+        kernel: Any = getattr(machine, "py_func", machine)  # tests have something around it
+        IN_PLACE_OF[kernel] = function  # type: ignore[assignment]
+        if MODE == "interpreted":
+            interpret([kernel])
+        return function
+
+    return mark
+
+
+def intrinsic(name: str, typed: Callable[..., Any], python: Callable[..., Any]) -> Any:
+    """A function that Numba writes itself, as `typed` says (`numba.extending.intrinsic`), and what it is in Python."""
+    made = _WithPython(name, typed, python)
+    made._register()
+    return made
+
+
+class _WithPython(_Intrinsic):  # type: ignore[misc]  # which Numba calls final
+    def __init__(self, name: str, typed: Callable[..., Any], python: Callable[..., Any]) -> None:
+        super().__init__(name, typed)
+        self._python = python
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._python(*arguments)
+
+
+def _entry(function: Any, file: str | None = None) -> Any:
+    if MODE == "interpreted":
+        interpret([function])
+        return interpreted(function)
+    compiled = _stored(_original(function), "entry", once.Whole, {"no_cfunc_wrapper": True}, file)
+    compiled.interpreted = interpreted(function)
+    _functions.append(function)
+    return telling(compiled)
+
+
+def _inner(function: Any, original: Any, options: dict[str, Any]) -> Any:
+    compiled = functools.cache(lambda: _stored(original, "inner", once.Part, options))
+    _compiled[function] = KERNELS[function.__module__, function.__qualname__] = compiled
+    if MODE == "interpreted":
+        interpret([function])
+    else:
+        _functions.append(function)
+    return function
+
+
+def interpreted(function: Any) -> Any:
+    """Let Python call a kernel as what it is."""
+
+    @functools.wraps(function)
+    def call(*arguments: Any) -> Any:
+        interpret(_functions)
+        _functions.clear()
+        with np.errstate(all="ignore"), counting_looks():
+            return plain(function(*arguments))
+
+    return call
+
+
+_functions: list[FunctionType] = []
+"""Entries and inner kernels that nobody has interpreted yet."""
+
+_compiled: dict[Any, Callable[[], Any]] = {}
+"""What is compiled for each inner kernel, made when Numba meets it."""
+
+
+def compiled_form(function: Any) -> Any:
+    """Return what Numba compiles for an inner kernel."""
+    return _compiled[function]()
+
+
+@typeof_impl.register(FunctionType)
+def _type_of(function: Any, context: Any) -> Any:
+    """Tell Numba what is compiled for an inner kernel; of other functions what it says itself."""
+    if function in _compiled:
+        return types.Dispatcher(compiled_form(function))
+    return typeof_impl.dispatch(object)(function, context)
+
+
+def _original(function: Any) -> Any:
+    """Copy a function: what is compiled stays as it is written when the function is interpreted."""
+    own = FunctionType(
+        written(function), function.__globals__, function.__name__, function.__defaults__, function.__closure__
+    )
+    own.__module__, own.__qualname__, own.__doc__ = function.__module__, function.__qualname__, function.__doc__
+    return own
+
+
+def _stored(function: Any, kind: str, library: Any, options: dict[str, Any], file: str | None = None) -> Any:
     """Compile a function into such a library, and keep its code on disk as what depends on this file and its imports.
 
     By default that is the file of the function. What is made around something else is kept only when a file is named.
@@ -71,17 +175,23 @@ def _stored(function: Function, kind: str, library: Any, options: dict[str, Any]
     compiled: Any = numba.njit(**chosen)(function)
     if store is not None:
         compiled._cache = store
-    return _quickened(compiled)
+    return _quickened(compiled, store)
 
 
-def _quickened(compiled: Any) -> Any:
-    """Let a function be compiled once for all whole numbers, not for each constant; and without collecting garbage."""
+def _quickened(compiled: Any, store: Store | None) -> Any:
+    """Let a function be compiled once for all whole numbers, not for each constant; and without collecting garbage.
+
+    Numba's lock comes first: of the threads of a process one alone may wait for other processes.
+    """
     compile_it = compiled.compile
 
     def compile_quickly(signature: Any) -> Any:
         if isinstance(signature, tuple):
             signature = tuple(types.unliteral(each) for each in signature)  # type: ignore[no-untyped-call]
-        with gc_paused():
+        if signature in compiled.overloads:
+            return compiled.overloads[signature].entry_point
+        alone = store.alone(signature, compiled.targetctx.codegen()) if store else nullcontext()
+        with no_work(), gc_paused(), global_compiler_lock, alone:
             return compile_it(signature)
 
     compiled.compile = compile_quickly

@@ -86,7 +86,7 @@ def _copy(function: Any) -> Any:
 
 
 def test_code_that_numba_compiles_by_itself_can_call_kernels() -> None:
-    norm = store.KERNELS[parts.__name__, "norm"]
+    norm = store.KERNELS[parts.__name__, "norm"]()
 
     def twice(x: float) -> float:
         return float(2.0 * norm(x, 4.0))
@@ -101,7 +101,7 @@ def test_names_are_the_same_in_every_process() -> None:
     parts.norm(3.0, 4.0)  # compiles it, behind the proxy of the tests
     compiled = parts.twice_the_norm
     compiled(3.0, 4.0)
-    (result,) = store.KERNELS[parts.__name__, "norm"].overloads.values()
+    (result,) = store.KERNELS[parts.__name__, "norm"]().overloads.values()
     name = store.Store(parts.norm.py_func, "inner").name  # type: ignore[attr-defined]
     assert re.fullmatch("inner[0-9a-f]{16}", name)
     assert name != store.Store(parts.square.py_func, "inner").name  # type: ignore[attr-defined]
@@ -119,7 +119,7 @@ def test_an_untried_numba_compiles_as_it_does_by_itself(
         return 0.25 * x
 
     inner = compiling.kernel(_copy(quarter))
-    plain = getattr(inner, "compiled", inner)
+    plain = inner.compiled
 
     def both(x: float) -> float:
         return float(plain(x) + plain(2.0 * x))

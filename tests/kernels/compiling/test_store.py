@@ -1,8 +1,11 @@
 """What is compiled is kept under a name that tells all it depends on, and read only if it is what was written."""
 
+import errno
 import os
+import re
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Any
@@ -12,37 +15,41 @@ import pytest
 
 from sinuous.kernels import compile as compiling
 from sinuous.kernels.compiling import store
-from sinuous.kernels.compiling.sources import sources_hash
 
 
-def test_the_cache_is_named_by_the_sources() -> None:
-    assert store.CACHE.name == sources_hash()
-    assert store.CACHE.is_dir()
-
-
-def test_caches_that_nobody_uses_are_removed_when_a_new_one_is_made(
+def test_there_is_one_store_for_a_user_wherever_the_sources_are(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    parent = tmp_path / "sinuous"
-    monkeypatch.setattr(store, "places", lambda name: [parent / name])
-    monkeypatch.setattr(store, "PACKAGE", tmp_path / "a file")
-    (tmp_path / "a file").touch()  # no folder can be made there
-    old, late, other = parent / ("0" * 16), parent / ("1" * 16), parent / "samples"
-    for folder, days in ((old, 30), (late, 3), (other, 300)):
-        folder.mkdir(parents=True)
-        (folder / "kernel.code").touch()
-        os.utime(folder, (time.time() - 86400 * days,) * 2)
+    monkeypatch.setenv("SINUOUS_CACHE", str(tmp_path / "own"))
+    assert store.find_cache() == tmp_path / "own" / "kernels"
+    assert store.find_cache().is_dir()
+    monkeypatch.delenv("SINUOUS_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    monkeypatch.setattr(sys, "platform", "linux")
+    assert store.find_cache() == tmp_path / "xdg" / "sinuous" / "kernels"
+    (tmp_path / "xdg" / "sinuous" / "kernels").chmod(0o777)  # others may write there
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     found = store.find_cache()
-    assert found == parent / sources_hash()
-    assert not old.exists()
-    assert (late / "kernel.code").exists()
-    assert other.exists()
-    # One that is there already is used, and that it is used is noted: it removes nothing and is not removed.
-    os.utime(found, (0.0, 0.0))
-    os.utime(late, (0.0, 0.0))
-    assert store.find_cache() == found
-    assert time.time() - found.stat().st_mtime < 3600
-    assert late.exists()
+    assert found.parent.parent == (tmp_path if hasattr(os, "getuid") else tmp_path / "xdg")
+
+
+def test_what_nobody_uses_is_removed_and_what_is_too_much(tmp_path: Path) -> None:
+    now = time.time()
+    for name, days, size in (("a.1.code", 40, 1), ("b.2.code", 3, 100), ("c.3.code", 2, 100), ("other", 99, 1)):
+        (tmp_path / name).write_bytes(b"x" * size)
+        os.utime(tmp_path / name, (now - 86400 * days,) * 2)
+    store.remove_old(tmp_path)
+    assert {file.name for file in tmp_path.iterdir()} == {"b.2.code", "c.3.code", "other"}
+    store.remove_old(tmp_path, 150)
+    assert {file.name for file in tmp_path.iterdir()} == {"c.3.code", "other"}
+
+
+def test_what_is_used_is_not_old(folder: Path) -> None:
+    compiling.entry(half)(2.0)
+    (file,) = folder.glob("*.code")
+    os.utime(file, (0.0, 0.0))
+    assert compiling.entry(half)(2.0) == 1.0
+    assert time.time() - file.stat().st_mtime < 3600
 
 
 def half(x: float) -> float:
@@ -55,6 +62,7 @@ def third(x: float) -> float:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(store, "_told", set())
     monkeypatch.setattr(store, "CACHE", tmp_path / "cache")
     return tmp_path / "cache"
 
@@ -62,19 +70,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def loads(entry: Any) -> int:
     """How many forms of an entry were read from the disk."""
     return sum(entry.stats.cache_hits.values())
-
-
-def test_what_another_version_of_the_sources_compiled_is_taken_over(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    earlier, later, other = (tmp_path / name for name in ("0" * 16, "1" * 16, "other"))
-    for folder, taken in ((earlier, 0), (later, 1), (other / "cache", 0)):
-        monkeypatch.setattr(store, "CACHE", folder)
-        half_of = compiling.entry(half)
-        assert half_of(3.0) == 1.5
-        assert loads(half_of) == taken
-    (file,) = later.iterdir()
-    assert file.read_bytes() == (earlier / file.name).read_bytes()
 
 
 @pytest.mark.usefixtures("folder")
@@ -91,9 +86,9 @@ def test_what_was_compiled_is_read_for_the_same_arguments_alone() -> None:
     assert loads(other) == 0
 
 
-def test_what_is_not_as_it_was_written_is_compiled_anew(folder: Path) -> None:
+def test_what_is_not_as_it_was_written_is_compiled_anew(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     compiling.entry(half)(2.0)
-    (file,) = folder.iterdir()
+    (file,) = folder.glob("*.code")
     whole = file.read_bytes()
     for broken in (b"", whole[:10], whole[:-1], whole[:200] + b"x" + whole[201:]):
         file.write_bytes(broken)
@@ -102,6 +97,7 @@ def test_what_is_not_as_it_was_written_is_compiled_anew(folder: Path) -> None:
         assert loads(again) == 0
         assert file.read_bytes()[: store.DIGEST_SIZE] != broken[: store.DIGEST_SIZE] or len(broken) != len(whole)
     assert loads(again) == 0
+    assert capsys.readouterr().err == f"sinuous: {file} is damaged, and compiled again\n"
     last = compiling.entry(half)
     assert last(2.0) == 1.0
     assert loads(last) == 1
@@ -111,28 +107,62 @@ def test_the_code_of_another_function_is_not_taken_for_it(folder: Path) -> None:
     """As Numba's own cache would, where two processes write one file at once."""
     compiling.entry(half)(2.0)
     compiling.entry(third)(2.0)
-    assert len({file.name for file in folder.iterdir()}) == 2
+    assert len(list(folder.glob("*.code"))) == 2
     made: Any = compiling.entry(half)
     context = made.targetctx
-    names = {store.Store(f, kind)._path(s, context.codegen()) for f in (half, third) for kind in "ab" for s in "xy"}
+    names = {store.Store(f, kind).path(s, context.codegen()) for f in (half, third) for kind in "ab" for s in "xy"}
     assert len(names) == 8
 
 
-def test_a_folder_that_cannot_be_written_to_is_no_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_that_cannot_be_written_to_is_no_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "file").touch()
+    monkeypatch.setattr(store, "_told", set())
     monkeypatch.setattr(store, "CACHE", tmp_path / "file" / "cache")
+    for made in (half, third):
+        assert compiling.entry(made)(6.0) == made(6.0)
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"sinuous: compiled code cannot be kept in .*\n", said)
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_full_disk_is_no_error(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def full(path: Path, data: bytes) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(store, "_write", full)
+    for made in (half, third):
+        assert compiling.entry(made)(6.0) == made(6.0)
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_what_was_compiled_of_other_sources_is_neither_kept_nor_read(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Somebody switched to another branch after this process had imported what it runs."""
+    monkeypatch.setattr(store, "unchanged", lambda file: False)
     assert compiling.entry(half)(2.0) == 1.0
+    assert not list(folder.glob("*.code"))
+    assert capsys.readouterr().err.startswith("sinuous: sources were changed while this program ran")
+    monkeypatch.undo()
+    monkeypatch.setattr(store, "CACHE", folder)
+    compiling.entry(half)(2.0)
+    monkeypatch.setattr(store, "unchanged", lambda file: False)
+    again = compiling.entry(half)
+    assert again(2.0) == 1.0
+    assert loads(again) == 0
 
 
 USE = """
 import sys
 from pathlib import Path
 from sinuous.kernels.compiling import store
-from sinuous.kernels.compiling.sources import sources_hash
 store.CACHE = Path(sys.argv[1])
+from sinuous.kernels.compile import compiled_form
 from tests.kernels.compiling import parts
 print(parts.twice_the_norm(3.0, 4.0), sum(parts.twice_the_norm.stats.cache_hits.values()))
-print(sum(sum(one.stats.cache_hits.values()) for one in (parts.square, parts.norm)))
+print(sum(sum(compiled_form(one).stats.cache_hits.values()) for one in (parts.square, parts.norm)))
 """
 
 

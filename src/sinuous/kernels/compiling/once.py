@@ -5,7 +5,7 @@ callers. Here a kernel stays a `Part`, as Numba lowers it, and the entry, a `Who
 
 Of Numba this takes the hook that lets a function have a compiler of its own (`pipeline_class`), and the methods of its
 `JITCodeLibrary` that are overridden below. `TRIED` lists the versions that this was tried with; with others
-(`kernels.compile`) Numba compiles as it does by itself.
+(`kernels.compile`) Numba compiles as it does by itself. What changes the code that comes out raises `sources.VERSION`.
 """
 
 from typing import Any

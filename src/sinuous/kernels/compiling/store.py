@@ -1,19 +1,19 @@
-"""Where compiled kernels are kept: one file for each kernel and signature, in a folder named by a hash of all sources.
+"""Where compiled kernels are kept: one folder for a user and a machine, a file for each kernel and signature.
 
 Numba's own cache looks at one file only and misses a change in a callee that lives in another; and two processes that
 compile one function for two signatures at once may give both the same file. Here the name of a file tells all that it
-depends on, every source that is imported among it; it comes to be by renaming, and is read only if it is what was
-written. What a change of the sources does not concern is taken over from the folders of earlier ones.
+depends on: every source that is imported, what compiled it (`sources`), and what processor it was compiled for. It
+comes to be by renaming, and is read only if it is what was written. So checkouts and environments share one store.
 """
 
 import contextlib
 import hashlib
 import os
 import pickle
-import shutil
+import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,50 +22,35 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 
 from sinuous.caches import places, writable
+from sinuous.kernels.compiling.locks import locked
 from sinuous.kernels.compiling.once import Part, as_part
-from sinuous.kernels.compiling.sources import NAME_LENGTH, PACKAGE, sources_hash, stamp_of
+from sinuous.kernels.compiling.sources import NAME_LENGTH, stamp_of, unchanged
 
-KEPT_DAYS = 7
-"""How long a cache is kept that nobody uses."""
+KEPT_DAYS = 30
+"""How long a file is kept that nobody uses."""
+
+MOST_BYTES = 1_000_000_000
+"""Size of the store; beyond that, what was used longest ago goes first."""
+
+DAY = 86400
+"""Seconds between two looks whether files are old; and between two notes that one is used."""
 
 DIGEST_SIZE = hashlib.sha256().digest_size
 
 
 def find_cache() -> Path:
-    """Return the folder of the cache, made if it was not there: beside the sources, where that can be written to."""
-    name = sources_hash()
-    candidates = [PACKAGE / "kernels" / "__pycache__" / name, *places(name)]
+    """Return the folder of the store: the first place that can be written to."""
+    candidates = places("kernels")
     for directory in candidates:
-        fresh = not directory.is_dir()
         if writable(directory):
-            with contextlib.suppress(OSError):
-                os.utime(directory)
-            if fresh:
-                remove_old(directory.parent)
             return directory
-    return candidates[-1]
-
-
-def remove_old(folder: Path) -> None:
-    """Remove the caches in a folder that no process has begun to use for `KEPT_DAYS`: of other versions of the sources.
-
-    Not younger ones: other environments of the same user share the folder, and a running process writes into its own.
-    """
-    for old in caches_in(folder):
-        with contextlib.suppress(OSError):
-            if time.time() - old.stat().st_mtime > KEPT_DAYS * 86400:
-                shutil.rmtree(old, ignore_errors=True)
-
-
-def caches_in(folder: Path) -> list[Path]:
-    """List what is named as caches are, in a folder that others may use too."""
-    return list(folder.glob("[0-9a-f]" * NAME_LENGTH))
+    return candidates[0]
 
 
 CACHE = find_cache()
 
-KERNELS: dict[tuple[str, str], Any] = {}
-"""Inner kernels by module and qualified name: what a kernel that is read from the disk calls."""
+KERNELS: dict[tuple[str, str], Callable[[], Any]] = {}
+"""What is compiled for inner kernels, by module and qualified name: what a kernel that is read from the disk calls."""
 
 
 class Store(NullCache):
@@ -86,9 +71,9 @@ class Store(NullCache):
     """
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
-        self._function, self._folder = function, CACHE
-        stamp = stamp_of(file or function.__code__.co_filename)
-        told = f"{kind} {function.__module__} {function.__qualname__} {stamp}"
+        self._function, self._folder, self._kind = function, CACHE, kind
+        self._file = file or function.__code__.co_filename
+        told = f"{kind} {function.__module__} {function.__qualname__} {stamp_of(self._file)}"
         self.name = f"{kind}{hashlib.sha256(told.encode()).hexdigest()[:NAME_LENGTH]}"
 
     @property
@@ -96,11 +81,21 @@ class Store(NullCache):
         """Where the files are."""
         return str(self._folder)
 
+    @contextlib.contextmanager
+    def alone(self, signature: Any, codegen: Any) -> Iterator[None]:
+        """Let no other process compile this meanwhile; wait for one that does."""
+        path = self.path(signature, codegen)
+        if path.exists():
+            yield
+        else:
+            with locked(self._folder / "lock", path.name):
+                yield
+
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the code for a signature with all that it calls, or `None` where it is not there as it was written."""
-        written = self._read(self._path(signature, context.codegen()))
-        digest, data = written[:DIGEST_SIZE], written[DIGEST_SIZE:]
-        if hashlib.sha256(data).digest() != digest:
+        path = self.path(signature, context.codegen())
+        data = _read(path) if unchanged(self._file) else None
+        if data is None:
             return None
         context.refresh()
         called, reduced = pickle.loads(data)
@@ -122,22 +117,16 @@ class Store(NullCache):
             called = [getattr(part, "origin", None) for part in library.parts]
         if library.has_dynamic_globals or None in (called or ()):
             return
+        if not unchanged(self._file):
+            tell("sources were changed while this program ran; what it compiles of them is not kept")
+            return
         data = serialize.dumps((called, result._reduce()))
-        _keep(self._path(signature, result.codegen), hashlib.sha256(data).digest() + data)
+        _keep(self.path(signature, result.codegen), hashlib.sha256(data).digest() + data)
 
-    def _read(self, path: Path) -> bytes:
-        """Return what was written under this name, or nothing; what an earlier folder has is taken over."""
-        with contextlib.suppress(OSError):
-            return path.read_bytes()
-        for older in caches_in(path.parent.parent):
-            with contextlib.suppress(OSError):
-                written = (older / path.name).read_bytes()
-                _keep(path, written)
-                return written
-        return b""
-
-    def _path(self, signature: Any, codegen: Any) -> Path:
-        told = f"{self.name} {signature} {codegen.magic_tuple()}"
+    def path(self, signature: Any, codegen: Any) -> Path:
+        """File of the code for a signature; a kernel is the same for all processors, only an entry is machine code."""
+        triple, *processor = codegen.magic_tuple()
+        told = f"{self.name} {signature} {triple} {processor if self._kind == 'entry' else ''}"
         digest = hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]
         return self._folder / f"{self._function.__name__}.{digest}.code"
 
@@ -148,21 +137,74 @@ class Store(NullCache):
         result.library.origin = (*named, result.signature.args, result.fndesc.mangled_name)
 
 
+def tell(text: str) -> None:
+    """Say something on standard error, once in a process."""
+    if text not in _told:
+        _told.add(text)
+        print(f"sinuous: {text}", file=sys.stderr, flush=True)  # noqa: T201
+
+
+_told: set[str] = set()
+
+
+def remove_old(folder: Path, most: int = MOST_BYTES) -> None:
+    """Remove the files that nobody has used for `KEPT_DAYS`, and of the rest the oldest, until so much is left."""
+    total = 0
+    for used, size, file in sorted(_files_in(folder), key=lambda one: -one[0]):
+        total += size
+        if total > most or used < time.time() - KEPT_DAYS * DAY:
+            with contextlib.suppress(OSError):
+                file.unlink()
+
+
+def _files_in(folder: Path) -> Iterator[tuple[float, int, Path]]:
+    """When each file was used, its size, and where it is; also what a process left that was killed as it wrote."""
+    for file in folder.glob("*.code*"):
+        with contextlib.suppress(OSError):
+            found = file.stat()
+            yield found.st_mtime, found.st_size, file
+
+
 def _part(module: str, name: str, types: tuple[Any, ...], symbol: str) -> Any:
     """Code of an inner kernel for these types, under this symbol; `None` where there is no such kernel."""
-    kernel = KERNELS.get((module, name))
-    if kernel is None:
+    made = KERNELS.get((module, name))
+    if made is None:
         return None
+    kernel = made()
     kernel.compile(types)
     found = kernel.overloads[types]
     return found.library if found.fndesc.mangled_name == symbol else None
 
 
+def _read(path: Path) -> bytes | None:
+    """Return what was written under this name, and note that it is used; `None` where it is not whole, or not there."""
+    try:
+        written = path.read_bytes()
+        if time.time() - path.stat().st_mtime > DAY:
+            os.utime(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        tell(f"compiled code cannot be read from {path.parent}: {error.strerror}")
+        return None
+    digest, data = written[:DIGEST_SIZE], written[DIGEST_SIZE:]
+    if hashlib.sha256(data).digest() != digest:
+        tell(f"{path} is damaged, and compiled again")
+        return None
+    return data
+
+
 def _keep(path: Path, data: bytes) -> None:
-    """Write a file, where that can be done."""
-    with contextlib.suppress(OSError):
+    """Write a file, where that can be done, and once a day look for old ones."""
+    try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _write(path, data)
+        swept = path.parent / "swept"
+        if not swept.exists() or time.time() - swept.stat().st_mtime > DAY:
+            swept.touch()
+            remove_old(path.parent)
+    except OSError as error:
+        tell(f"compiled code cannot be kept in {path.parent}: {error.strerror}")
 
 
 def _write(path: Path, data: bytes) -> None:

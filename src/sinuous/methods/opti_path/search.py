@@ -7,11 +7,10 @@ clear. The first path that the common check (see `sinuous.methods.judge`) calls 
 
 import math
 
-from numba.np.unsafe.ndarray import to_fixed_tuple
-
 from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.buffers import cut
+from sinuous.kernels.maths.shapes import first_of
 from sinuous.kernels.maths.vectors import Array, copy, get_vec, norm
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.targets import direction_vector
@@ -54,7 +53,7 @@ def carve_path(buffer: Array, n: int) -> tuple[Path, Array]:
 @kernel
 def read_setting(options: Array) -> Setting:
     """Name the first 28 numbers of the `options`."""
-    return Setting(*to_fixed_tuple(options, OPTIONS))  # type: ignore[call-arg]
+    return Setting(*first_of(options, OPTIONS))
 
 
 @kernel

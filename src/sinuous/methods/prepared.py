@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.tables import RECORD_WIDTH, TARGET_WIDTH, Budget, Outcome, answer_size
+from sinuous.kernels.tables import CODE, FAILED, RECORD_WIDTH, SOLVED, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.capabilities import Capabilities
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, settings_group
@@ -76,7 +76,8 @@ class Prepared:
         preferences: Preferences,
     ) -> None:
         self._name, self._capabilities, self._compiled = name, capabilities, compiled
-        self._robot = robot_group(robot)
+        self._robot, self._own_robot = robot_group(robot), robot
+        self._bounded = robot.drive.elastic is not None and robot.drive.elastic.bounded
         self._settings = settings_group(robot, tolerance, preferences, compiled.options)
         self._preferences, self._segments = preferences.beyond(robot.least_demanded[0]), len(robot)
         self._local = threading.local()
@@ -97,24 +98,42 @@ class Prepared:
         """Solve a problem from the configurations `initial` (g, n, 3), then from own starts.
 
         `budget` holds the numbers of the own starts to try, from the first up to, without it, the last; a seed; and
-        seconds. `reference` (n, 3) is what preferences mean by the initial configuration; by default the first of
-        `initial`. The run ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
+        seconds. `reference` (n, 3) is what preferences mean by the initial configuration, where there is one. The run
+        ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
         of these numbers.
         """
         call = self.build(problem, initial, budget)
         call.entry(*call.arguments)
-        return as_outcomes(call.arguments[-1])[0]
+        return self._within_tensions(as_outcomes(call.arguments[-1])[0])
 
-    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+    def _within_tensions(self, outcome: Outcome) -> Outcome:
+        """Take back what is solved where no tensions within their limits hold the shape: the search goes on."""
+        if self._bounded and outcome.code == SOLVED and not self._own_robot.within_tensions(outcome.q):
+            return outcome._replace(code=FAILED)
+        return outcome
+
+    def run_many(
+        self,
+        scene: Snapshot,
+        rows: Floats,
+        initial: Floats,
+        budget: Budget,
+        answers: Floats,
+        references: Floats | None = None,
+    ) -> None:
         """Solve m problems in one scene as `run` does one; may run in many threads at once.
 
         `rows` (m, t, 15) are the targets of each and `initial` (m, g, n, 3) its initial configurations, as kernels take
-        them: writable, and in the order of C. Fills `answers` (m, 11 + 3 n).
+        them: writable, and in the order of C. `references` (m, n, 3) are what preferences mean by the initial
+        configurations. Fills `answers` (m, 11 + 3 n).
         """
         if not self._capabilities.any_target:
             for each in rows:
                 self._capabilities.refuse_targets(self._name, each, self._segments)
         self._search(scene, rows, initial, budget, answers)
+        if self._bounded and len(answers):
+            held = self._own_robot.within_tensions(answers[:, RECORD_WIDTH:].reshape(len(answers), -1, 3))
+            answers[(answers[:, CODE] == SOLVED) & ~held, CODE] = FAILED
 
     def _search(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
         call = self._call(scene, rows, initial, budget, answers)

@@ -24,6 +24,7 @@ from sinuous.frozen import Frozen
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MAX_LENGTH, MIN_LENGTH
 from sinuous.packing import actuator_row
 from sinuous.robot.actuators import UNLIMITED, Actuators, Lines, Stage
+from sinuous.robot.elastic import Elastic
 from sinuous.robot.motors import Motors
 from sinuous.robot.names import line_names, refuse_repeated
 from sinuous.robot.segment import Segment, segment_names
@@ -91,8 +92,11 @@ class Actuation(Frozen):
         Segment by segment, tendons before chambers before the stage, then `linear`.
     motors : Motors
         How displacements become values.
+    elastic : Elastic or None
+        What knows those that stretch.
     limits : ndarray (m, 2)
-        Of the displacements; infinite for stages, which the limits of their segments hold.
+        Of the displacements, of elastic ones without their stretch; infinite for stages, which the limits of their
+        segments hold.
     scales : ndarray (m,)
         What displacements are divided by to count in the length unit: 1 but for `linear`. There it is the largest
         weight, those of bends divided by the mean length of the robot.
@@ -105,6 +109,7 @@ class Actuation(Frozen):
 
     actuators: tuple[Actuator, ...]
     motors: Motors
+    elastic: Elastic | None
     limits: Floats
     scales: Floats
     _weights: Floats
@@ -136,6 +141,8 @@ class Actuation(Frozen):
         gain, offset = (np.array([getattr(each, key) for each in listed], np.float64) for key in ("gain", "offset"))
         motors = Motors(gain, offset, tuple(each.unit for each in listed))
         self._set(actuators=listed, motors=motors, **arrays)
+        stretching = list(_elastic(segments))
+        self._set(elastic=Elastic(segments, self.jacobian, stretching) if stretching else None)
 
     def __len__(self) -> int:
         return len(self.actuators)
@@ -146,8 +153,22 @@ class Actuation(Frozen):
         return self.scales[len(self._weights) :]
 
     def values(self, q: Floats) -> Floats:
-        """Values (..., m) of the motors in configurations (..., n, 3)."""
-        return self.motors.values(self.displacements(q))
+        """Values (..., m) of the motors in configurations (..., n, 3): of elastic ones with the least tensions."""
+        return self.motors.values(self.displacements(q) + self.stretch(q))
+
+    def stretch(self, q: Floats) -> Floats:
+        """By how much actuators (..., m) are displaced beyond what configurations (..., n, 3) ask of rigid ones."""
+        result = np.zeros((*q.shape[:-2], len(self)))
+        if self.elastic is not None:
+            result[..., self.elastic.places] = self.elastic.stretch(q)
+        return result
+
+    def tensions(self, q: Floats, displacements: Floats) -> Floats:
+        """Tensions (..., m) at these displacements (..., m) in configurations (..., n, 3); NaN of rigid actuators."""
+        result = np.full((*q.shape[:-2], len(self)), math.nan)
+        if self.elastic is not None:
+            result[..., self.elastic.places] = self.elastic.tensions(displacements, q)
+        return result
 
     def speeds(self, dq: Floats) -> Floats:
         """How fast the values of the motors change (..., m) when configurations do so (..., n, 3)."""
@@ -196,6 +217,8 @@ class Actuation(Frozen):
         """By how much actuators (..., m) are below or above their limits, in the length unit; negative within them."""
         there = self.displacements(q)
         result: Floats = np.maximum(self.limits[:, 0] - there, there - self.limits[:, 1]) / self.scales
+        if self.elastic is not None:
+            result[..., self.elastic.places] = self.elastic.balance(q).short
         return result
 
 
@@ -232,9 +255,21 @@ def _named(
     names = line_names(segment, kind[0], lines.names, len(lines.angles))
     limits = lines.displacements
     each = _actuators(names, kind, [k + 1] * len(names), lines.motors, limits)
-    rows = zip(each, lines.arms.tolist(), limits.tolist(), strict=True)
+    rows = zip(each, lines.arms.tolist(), lines.unstretched.tolist(), strict=True)
     for j, (actuator, (x, y), (low, high)) in enumerate(rows):
         yield f"segments[{k}].{kind}s.names[{j}]", actuator, (x, y), (low, high)
+
+
+def _elastic(segments: Sequence[Segment]) -> Iterator[tuple[int, Lines, int]]:
+    """Yield which actuators are elastic: their places, what they belong to, and which of its lines they are."""
+    at = 0
+    for segment in segments:
+        for lines in (segment.tendons, segment.chambers):
+            if lines is not None:
+                if lines.stiffness is not None:
+                    yield from ((at + j, lines, j) for j in range(len(lines.angles)))
+                at += len(lines.angles)
+        at += segment.stage is not None
 
 
 def _stage(k: int, name: str, length: tuple[float, float], stage: Stage) -> Line:

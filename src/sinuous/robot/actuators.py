@@ -14,16 +14,22 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Vector, Whole
+from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-from sinuous.robot.motors import Each, Motors, Units, checked_gain, checked_offset, checked_unit
+from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain, checked_offset, checked_unit
 from sinuous.robot.names import listed_names, optional_name
 
 MOST_LINES = 64
 
 UNLIMITED = (-math.inf, math.inf)
+
+ENDS = 2
+"""Numbers of an interval."""
+
+TensionLimits = Limits | Sequence[Number | None]
+"""A pair [low, high], or [low, None]."""
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -49,6 +55,11 @@ class Lines(Frozen):
         What the values of the motors count: `counts`, `deg`. Messages, tables and pictures say it.
     limits : (float, float), optional
         Least and largest value of every motor, in its unit.
+    stiffness : float or array_like (m,), optional
+        Force per length by which a line stretches, for all lines or for each; by default they are rigid. The segment
+        needs a stiffness, too; only the ratio of both counts for shapes.
+    tension : (float, float), optional
+        Least and largest tension of an elastic line, positive where it pulls; None as the second is no limit.
     """
 
     angles: Floats
@@ -58,6 +69,11 @@ class Lines(Frozen):
     offset: float | Floats
     unit: str | tuple[str | None, ...] | None
     limits: tuple[float, float]
+    stiffness: float | Floats | None
+    tension: tuple[float, float] | None
+
+    one_sided: ClassVar[bool] = False
+    """Whether an elastic line only pulls."""
 
     own_limits: ClassVar[str]
     """Which parameter has limits of the displacement."""
@@ -74,6 +90,8 @@ class Lines(Frozen):
         offset: Each = 0.0,
         unit: Units | None = None,
         limits: Limits | None = None,
+        stiffness: Each | None = None,
+        tension: TensionLimits | None = None,
     ) -> None:
         if (count is None) == (angles is None):
             raise InputError("count", "they say where the lines are", count, "either count (and angle) or angles")
@@ -91,6 +109,18 @@ class Lines(Frozen):
         self._set(names=listed_names(names, m))
         self._set(gain=checked_gain(gain, m), offset=checked_offset(offset, m), unit=checked_unit(unit, m))
         self._set(limits=UNLIMITED if limits is None else checks.interval("limits", limits))
+        self._set(stiffness=None if stiffness is None else _positive("stiffness", stiffness, m))
+        self._set(tension=_tension(tension, stiffness, self.one_sided))
+
+    @property
+    def tensions(self) -> tuple[float, float]:
+        """Least and largest tension of each line, where it is elastic."""
+        return self.tension or ((0.0 if self.one_sided else -math.inf), math.inf)
+
+    @property
+    def stiffnesses(self) -> Floats:
+        """Stiffness (m,) of each line; infinite where it is rigid."""
+        return np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
 
     @property
     def motors(self) -> Motors:
@@ -110,6 +140,14 @@ class Lines(Frozen):
         return self.motors.limits_of_displacements(own) if self.limited_by == "limits" else own
 
     @property
+    def unstretched(self) -> Floats:
+        """Displacements (m, 2) between which rigid lines would have to stay where these are within all their limits."""
+        if self.stiffness is None:
+            return self.displacements
+        result: Floats = self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None]
+        return result
+
+    @property
     def arms(self) -> Floats:
         """Lever arms (m, 2): what one radian of `bend_x` and of `bend_y` takes away from each line's length."""
         result: Floats = self.radius * np.stack([np.cos(self.angles), np.sin(self.angles)], axis=-1)
@@ -124,17 +162,24 @@ class Lines(Frozen):
 class Tendons(Lines):
     """Tendons that end at the end of one segment; parameters as `Lines`, and `displacement`.
 
+    They pull and do not push. Elastic ones (`stiffness`) stretch under their tension, and go slack without one.
+
     Parameters
     ----------
     displacement : (float, float), optional
         Least and largest displacement that the drive allows, in the length unit; 0, the straight robot, must lie
         between. Positive is pulled: the tendon is shorter than the backbone it runs along. Limits of what the motors
         count are `limits` instead.
+    straight : bool
+        Whether they run straight from disk to disk, which stand at the ends of the arcs of a segment (`arcs`), instead
+        of along the body. It matters under load.
     """
 
     displacement: tuple[float, float]
+    straight: bool
 
     own_limits: ClassVar[str] = "displacement"
+    one_sided: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -149,15 +194,23 @@ class Tendons(Lines):
         offset: Each = 0.0,
         unit: Units | None = None,
         limits: Limits | None = None,
+        stiffness: Each | None = None,
+        tension: TensionLimits | None = None,
+        straight: Truth = False,
     ) -> None:
         motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
+        motors |= {"stiffness": stiffness, "tension": tension}
         super().__init__(count, radius, angle, angles=angles, names=names, **motors)
         _refuse_both("displacement", displacement, limits)
+        self._set(straight=checks.truth("straight", straight))
         self._set(displacement=_limits_about_zero("displacement", displacement))
-        for straight, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
+        for upright, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
             if not low <= 0.0 <= high:
-                wanted = f"[low, high] with low <= {straight:g} <= high"
+                wanted = f"[low, high] with low <= {upright:g} <= high"
                 raise InputError("limits", "excludes the straight robot", limits, wanted)
+        if (self.unstretched[:, 1] < 0.0).any():
+            wanted = f"a least one that stretches tendons by no more than {float(self.displacements[:, 1].min()):g}"
+            raise InputError("tension", "excludes the straight robot", self.tension, wanted)
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -174,6 +227,7 @@ class Chambers(Lines):
     length: tuple[float, float]
 
     own_limits: ClassVar[str] = "length"
+    one_sided: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -188,8 +242,11 @@ class Chambers(Lines):
         offset: Each = 0.0,
         unit: Units | None = None,
         limits: Limits | None = None,
+        stiffness: Each | None = None,
+        tension: TensionLimits | None = None,
     ) -> None:
         motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
+        motors |= {"stiffness": stiffness, "tension": tension}
         super().__init__(count, radius, angle, angles=angles, names=names, **motors)
         _refuse_both("length", length, limits)
         self._set(length=UNLIMITED if length is None else checks.interval("length", length, low=0.0))
@@ -230,6 +287,25 @@ class Stage(Frozen):
     def changed(self, **values: Any) -> Self:
         """Return the same stage with other values of some parameters."""
         return self._changed(values)
+
+
+def _positive(key: str, value: Each, count: int) -> float | Floats:
+    """Check a number greater than 0 for all lines, or one for each."""
+    numbers = checked_each(key, value, count)
+    for i, each in enumerate(np.atleast_1d(numbers).tolist()):
+        checks.number(key if isinstance(numbers, float) else f"{key}[{i}]", each, above=0.0)
+    return numbers
+
+
+def _tension(value: TensionLimits | None, stiffness: Each | None, one_sided: bool) -> tuple[float, float] | None:
+    """Check limits of the tension, which only elastic lines have; of those that only pull it is at least 0."""
+    if value is None:
+        return None
+    if stiffness is None:
+        raise InputError("tension", "of lines without a stiffness nothing is known", value, "stiffness beside it")
+    if isinstance(value, list | tuple) and len(value) == ENDS and value[1] in (None, math.inf):
+        return checks.number("tension[0]", value[0], low=0.0 if one_sided else -math.inf), math.inf
+    return checks.interval("tension", value, low=0.0 if one_sided else -math.inf)
 
 
 def _refuse_both(key: str, own: Limits | None, limits: Limits | None) -> None:

@@ -60,6 +60,8 @@ class Inverse(Frozen):
         rank = int((sizes > RANK).sum())
         loose = np.zeros(scale.shape, np.bool_)
         loose.ravel()[moves] = np.linalg.norm(directions[rank:], axis=0) > np.sqrt(RANK)
+        if actuation.elastic is not None:
+            loose &= ~actuation.elastic.determined
         u, s, vt = np.linalg.svd(system, full_matrices=False)
         inverse = np.zeros((scale.size, len(actuation)))
         inverse[moves] = scale.ravel()[moves, None] * ((vt[:rank].T / s[:rank]) @ u[:, :rank].T)
@@ -94,7 +96,7 @@ class Inverse(Frozen):
 
 
 def fitting(
-    values: Stack | Mapping[str, Number | Stack], initial: Batch | None, names: Sequence[str], segments: int
+    values: Stack | Mapping[str, Number | Stack] | None, initial: Batch | None, names: Sequence[str], segments: int
 ) -> tuple[Floats, Floats | None]:
     """Check values (..., m), or (...) for each name, and a reference (..., n, 3) or none.
 
@@ -142,6 +144,8 @@ def answer_contradictions(
     if not values.size:
         return
     residuals = drive.values(found) - values
+    if drive.elastic is not None:  # these may take any values
+        residuals[..., drive.elastic.places] = 0.0
     sizes = np.abs(residuals).reshape(-1, len(drive))
     if tolerance is None:
         shares = drive.motors.within(sizes) / (drive.scales * CONTRADICTION * mean_length)

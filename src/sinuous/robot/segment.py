@@ -8,14 +8,18 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Limits, Number, Stack
+from sinuous.arguments import Limits, Number, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.reprs import call, text
 from sinuous.robot.actuators import Chambers, Stage, Tendons
 from sinuous.robot.names import optional_name
+from sinuous.robot.stiffness import Stiffness
 from sinuous.writing.plain import described, plain
+
+MOST_ARCS = 1000
+"""Arcs of one segment under load."""
 
 
 class SegmentArguments(TypedDict, total=False):
@@ -29,6 +33,10 @@ class SegmentArguments(TypedDict, total=False):
     chambers: Chambers | None
     name: str | None
     stage: Stage | None
+    stiffness: Stiffness | Number | None
+    rest: Vector
+    arcs: Whole
+    mass: Number
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -54,6 +62,14 @@ class Segment(Frozen):
         By default the robot calls its segments `s1`, `s2`, ... from base to tip.
     stage : Stage, optional
         A motor that sets the length of this segment.
+    stiffness : Stiffness or float, optional
+        How hard it is to bend, which elastic tendons and chambers need; a number is EI, force x length^2.
+    rest : array_like (2,)
+        Bend that it has by itself, where elastic actuators leave it alone, rad.
+    arcs : int
+        Of how many arcs it is under load (`Robot.shape`); without a load all of them are alike.
+    mass : float
+        Per length; its weight is mass x gravity.
 
     Raises
     ------
@@ -70,6 +86,10 @@ class Segment(Frozen):
     chambers: Chambers | None
     name: str | None
     stage: Stage | None
+    stiffness: Stiffness | None
+    rest: Floats
+    arcs: int
+    mass: float
 
     def __init__(
         self,
@@ -81,6 +101,11 @@ class Segment(Frozen):
         chambers: Chambers | None = None,
         name: str | None = None,
         stage: Stage | None = None,
+        *,
+        stiffness: Stiffness | Number | None = None,
+        rest: Vector = (0.0, 0.0),
+        arcs: Whole = 1,
+        mass: Number = 0.0,
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
@@ -107,6 +132,10 @@ class Segment(Frozen):
             chambers=chambers,
             name=optional_name(name),
             stage=stage,
+            stiffness=stiffness if stiffness is None or isinstance(stiffness, Stiffness) else _bent(stiffness),
+            rest=checks.array("rest", rest, (2,)),
+            arcs=checks.integer("arcs", arcs, 1, MOST_ARCS),
+            mass=checks.number("mass", mass, low=0.0),
         )
 
     def changed(self, **values: Unpack[SegmentArguments]) -> "Segment":
@@ -127,6 +156,10 @@ class Segment(Frozen):
         ]
         driven = lines if self.stage is None else [*lines, "stage"]
         return call("Segment", [*name, shown, f"max_bend={self.max_bend:g}", f"radius={self.radius:g}", *driven])
+
+
+def _bent(value: Number) -> Stiffness:
+    return Stiffness(checks.number("stiffness", value, above=0.0))
 
 
 def segment_names(segments: Sequence[Segment]) -> tuple[str, ...]:

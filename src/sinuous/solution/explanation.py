@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from sinuous.notebook import NotebookMixin
 from sinuous.reprs import call
 from sinuous.solution.binding import Binding, in_words, nearest_limits
 from sinuous.solution.reasons import Reason
@@ -21,8 +22,8 @@ MOST_LINES = 6
 """Most lines about what holds a configuration back."""
 
 
-@dataclass(frozen=True)
-class Explanation:
+@dataclass(frozen=True, repr=False)
+class Explanation(NotebookMixin):
     """Why a solve ended as it did, and what would help; prints itself.
 
     Attributes

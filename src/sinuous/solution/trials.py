@@ -97,7 +97,7 @@ class Trials:
     ----------
     case : Case
     end : float
-        When the time is up, by `time.perf_counter`.
+        When the time is up, by `work_time`.
 
     Attributes
     ----------

@@ -3,7 +3,8 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 
-from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
+from sinuous.arguments import START_KINDS
+from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, SOLVED, UNPROVED, Outcome
 from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.starts import Batch
 from sinuous.work_time import work_time
@@ -91,9 +92,10 @@ class Search(ABC):
                 if not self.open:
                     return
                 found = follow(part, self.seconds_left)
-                if batch.source == SOURCES[ROUTE]:
+                if len(part.initial):
                     solved = found.code == SOLVED and len(part.routes) > 0
-                    found = found._replace(source=ROUTE, route=part.routes[found.starts - 1] if solved else None)
+                    route = part.routes[found.starts - 1] if solved else None
+                    found = found._replace(source=START_KINDS.index(batch.source), route=route)
                 self.take(found)
                 if found.starts == 0:  # the method has no more of its own
                     return

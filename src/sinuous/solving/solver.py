@@ -8,13 +8,14 @@ from typing import Any, Self, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
+from sinuous.arguments import START_KINDS, Entry, HasArray, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
 from sinuous.kernels.compiling.tiers import code_first
-from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
+from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -29,6 +30,7 @@ from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
+from sinuous.solving.attempts import REMEMBERED
 from sinuous.solving.base import base_blocked
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.many import Many, read_initial, read_workers
@@ -178,7 +180,7 @@ class Solver:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
-        outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
+        outcome = self._look(problem, given) if blocked else self._first(problem, given, budget)
         if outcome.code != SOLVED:
             if outcome.code in UNDECIDED:
                 with no_work():
@@ -263,11 +265,12 @@ class Solver:
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
         with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
-            many = Many(questions, self._prepared, threads, bar.advance)
+            many = Many(questions, self._prepared, self._strategy, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
-            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
+            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
+            many.learn()
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -420,13 +423,33 @@ class Solver:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
 
-    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
+    def _first(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
+        """Make the first call: from the initial configuration, or else from remembered shapes; then from own starts."""
+        if self.options.memory is None:
+            return self._prepared.run(problem, given, budget, given[0] if len(given) else None)
+        if len(given):
+            first = self._prepared.run(problem, given, budget, given[0])
+        else:
+            starts = self._strategy.remembered(problem._rows[None])[0]
+            first = self._prepared.run(problem, starts, budget)
+            if first.source == GIVEN and len(starts):
+                first = first._replace(source=START_KINDS.index(REMEMBERED))
+                if first.code == SOLVED:
+                    self._strategy.learn(first.q[None], starts[first.starts - 1][None])
+                return first
+        if first.code == SOLVED:
+            self._strategy.learn(first.q[None])
+        return first
+
+    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float, learn: bool = True) -> Outcome:
         """Ask the other start sources until something is decided."""
         if first.code in UNDECIDED:
             self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
+        if learn and search.outcome.code == SOLVED:
+            self._strategy.learn(search.outcome.q[None])
         return search.outcome
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
@@ -509,6 +532,11 @@ class SolvesAgain:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
 
+    @property
+    def prefer(self) -> Preferences:
+        """What is liked better among solutions."""
+        return self.options.prefer
+
     def solve(
         self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any
     ) -> Solution:
@@ -567,5 +595,7 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
         raise InputError("robot", "", robot, "a Robot")
     place, chosen = as_scene(scene), SolveOptions.of(options)
     check_sizes(robot, place)
+    if chosen.memory is not None:
+        chosen.memory.check(robot)
     warn_of(suspicions(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

@@ -90,6 +90,21 @@ RateKind = Literal["length_rate", "bend_rate", "actuator_rate"]
 Constraint = Literal[LimitKind, RateKind, "clearance", "self_clearance"]
 """What may hold a configuration back."""
 
+Parameter = Literal[
+    "target",
+    "base",
+    "tool",
+    "lengths",
+    "bends",
+    "curvatures",
+    "radii",
+    "tendons",
+    "actuators",
+    "obstacles",
+    "initial",
+]
+"""What an answer can be derived by."""
+
 StepConstraint = Literal[
     "length",
     "bend",

@@ -3,12 +3,12 @@
 import operator
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.arguments import START_KINDS
+from sinuous.arguments import START_KINDS, Parameter
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
@@ -35,6 +35,9 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of
+
+if TYPE_CHECKING:
+    from sinuous.derivatives.many import Derivatives
 
 Whole = NDArray[np.int64]
 Objects = NDArray[np.object_]
@@ -241,6 +244,33 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     def seed(self) -> int:
         """Of the scattered starts."""
         return self._resolver.seed
+
+    def derivative(self, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "Derivatives":
+        """Derive all answers that are solved, as `Solution.derivative` does one; derivatives of others are NaN.
+
+        Parameters
+        ----------
+        wrt : str or sequence of str
+            Groups of parameters.
+
+        Returns
+        -------
+        Derivatives
+            Arrays over all answers. Columns of what is not asked of a target are left out where that is so for all
+            answers; otherwise they are zero.
+
+        Raises
+        ------
+        InputError
+            When there is no such group, or when it is `target` and not all answers have equally many targets.
+        """
+        from sinuous.derivatives.many import derivatives_of  # noqa: PLC0415
+        from sinuous.derivatives.parameters import read_wrt  # noqa: PLC0415
+
+        liked = self.solved & bool(self._resolver.prefer)
+        for i in np.flatnonzero(liked):
+            liked[i] = not self._resolver.prefer.satisfied(float(self._answers[i, CLEARANCE]))
+        return derivatives_of(self._problems, self.q, self.solved, liked, read_wrt(wrt))
 
     def raise_for_status(self) -> "Solutions":
         """Return these solutions when all are solved.

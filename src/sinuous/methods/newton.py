@@ -1,6 +1,5 @@
 """Our own method: a damped Newton step of the whole robot in two sweeps (see `sinuous.kernels.step.sweeps`)."""
 
-import time as clock
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -80,15 +79,13 @@ class PreparedNewton(Prepared):
             outcome.q[:] = 0.0
             self._prefer(outcome, nowhere.scene, nowhere._rows, None, 0.0)
 
-    def load_room(self, problem: Problem) -> float:
+    def load_room(self, problem: Problem) -> None:
         """Compile what leads out of contact; see `Prepared.load_room`."""
         if self._loaded:
-            return 0.0
-        began = clock.perf_counter()
+            return
         straight = Outcome(np.zeros(self._shape), FAILED, 0, 0, GIVEN, 0.0, 0.0, 0.0, 0.0, False, 0.0, 0.0)
         self._prefer(straight, problem.scene, problem._rows, None, 0.0)
         self._loaded = True
-        return clock.perf_counter() - began
 
     def take_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
         """Move a solution away from what it touches; see `Prepared.take_room`."""

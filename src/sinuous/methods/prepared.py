@@ -144,9 +144,8 @@ class Prepared:
             held = self._own_robot.within_tensions(answers[:, RECORD_WIDTH:].reshape(len(answers), -1, 3))
             answers[(answers[:, CODE] == SOLVED) & ~held, CODE] = FAILED
 
-    def load_room(self, problem: Problem) -> float:
-        """Compile what `take_room` needs, or load it, where that is not done yet; return the seconds it took."""
-        return 0.0
+    def load_room(self, problem: Problem) -> None:
+        """Compile what `take_room` needs, or load it, where that is not done yet."""
 
     def take_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
         """Move a solution away from what it touches, as far as that is cheap; it stays solved and proved."""

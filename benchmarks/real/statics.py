@@ -1,4 +1,4 @@
-"""Shapes under load: a tendon robot against a Cosserat rod of other people, rods, and a soft tentacle that was measured.
+"""Shapes under load: a tendon robot and rods that others computed, and a soft tentacle that was measured.
 
 The data are facts of other projects, see `benchmarks/data/README.md`.
 """
@@ -188,7 +188,7 @@ def tentacle() -> list[Line]:
         return (_places(NOMINAL * scale, loads) - markers).ravel() * 1e3
 
     limits = ((0.3, 0.2, 0.3), (2.0, 2.0, LARGEST_SLOPE))
-    fit = least_squares(residual, np.array([0.9, 0.6, 1.0]), bounds=limits, diff_step=1e-3, xtol=1e-4)
+    fit = least_squares(residual, np.array([0.9, 0.6, 1.0]), bounds=limits, diff_step=[1e-3], xtol=1e-4)
     young, density, slope = NOMINAL * fit.x
     nominal, fitted = (_rms(residual(scale)) for scale in (np.ones(3), fit.x))
     note = f"E {young / 1e3:.0f} kPa, density {density:.0f}, slope {slope:.4f}; published 15.8 mm (E, nu, density)"

@@ -126,19 +126,19 @@ def test_every_name_has_an_experiment_of_that_name(name: str) -> None:
         (["clutter", "--method", "dls"], "--method: expected nothing with clutter, got ['dls'] (is for table1, "),
         (
             ["table1", "--piece", "p3"],
-            "--piece: expected nothing with table1, got ['p3'] (is for speed, clutter, wild, many, motion, view)",
+            "--piece: expected nothing with table1, got ['p3'] (is for speed, clutter, wild, many, motion, derivatives, real, view)",
         ),
         (
             ["table1", "--rounds", "2"],
-            "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild, many, motion)",
+            "--rounds: expected nothing with table1, got 2 (is for speed, clutter, wild, many, motion, derivatives, real)",
         ),
         (
             ["table1", "--against", "a.json"],
-            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, many, motion)",
+            "--against: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, many, motion, derivatives, real)",
         ),
         (
             ["table1", "--save-baseline", "a.json"],
-            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, many, motion)",
+            "--save-baseline: expected nothing with table1, got 'a.json' (is for speed, clutter, wild, many, motion, derivatives, real)",
         ),
         (["speed", "--rounds", "0"], "--rounds"),
         (

@@ -478,7 +478,7 @@ class Solution(NotebookMixin):
             ("position", self.position_error),
             ("angle", self.angle_error),
             ("clearance", self.clearance),
-            ("from self", self.self_clearance),
+            ("off itself", self.self_clearance),
         ):
             if value is not None:
                 parts.append(f"  {label:<10} {value:.3g}")

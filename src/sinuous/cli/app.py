@@ -15,6 +15,7 @@ from sinuous.cli.options import (
     UNSOLVED,
     BatchSolving,
     Clearance,
+    DesignSolving,
     Files,
     Json,
     MapSolving,
@@ -231,6 +232,36 @@ def warm(
     from sinuous.cli.warm import warm_up  # noqa: PLC0415
 
     return warm_up(method or ())
+
+
+@app.command()
+@with_groups
+def design(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="Robot, scene, tasks, and what is varied.")],
+    solving: DesignSolving,
+    minimise: Annotated[
+        str | None,
+        typer.Option(metavar="NAME[,NAME]", help="Instead of what the file says: actuators, length, bend, ..."),
+    ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FIELD=LOW:HIGH", help="Or FIELD=VALUE,VALUE; beside those of the file; may be repeated."),
+    ] = None,
+    robots: Annotated[int | None, typer.Option(metavar="COUNT", help="Robots that are judged.")] = None,
+    budget: Annotated[float | None, typer.Option(metavar="SECONDS", help="Time for all of them.")] = None,
+    workers: Workers = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the best robot, as YAML or JSON; goes on if interrupted.")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the front as a table.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw the front: .png, .svg, .pdf.")] = None,
+    json: Json = False,
+) -> int:
+    """Find the robot that does all tasks of a file and has the least of something."""
+    from sinuous.cli.design import Wishes, design_file  # noqa: PLC0415
+
+    wishes = Wishes(minimise, tuple(vary or ()), robots, budget, workers)
+    return design_file(file, solving, wishes, out, csv, plot, json=json)
 
 
 @app.callback(invoke_without_command=True)

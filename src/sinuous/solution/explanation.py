@@ -100,7 +100,7 @@ def _labelled(label: str, texts: list[str]) -> list[str]:
 
 
 def explain(case: Case, sentence: str, end: float) -> Explanation:
-    """Explain a solve, until the time is `end` (by `time.perf_counter`); `sentence` is what its status means here."""
+    """Explain a solve, until the time is `end` (by `work_time`); `sentence` is what its status means here."""
     own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
     if case.status is Status.SOLVED:
         return Explanation(*own, nearest_limits(case.problem, case.q), (), "", count)

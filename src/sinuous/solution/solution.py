@@ -2,7 +2,6 @@
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from sinuous.solution.trials import Case
 from sinuous.solution.verification import Verification, verify
 from sinuous.solution.worst import Worst, find_worst
 from sinuous.words import duration, listed
+from sinuous.work_time import work_time
 
 if TYPE_CHECKING:
     from sinuous.derivatives.derivative import Derivative
@@ -312,7 +312,7 @@ class Solution(NotebookMixin):
         InputError
             When `time` is no number of at least 0.
         """
-        end = perf_counter() + checks.number("time", time, low=0.0)
+        end = work_time() + checks.number("time", time, low=0.0)
         given = self._given.reshape(-1, *self.q.shape)
         own = self.problem, self.status, self.q, given[0] if len(given) else None
         case = Case(*own, self.binding, self.reason, self._resolver, self.starts, self._within)

@@ -1,7 +1,6 @@
 """A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
-import time as clock
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self, Unpack
@@ -12,6 +11,7 @@ from sinuous import checks
 from sinuous.arguments import START_KINDS, Entry, HasArray, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
+from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
@@ -32,6 +32,7 @@ from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.attempts import REMEMBERED
 from sinuous.solving.base import base_blocked
+from sinuous.solving.classes.curves import Curves
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
@@ -39,6 +40,7 @@ from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wa
 from sinuous.solving.starts import Batch, Question
 from sinuous.solving.strategy import Strategy
 from sinuous.solving.velocity import ControlLoop
+from sinuous.work_time import no_work, work_time
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
@@ -55,6 +57,8 @@ class Solver:
     robot : Robot
     scene : Scene or list of obstacles, optional
         Live: after an update the next solve sees the new obstacles.
+    ready : str or sequence of str
+        Methods of the solver whose machine code is waited for now, see `warm`: before a control loop.
     **options
         The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without, clearance,
         self_clearance.
@@ -72,9 +76,18 @@ class Solver:
         When an argument is not what it should be.
     """
 
-    def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        scene: SceneLike | None = None,
+        *,
+        ready: str | Sequence[str] = (),
+        **options: Unpack[SolveArguments],
+    ) -> None:
+        uses = _uses("ready", (ready,) if isinstance(ready, str) else ready)
         self._prepare(*_checked(robot, scene, options))
         self._strategy.load()
+        self._warm(uses)
 
     @classmethod
     def once(cls, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> Self:
@@ -101,6 +114,27 @@ class Solver:
         self._no_initial: Floats = np.empty((0, *self._shape))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
+
+    def warm(self, *uses: str) -> None:
+        """Wait until what these methods need is compiled, so that none of their calls waits, or is interpreted.
+
+        Parameters
+        ----------
+        *uses : str
+            `solve`, `solve_many`, `solve_all`, `step`; by default all of them.
+
+        Raises
+        ------
+        InputError
+            When there is no such method.
+        """
+        self._warm(_uses("warm", uses or tuple(READY)))
+
+    def _warm(self, uses: Iterable[str]) -> None:
+        """Use each of these methods once, in a way that is soon done."""
+        with code_first():
+            for use in uses:
+                READY[use](self)
 
     def solve(
         self,
@@ -133,7 +167,7 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        began = clock.perf_counter()
+        began = work_time()
         scene, blocked = self._place
         looked = scene is not self.scene.snapshot()
         if looked:
@@ -145,22 +179,24 @@ class Solver:
         if within is not None:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
-            budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
+            budget = *budget[:3], max(0.0, budget[3] + began - work_time())
         outcome = self._look(problem, given) if blocked else self._first(problem, given, budget)
         if outcome.code != SOLVED:
             if outcome.code in UNDECIDED:
-                began += self._strategy.load()  # compiling is no solving
+                with no_work():
+                    self._strategy.load()
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given)
+        outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
             raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
-        began = clock.perf_counter()
+        began = work_time()
         outcome = self._control.within(problem, given[0], within, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given, within=within)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given, within=within)
 
     def loaded(
         self,
@@ -229,13 +265,14 @@ class Solver:
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
-        with ProgressBar(len(asked) if shown else 0) as bar:
+        with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
             many = Many(questions, self._prepared, self._strategy, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
             many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
             many.learn()
+            many.take_room(budget[3])
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -298,8 +335,9 @@ class Solver:
         several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
+        own = self._resolver, given
         return [
-            Solution(problem, outcome, outcome.seconds, self._resolver, given, route_class)
+            Solution(problem, self._with_room(outcome, problem, wanted.seconds), outcome.seconds, *own, route_class)
             for outcome, route_class in several.best()
         ]
 
@@ -417,6 +455,14 @@ class Solver:
             self._strategy.learn(search.outcome.q[None])
         return search.outcome
 
+    def _with_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Move a solution out of contact; see `Prepared.take_room`."""
+        if outcome.code != SOLVED or outcome.clearance >= self._prepared.grazing:
+            return outcome
+        with no_work():  # compiling is no solving
+            self._prepared.load_room(problem)
+        return self._prepared.take_room(outcome, problem, seconds)
+
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""
         reference = given[0] if len(given) else None
@@ -509,6 +555,49 @@ class SolvesAgain:
         chosen = replace(self.options, tolerance=problem.tolerance, **options)
         solver = Solver.prepared(problem.robot, Scene.of(problem.scene), chosen)
         return solver.solve(problem.targets, initial, within=within)
+
+
+def _warm_solve(solver: Solver) -> None:
+    solver.solve(_beyond_reach(solver), _straight(solver), time=0.0)
+    solver._strategy.load(anew=True)
+
+
+def _warm_many(solver: Solver) -> None:
+    solver.solve_many([_beyond_reach(solver)], time=0.0)
+
+
+def _warm_all(solver: Solver) -> None:
+    _warm_solve(solver)
+    if len(solver.scene):
+        Curves(solver.robot, solver.scene.snapshot()).load()
+
+
+def _warm_step(solver: Solver) -> None:
+    solver.step(_straight(solver), (0.0,) * 6, 1.0)
+
+
+READY: dict[str, Callable[[Solver], None]] = {
+    "solve": _warm_solve,
+    "solve_many": _warm_many,
+    "solve_all": _warm_all,
+    "step": _warm_step,
+}
+"""Methods of a solver that can be waited for, and how each is used once."""
+
+
+def _uses(key: str, given: Sequence[str]) -> list[str]:
+    return [checks.choice(key, use, tuple(READY)) for use in given]
+
+
+def _straight(solver: Solver) -> Floats:
+    """Straight, with mean lengths."""
+    lengths = [sum(segment.length) / 2.0 for segment in solver.robot.segments]
+    return np.array([(0.0, 0.0, length) for length in lengths])
+
+
+def _beyond_reach(solver: Solver) -> Target:
+    """A target that is soon seen to be impossible."""
+    return Target((0.0, 0.0, 9.0 * len(solver.robot) * solver.robot.mean_length))
 
 
 def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) -> tuple[Robot, Scene, SolveOptions]:

@@ -149,9 +149,10 @@ class Strategy:
         self._memory = options.memory if takes_memory and own else None
         self._segments, self._options = len(robot), options
 
-    def load(self) -> float:
-        """Compile what routes need, or load it, where that is not done yet; return the seconds it took."""
-        return 0.0 if self.searches is None else self.searches.load()
+    def load(self, *, anew: bool = False) -> None:
+        """Compile what routes need, or load it, where that is not done yet, or `anew`."""
+        if self.searches is not None:
+            self.searches.load(anew=anew)
 
     def opening_starts(self, given: int) -> int:
         """How many starts the method makes by itself in the first call, after so many initial configurations."""

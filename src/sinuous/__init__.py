@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from sinuous.assessing.assessment import Assessment as Assessment
     from sinuous.assessing.moves import Move as Move
     from sinuous.assessing.sweep import sweep as sweep
+    from sinuous.assessing.tasks import Cover as Cover
     from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.solve import solve_batch as solve_batch
+    from sinuous.designing.design import Design as Design
+    from sinuous.designing.find import design as design
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
     from sinuous.errors import SuspiciousInput as SuspiciousInput
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.assessment import plot_assessment as plot_assessment
+    from sinuous.pictures.design import plot_design as plot_design
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
     from sinuous.pictures.workspace import plot_reach as plot_reach
@@ -89,8 +93,10 @@ _HOMES = {
     "assessing.assessment": ("Assessment",),
     "assessing.moves": ("Move",),
     "assessing.sweep": ("sweep",),
-    "assessing.tasks": ("Follow",),
+    "assessing.tasks": ("Cover", "Follow"),
     "batch.solve": ("solve_batch",),
+    "designing.design": ("Design",),
+    "designing.find": ("design",),
     "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
@@ -99,6 +105,7 @@ _HOMES = {
     "motion.track": ("track",),
     "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
+    "pictures.design": ("plot_design",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
     "pictures.assessment": ("plot_assessment",),

@@ -38,6 +38,7 @@ def orders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Orders:
     monkeypatch.setattr(store, "CACHE", tmp_path)
     monkeypatch.setattr(tiers, "MODE", "auto")
     monkeypatch.setattr(tiers, "_told", [])
+    monkeypatch.setattr(tiers, "begun", lambda: True)
     monkeypatch.setattr(pieces, "_told", [])
     monkeypatch.setattr(pieces, "PIECES", (piece(9),))
     noted = Orders()

@@ -48,7 +48,7 @@ class Piece(NamedTuple):
         return self.seconds if begun() else max(self.alone, self.seconds)
 
 
-FEW = 3000
+FEW = 30_000
 """Numbers of which work is soon done, interpreted."""
 
 PIECES = (

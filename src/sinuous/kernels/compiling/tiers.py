@@ -20,8 +20,11 @@ from numba import types
 
 from sinuous.kernels.compiling.helpers import Order, foreman
 from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
-from sinuous.kernels.compiling.store import ENTRIES, Store
+from sinuous.kernels.compiling.store import ENTRIES, Store, begun
 from sinuous.work_time import TooLongError, no_work
+
+FIRST = 60
+"""Seconds that compiling takes about for somebody who begins."""
 
 PATIENCE = 4.0
 """Seconds that an interpreted call may take."""
@@ -133,10 +136,11 @@ def _put_back(value: Any, kept: Any) -> None:
 
 def _tell(piece: Piece) -> None:
     """Say once that kernels are compiled in the background, and about how long that takes."""
-    if not _told and piece.expected > SHORT:
+    seconds = piece.expected if begun() else max(piece.expected, FIRST)
+    if not _told and seconds > SHORT:
         _told.append(piece)
         text = (
-            f"sinuous: first use on this machine: kernels are compiled in the background (about {piece.expected} s); "
+            f"sinuous: first use on this machine: kernels are compiled in the background (about {seconds} s); "
             "until then answers take longer"
         )
         print(text, file=sys.stderr, flush=True)  # noqa: T201

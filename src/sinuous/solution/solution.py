@@ -2,15 +2,15 @@
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import START_KINDS, Number, Parameter, Rows, StartKind, Vector
+from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOLVED, Outcome
+from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -174,7 +174,7 @@ class Solution(NotebookMixin):
     @property
     def start(self) -> StartKind:
         """Which kind of start won: given, arc, random, route or remembered."""
-        return START_KINDS[self._outcome.source]
+        return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
     def route(self) -> Floats | None:

@@ -24,6 +24,7 @@ from sinuous.cli.options import (
     PlanSolving,
     Remembering,
     SelfClearance,
+    Timed,
     Workers,
     methods_like,
     read_demands,
@@ -71,6 +72,7 @@ def track(
     files: Files,
     solving: Remembering,
     output: MotionOutput,
+    timed: Timed,
     deviation: Annotated[
         float | None,
         typer.Option(metavar="LENGTH", help="How far the tip may be from the straight line between waypoints."),
@@ -79,7 +81,7 @@ def track(
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    return track_files(files, solving, output, deviation)
+    return track_files(files, solving, output, timed, deviation)
 
 
 @app.command()
@@ -88,22 +90,17 @@ def plan(
     files: Files,
     solving: PlanSolving,
     output: MotionOutput,
+    timed: Timed,
     shortcuts: Annotated[
         int,
         typer.Option(metavar="COUNT", help="How many random places of the motion are tried to be joined directly."),
     ] = 0,
     begin: Annotated[float, typer.Option(metavar="TIME", help="When the motion begins, where obstacles move.")] = 0.0,
-    duration: Annotated[
-        float | None,
-        typer.Option(
-            metavar="TIME", help="How long the motion takes; by default 1 or, with rates, as short as is found."
-        ),
-    ] = None,
 ) -> int:
     """Plan a motion from a start to a target or goal, clear all the way."""
     from sinuous.cli.work import plan_files  # noqa: PLC0415
 
-    return plan_files(files, solving, output, shortcuts=shortcuts, begin=begin, duration=duration)
+    return plan_files(files, solving, output, timed, shortcuts=shortcuts, begin=begin)
 
 
 @app.command()

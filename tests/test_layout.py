@@ -14,6 +14,7 @@ FLOORS = {
     "pictures": 6,
     "assessing": 5,
     "batch": 5,
+    "calibration": 5,
     "workspace": 5,
     "viewer": 6,
     "display": 5,

@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from sinuous.assessing.sweep import sweep as sweep
     from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.solve import solve_batch as solve_batch
+    from sinuous.calibration.calibrate import calibrate as calibrate
+    from sinuous.calibration.calibrate import suggest as suggest
+    from sinuous.calibration.calibration import Calibration as Calibration
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
     from sinuous.errors import SuspiciousInput as SuspiciousInput
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.assessment import plot_assessment as plot_assessment
+    from sinuous.pictures.calibration import plot_calibration as plot_calibration
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
     from sinuous.pictures.workspace import plot_reach as plot_reach
@@ -55,6 +59,7 @@ if TYPE_CHECKING:
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
     from sinuous.robot.stiffness import Stiffness as Stiffness
+    from sinuous.robot.uncertainty import Uncertainty as Uncertainty
     from sinuous.scene.grids import Field as Field
     from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -87,6 +92,8 @@ _HOMES = {
     "assessing.sweep": ("sweep",),
     "assessing.tasks": ("Follow",),
     "batch.solve": ("solve_batch",),
+    "calibration.calibrate": ("calibrate", "suggest"),
+    "calibration.calibration": ("Calibration",),
     "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
@@ -95,6 +102,7 @@ _HOMES = {
     "motion.track": ("track",),
     "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
+    "pictures.calibration": ("plot_calibration",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
     "pictures.assessment": ("plot_assessment",),
@@ -110,6 +118,7 @@ _HOMES = {
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
     "robot.stiffness": ("Stiffness",),
+    "robot.uncertainty": ("Uncertainty",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
     "scene.moving": ("Moving",),

@@ -21,6 +21,7 @@ from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
@@ -69,7 +70,9 @@ def read_robot(value: Any) -> Robot:
     with checks.inside("segments"):
         entries["segments"] = _read_segments(entries["segments"], radius)
     read_pose = partial(make, pose)
-    return make(Robot, entries, {"base": read_pose, "tool": read_pose, "actuators": partial(make, Actuators)})
+    parts: dict[str, Callable[[Any], Any]] = {"base": read_pose, "tool": read_pose}
+    parts |= {"actuators": partial(make, Actuators), "uncertainty": partial(make, Uncertainty)}
+    return make(Robot, entries, parts)
 
 
 def _read_segments(value: Any, radius: float) -> list[Segment]:

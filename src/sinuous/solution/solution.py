@@ -27,6 +27,7 @@ from sinuous.solution.trials import Case
 from sinuous.solution.verification import Verification, verify
 from sinuous.solution.worst import Worst, find_worst
 from sinuous.words import duration, listed
+from sinuous.writing.plain import plain
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
@@ -372,6 +373,7 @@ class Solution(NotebookMixin):
             "self_clearance": _finite(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
+            "uncertainty": plain(self.problem.robot.uncertainty),
             "actuators": self.actuators,
             "tensions": self.tensions,
             "worst": None if worst is None else worst.to_dict(),
@@ -411,7 +413,8 @@ class Solution(NotebookMixin):
             ("from self", self.self_clearance),
         ):
             if value is not None:
-                parts.append(f"  {label:<10} {value:.3g}")
+                unsure = self.problem.robot.uncertainty if label == "clearance" else None
+                parts.append(f"  {label:<10} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
             parts.append(f"  route      {self.route_class}")
         parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")

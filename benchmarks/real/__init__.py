@@ -1,0 +1,1 @@
+"""`python -m benchmarks real`: robots as they stand on the table, against what was measured."""

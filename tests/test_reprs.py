@@ -74,6 +74,8 @@ OBJECTS: list[Any] = [
         sn.solve_batch(ROBOT, np.eye(3)),
     ),
     *(sn.reach(ROBOT, spacing=24, directions=6), Verdict.SOLVED, sn.UnfinishedError("no room")),
+    *(sn.Force((0, 0, -0.3)), sn.Payload(0.1), SOFT := sn.Stiffness(1.0)),
+    sn.Robot.uniform(2, 1.0, stiffness=SOFT).shape([[0.1, 0.0, 1.0]] * 2, sn.Force((0, 0.1, 0))),
     Binding("actuator", 3, None, 1 / 3, 2 / 3, LONG, "tendons.displacement[1]"),
     Reason("route", 1 / 3, 2 / 3, LONG, True),
     Remedy("start", None, SOLUTION.q.tolist()),

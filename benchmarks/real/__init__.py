@@ -1,1 +1,1 @@
-"""`python -m benchmarks real`: robots as they stand on the table, against what was measured."""
+"""Robots as they are: calibrated from measurements, and under load; beside what others published."""

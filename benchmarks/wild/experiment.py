@@ -9,7 +9,7 @@ from benchmarks.harness import reference
 from benchmarks.harness.experiment import Findings, InTurn, Piece, chosen
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.wild import audit, branches, curled, doors, motions, worlds
+from benchmarks.wild import audit, branches, calls, curled, doors, motions, worlds
 from benchmarks.wild.tally import Tally
 from benchmarks.wild.trials import examine
 from benchmarks.wild.worlds import World
@@ -24,13 +24,13 @@ AUDIT = (
 
 MISSED = "not solved and found right by the judges"
 
-BLOCK, BLOCKS, AUDITED = 65, 100, 10
+BLOCK, BLOCKS, AUDITED = 22, 100, 10
 """Worlds of one piece, about a thousand problems; pieces of one round, 100,000 problems; pieces of one audited kind."""
 
 WALLS = "walls with doors"
 
 MOTIONS, MOVED = 100, 5
-"""Motions of one piece; pieces of one kind of motions, in one round."""
+"""Motions, or calls, of one piece; pieces of one kind of these, in one round."""
 
 ARMS, CURLED_WORLDS = (3, 5, 8), 200
 """Segments of the thick arms; how many times 50 problems each is given."""
@@ -79,7 +79,7 @@ class Wild(InTurn):
                 numbers = range(block * size, (block + 1) * size)
                 yield f"{kind} {block}", partial(_tallied, partial(make, seed), numbers)
         moved = count(MOTIONS, 2)
-        for kind, judge in motions.KINDS.items():
+        for kind, judge in _judges().items():
             for block in range(count(MOVED, 1) * self.plan.rounds):
                 yield (
                     f"{kind} {block}",
@@ -118,11 +118,12 @@ class Wild(InTurn):
             if own.seconds:
                 tallies[kind] = own
                 lines += [*own.speed(AUDIT, f"{kind}, {MISSED}", math.inf), own.claim(AUDIT, f"{kind}, false claims")]
-        for kind in motions.KINDS:
-            named = [name for name in pieces if name.rpartition(" ")[0] == kind]
-            if named:
-                judged = [motions.Judged(*each) for name in named for each in pieces[name]["judged"]]
-                lines += motions.lines_of(kind, judged)
+        for kind in _judges():
+            judged = [each for name in pieces if name.rpartition(" ")[0] == kind for each in pieces[name]["judged"]]
+            if judged and kind in calls.KINDS:
+                lines += calls.lines_of(kind, [calls.Called(*each) for each in judged])
+            elif judged:
+                lines += motions.lines_of(kind, [motions.Judged(*each) for each in judged])
         for name in (name for name, *_ in _poses(0, 0) if name in pieces):
             lines += branches.lines_of(name, [branches.Compared(*each) for each in pieces[name]["compared"]])
         if WALLS in pieces:
@@ -152,8 +153,13 @@ def _tallied(make: Callable[[int], World], numbers: range) -> dict[str, Any]:
     return {"busy": max(before.busy, reference.look().busy), **tally.plain()}
 
 
-def _moved(judge: Callable[[int], motions.Judged], numbers: range) -> dict[str, Any]:
-    """Make and judge motions."""
+def _judges() -> dict[str, Callable[[int, int], Sequence[Any]]]:
+    """What makes and judges a motion or a call, from a seed and a number, by kind."""
+    return {**motions.KINDS, **calls.KINDS}
+
+
+def _moved(judge: Callable[[int], Sequence[Any]], numbers: range) -> dict[str, Any]:
+    """Make and judge motions, or calls."""
     before = reference.look()
     judged = [list(judge(number)) for number in numbers]
     return {"busy": max(before.busy, reference.look().busy), "judged": judged}

@@ -17,7 +17,7 @@ from sinuous.scene.scene import Scene
 LIMIT = 1.0
 """Budget of one solve, in seconds, where a kind has none of its own."""
 
-SHAPES = 16
+SHAPES = 48
 """Hidden solutions of one world, at most, one a problem."""
 
 CLEAR = 1e-6

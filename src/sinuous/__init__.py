@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from sinuous.robot.actuators import Chambers as Chambers
     from sinuous.robot.actuators import Stage as Stage
     from sinuous.robot.actuators import Tendons as Tendons
+    from sinuous.robot.loads import Force as Force
+    from sinuous.robot.loads import Payload as Payload
     from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
@@ -78,9 +80,11 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import check as check
+    from sinuous.solving.memory import Memory as Memory
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
+    from sinuous.statics.equilibrium import Equilibrium as Equilibrium
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
@@ -114,11 +118,13 @@ _HOMES = {
     "problem.problem": ("Problem",),
     "problem.target": ("Target", "Tolerance"),
     "robot.actuators": ("Actuators", "Chambers", "Stage", "Tendons"),
+    "robot.loads": ("Force", "Payload"),
     "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
     "robot.stiffness": ("Stiffness",),
     "robot.uncertainty": ("Uncertainty",),
+    "statics.equilibrium": ("Equilibrium",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
     "scene.moving": ("Moving",),
@@ -131,6 +137,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Step",),
     "solution.verification": ("Verification", "check"),
+    "solving.memory": ("Memory",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),

@@ -4,7 +4,7 @@ NumPy's own `ArrayLike` takes a text, a single number and true or false for an a
 """
 
 from collections.abc import Sequence
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,8 +75,10 @@ MethodName = Literal["newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx
 SelfCollision = Literal["avoid", "allow"]
 """What may be said of a body that runs through itself."""
 
-StartKind = Literal["given", "arc", "random", "route"]
-"""Where a start comes from."""
+StartKind = Literal["given", "arc", "random", "route", "remembered"]
+"""Where a start comes from, in the order of the codes of `sinuous.kernels.tables`."""
+
+START_KINDS: tuple[StartKind, ...] = get_args(StartKind)
 
 Shortest = Literal["configuration", "actuators"]
 """What a motion may be shortest in."""
@@ -87,6 +89,21 @@ RateKind = Literal["length_rate", "bend_rate", "actuator_rate"]
 
 Constraint = Literal[LimitKind, RateKind, "clearance", "self_clearance"]
 """What may hold a configuration back."""
+
+Parameter = Literal[
+    "target",
+    "base",
+    "tool",
+    "lengths",
+    "bends",
+    "curvatures",
+    "radii",
+    "tendons",
+    "actuators",
+    "obstacles",
+    "initial",
+]
+"""What an answer can be derived by."""
 
 StepConstraint = Literal[
     "length",

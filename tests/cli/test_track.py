@@ -15,6 +15,7 @@ import sinuous as sn
 from sinuous.checks import Floats
 from sinuous.cli.app import main
 from sinuous.motion import motion as motion_module
+from sinuous.motion.resampling import lines_between
 from sinuous.motion.tracker import Tracker
 from sinuous.solution.solution import Solution
 from sinuous.solving.between.steps import Steps
@@ -153,10 +154,8 @@ def test_a_table_has_a_row_for_each_sample(problem: Write, tmp_path: Path, capsy
 def test_lines_that_are_not_proved_are_noted(
     problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    lines = motion_module.lines_between
-
     def unproved(motion: sn.Motion, times: Floats, q: Floats) -> Steps:
-        return Steps.told(len(lines(motion, times, q).proved), (1,), None, None)
+        return Steps.told(len(lines_between(motion, times, q).proved), (1,), None, None)
 
     monkeypatch.setattr(motion_module, "lines_between", unproved)
     out = tmp_path / "q.csv"

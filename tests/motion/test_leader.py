@@ -69,6 +69,12 @@ def test_a_curve_that_is_met_half_way_is_looked_at_elsewhere() -> None:
     assert motion.deviation(curve, between=20).tip < 1.2e-3
 
 
+def test_an_arm_that_begins_with_no_length_at_all_unrolls() -> None:
+    arm = sn.Robot.uniform(2, (0.0, 1.0), max_bend=2.0)
+    motion = sn.follow_the_leader(arm, [(0.0, 0.0, 0.0), (0.1, 0.0, 1.0)], time=0.1, tip_deviation=1e-2)
+    assert np.isfinite(motion.q).all()
+
+
 def test_an_arm_that_stretches_unrolls_into_a_solved_shape() -> None:
     solution = sn.solve(UNROLLING, sn.Target((60, 20, 200), direction=(0.7, 0, 0.7)), [BALL])
     motion = sn.follow_the_leader(UNROLLING, solution, [BALL])

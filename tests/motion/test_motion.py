@@ -81,6 +81,17 @@ def test_a_motion_that_was_falsified_in_its_file_does_not_verify() -> None:
     assert not all(each.ok for each in read.verify())
 
 
+def test_a_motion_within_its_mount_is_written() -> None:
+    """Nothing there can be touched, so the clearance is infinite, which JSON cannot say."""
+    mounted = ROBOT.changed(mount=9.0)
+    motion = sn.track(mounted, [sn.Target(mounted.tip(q)[:3, 3]) for q in KNOTS[1:]], [BALL], start=STRAIGHT)
+    assert motion.solved
+    assert motion.clearance == np.inf
+    values = json.loads(json.dumps(motion.to_dict(), allow_nan=False))
+    assert values["clearance"] is None
+    assert sn.Motion.from_dict(values, [solution.problem for solution in motion.solutions]).solved
+
+
 def test_it_is_linear_between_knots() -> None:
     motion = sn.Motion(ROBOT, KNOTS, times=[0.0, 0.5, 2.0])
     np.testing.assert_array_equal(motion.at(0.5), BENT)

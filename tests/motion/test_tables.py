@@ -44,6 +44,14 @@ def test_columns_are_called_after_segments_and_actuators() -> None:
     assert columns(sn.Robot.uniform(1, 1.0)) == ["s1.bend_x", "s1.bend_y", "s1.length"]
 
 
+def test_a_motion_without_knots_is_a_table_without_rows(tmp_path: Path) -> None:
+    robot = sn.Robot.uniform(2, 1.0)
+    nothing = sn.track(robot, [sn.Target((0.0, 0.0, 9.0))])
+    assert len(nothing.q) == 0
+    nothing.to_csv(tmp_path / "none.csv")
+    assert len((tmp_path / "none.csv").read_text().splitlines()) == 1
+
+
 def test_numpy_reads_it(track: sn.Motion, tmp_path: Path) -> None:
     track.to_csv(tmp_path / "motors.csv")
     table = np.genfromtxt(tmp_path / "motors.csv", delimiter=",", skip_header=1, usecols=range(1, 17))

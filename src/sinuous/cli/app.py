@@ -22,8 +22,8 @@ from sinuous.cli.options import (
     Output,
     Place,
     PlanSolving,
+    Remembering,
     SelfClearance,
-    Solving,
     Workers,
     methods_like,
     read_demands,
@@ -44,7 +44,7 @@ app = typer.Typer(
 @with_groups
 def solve(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: Output,
     why: Annotated[
         bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")
@@ -69,7 +69,7 @@ def solve(
 @with_groups
 def track(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: MotionOutput,
     deviation: Annotated[
         float | None,

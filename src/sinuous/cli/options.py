@@ -113,7 +113,20 @@ class Solving:
 
 
 @dataclass(frozen=True)
-class PlanSolving(Solving):
+class Remembering(Solving):
+    """How solves are done that begin from shapes of earlier ones."""
+
+    memory: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Shapes to begin from, of earlier commands; what is solved is added.",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class PlanSolving(Remembering):
     """How a plan is solved."""
 
     time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one plan.")] = 5.0
@@ -124,6 +137,9 @@ class BatchSolving(Solving):
     """How each target of a batch is solved."""
 
     max_starts: MostStarts = 1000
+    memory: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; it is only read.")
+    ] = None
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import Step, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
+from sinuous.kernels.compiling.tiers import code_first
 from sinuous.methods.registry import METHODS
 from sinuous.progress import rich_progress
 from sinuous.solving.crew import cores
@@ -50,7 +51,7 @@ def warm_up(methods: Sequence[str]) -> int:
 
 def _use_here(listed: list[Step], shown: "_Lines") -> None:
     """Take one step after the other."""
-    with told_to(shown.compiling):
+    with code_first(), told_to(shown.compiling):
         for step in listed:
             shown.begin(step)
             step.use()
@@ -91,7 +92,7 @@ def _begin(said: Any) -> None:
 
 def _use(methods: tuple[str, ...], i: int) -> None:
     """Take a step in a process of the pool."""
-    with told_to(_tell[-1]):
+    with code_first(), told_to(_tell[-1]):
         steps(methods)[i].use()
 
 

@@ -2,8 +2,10 @@
 
 import time as clock
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -11,7 +13,16 @@ import typer
 from sinuous import checks
 from sinuous.cli.answers import Alternatives, Answer, Answers, read_solution, write_solution
 from sinuous.cli.journal import Journal, record_of
-from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Output, Solving
+from sinuous.cli.options import (
+    INTERRUPTED,
+    SOLVED,
+    UNSOLVED,
+    MotionOutput,
+    Output,
+    Remembering,
+    as_typed,
+    check_writable,
+)
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
@@ -25,6 +36,7 @@ from sinuous.motion.tracker import Tracker
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
+from sinuous.solving.memory import Memory
 from sinuous.solving.several import KINDS, Kind
 from sinuous.solving.solver import Solver
 
@@ -39,7 +51,7 @@ Find = Callable[[Any, ProblemFile, Journal, Callable[[], None]], Answer]
 
 
 def solve_files(
-    files: list[str], solving: Solving, output: Output, why: bool, count: int | None, by: str | None
+    files: list[str], solving: Remembering, output: Output, why: bool, count: int | None, by: str | None
 ) -> int:
     """Solve the target of every file, or find up to `count` solutions by route or shape; return the exit code."""
     solving.arguments()
@@ -63,7 +75,7 @@ def solve_files(
     return _answer_all(read, solving, output, prepare, find, {"all": count, "by": by}, why)
 
 
-def track_files(files: list[str], solving: Solving, output: MotionOutput, deviation: float | None) -> int:
+def track_files(files: list[str], solving: Remembering, output: MotionOutput, deviation: float | None) -> int:
     """Follow the path of every file; a single target is a path of one waypoint. Return the exit code."""
     solving.arguments()
     output.check(files)
@@ -82,7 +94,13 @@ def track_files(files: list[str], solving: Solving, output: MotionOutput, deviat
 
 
 def plan_files(
-    files: list[str], solving: Solving, output: MotionOutput, *, shortcuts: int, begin: float, duration: float | None
+    files: list[str],
+    solving: Remembering,
+    output: MotionOutput,
+    *,
+    shortcuts: int,
+    begin: float,
+    duration: float | None,
 ) -> int:
     """Plan the motion that every file asks for; return the exit code."""
     solving.arguments()
@@ -123,7 +141,7 @@ def _refuse(problem: ProblemFile, *kinds: str) -> None:
 
 def _answer_all(
     read: list[Read],
-    solving: Solving,
+    solving: Remembering,
     output: Output,
     prepare: Prepare,
     find: Find,
@@ -138,14 +156,14 @@ def _answer_all(
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     record = {} if output.file is None else record_of(problems, solving, typed)
-    with Journal(output.file, record) as journal:
+    with Journal(output.file, record) as journal, _remembered(solving.memory, problems) as memory:
         say_notes({problem.file: problem.notes for problem in problems})
         try:
-            ahead = 0.0 if len(read) == 1 else _compile(problems, solving, prepare)
+            ahead = 0.0 if len(read) == 1 else _compile(problems, solving, prepare, memory)
             with Answers(output, len(read)) as answers, ProgressBar(total) as bar:
                 for one in read:
                     with bar.hidden():
-                        prepared, seconds = _prepare(one.problem, solving, prepare)
+                        prepared, seconds = _prepare(one.problem, solving, prepare, memory)
                     found = find(prepared, one.problem, journal, bar.advance)
                     with bar.hidden():
                         answers.write(one.problem.file, found, one.seconds + seconds + ahead, why)
@@ -164,17 +182,34 @@ def _answer_all(
     return SOLVED if solved == len(read) else UNSOLVED
 
 
-def _compile(problems: list[ProblemFile], solving: Solving, prepare: Prepare) -> float:
+@contextmanager
+def _remembered(file: Path | None, problems: list[ProblemFile]) -> Iterator[Memory | None]:
+    """Yield the shapes of a file, or a new memory where it is not there; in the end, write what is kept then."""
+    if file is None:
+        yield None
+        return
+    with as_typed("memory"):
+        memory = Memory.load(file) if file.exists() else Memory(problems[0].robot)
+        for problem in problems:
+            memory.check(problem.robot)
+    check_writable("--memory", file, [problem.file for problem in problems])
+    try:
+        yield memory
+    finally:
+        memory.save(file)
+
+
+def _compile(problems: list[ProblemFile], solving: Remembering, prepare: Prepare, memory: Memory | None) -> float:
     """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
     kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
-    return sum(_prepare(problem, solving, prepare)[1] for problem in kinds.values())
+    return sum(_prepare(problem, solving, prepare, memory)[1] for problem in kinds.values())
 
 
-def _prepare(problem: ProblemFile, solving: Solving, prepare: Prepare) -> tuple[Any, float]:
+def _prepare(problem: ProblemFile, solving: Remembering, prepare: Prepare, memory: Memory | None) -> tuple[Any, float]:
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
-        prepared = prepare(problem, **solving.arguments(problem.tolerance, problem.prefer))
+        prepared = prepare(problem, **{**solving.arguments(problem.tolerance, problem.prefer), "memory": memory})
     return prepared, clock.perf_counter() - began
 
 

@@ -81,20 +81,26 @@ class PreparedNewton(Prepared):
         arguments = self._arguments(problem, initial, budget)
         outcome = self._within_tensions(Outcome(arguments[-1], *search(*arguments)))
         if self._preferences and outcome.code == SOLVED and not self._preferences.satisfied(outcome.clearance):
-            if reference is None and len(initial):
-                reference = initial[0]
             left = budget[3] - outcome.seconds
             return self._within_tensions(self._prefer(outcome, problem.scene, problem._rows, reference, left))
         return outcome
 
-    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+    def run_many(
+        self,
+        scene: Snapshot,
+        rows: Floats,
+        initial: Floats,
+        budget: Budget,
+        answers: Floats,
+        references: Floats | None = None,
+    ) -> None:
         """Solve many problems; see `Prepared.run_many`."""
         super().run_many(scene, rows, initial, budget, answers)
         for i in np.flatnonzero(answers[:, CODE] == SOLVED).tolist() if self._preferences else ():
             outcome = as_outcomes(answers[i : i + 1])[0]
             if self._preferences.satisfied(outcome.clearance):
                 continue
-            reference = initial[i, 0] if initial.shape[1] else None
+            reference = None if references is None else references[i]
             better = self._prefer(outcome, scene, rows[i], reference, budget[3] - outcome.seconds)
             self._within_tensions(better).write(answers[i])
 

@@ -98,8 +98,8 @@ class Prepared:
         """Solve a problem from the configurations `initial` (g, n, 3), then from own starts.
 
         `budget` holds the numbers of the own starts to try, from the first up to, without it, the last; a seed; and
-        seconds. `reference` (n, 3) is what preferences mean by the initial configuration; by default the first of
-        `initial`. The run ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
+        seconds. `reference` (n, 3) is what preferences mean by the initial configuration, where there is one. The run
+        ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
         of these numbers.
         """
         call = self.build(problem, initial, budget)
@@ -112,11 +112,20 @@ class Prepared:
             return outcome._replace(code=FAILED)
         return outcome
 
-    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+    def run_many(
+        self,
+        scene: Snapshot,
+        rows: Floats,
+        initial: Floats,
+        budget: Budget,
+        answers: Floats,
+        references: Floats | None = None,
+    ) -> None:
         """Solve m problems in one scene as `run` does one; may run in many threads at once.
 
         `rows` (m, t, 15) are the targets of each and `initial` (m, g, n, 3) its initial configurations, as kernels take
-        them: writable, and in the order of C. Fills `answers` (m, 11 + 3 n).
+        them: writable, and in the order of C. `references` (m, n, 3) are what preferences mean by the initial
+        configurations. Fills `answers` (m, 11 + 3 n).
         """
         if not self._capabilities.any_target:
             for each in rows:

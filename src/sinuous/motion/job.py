@@ -5,8 +5,9 @@ from typing import Any, TypeVar, Unpack, overload
 
 from sinuous import checks
 from sinuous.errors import InputError
+from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
-from sinuous.files.nouns import read_robot, read_scene
+from sinuous.files.nouns import read_place, read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.gc_pause import gc_paused
@@ -132,7 +133,28 @@ def rates_in_time(problem: ProblemFile) -> Rates | None:
     return problem.rates if problem.rates and problem.scene.snapshot().moves else None
 
 
-Noun = TypeVar("Noun", Job, Robot, Scene)
+SAVED = ("robot", "scene", "path", "tolerance", "motion")
+"""Keys of the file of a motion."""
+
+
+def _saved_motion(values: dict[str, Any], file: str) -> Motion:
+    """Make a motion of its file; see `Motion.save`."""
+    entries = known_entries(values, SAVED, ["robot", "motion"])
+    found = entries.pop("motion")
+    if "path" in entries:
+        job = problem_of(entries, file, Job)
+        robot, scene, problems = job.robot, job.scene, tuple(map(job.problem, range(len(job.waypoints))))
+    else:
+        robot, scene = read_place(entries, Path(file).parent)
+        problems = ()
+    around = scene.snapshot()
+    with checks.inside("motion"):
+        untried = found.get("remaining", 0) if isinstance(found, dict) else 0
+        asked = len(problems) + checks.integer("remaining", untried, 0, report.MOST_WAYPOINTS)
+        return report.read(Motion, found, problems, (robot, around), around if around.moves else None, asked)
+
+
+Noun = TypeVar("Noun", Job, Robot, Scene, Motion)
 
 
 @overload
@@ -140,7 +162,7 @@ def load(file: str | Path) -> Any: ...
 @overload
 def load(file: str | Path, kind: type[Noun]) -> Noun: ...
 def load(file: str | Path, kind: type[Any] | None = None) -> Any:
-    """Read a problem file, or a robot or the obstacles of a scene in a file of their own.
+    """Read a problem file, or a robot, the obstacles of a scene, or a motion in a file of its own.
 
     JSON when the file is called so, YAML otherwise; `docs/format.md` has the keys.
 
@@ -148,12 +170,12 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     ----------
     file : path
     kind : type, optional
-        What it must be: Job, Robot or Scene.
+        What it must be: Job, Robot, Scene or Motion.
 
     Returns
     -------
-    Job, Robot or Scene
-        A Scene when it is a list, a Robot when there are `segments`, otherwise a Job.
+    Job, Robot, Scene or Motion
+        A Scene when it is a list, a Robot when there are `segments`, a Motion when there is a `motion`, else a Job.
 
     Raises
     ------
@@ -168,11 +190,13 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
         return found
 
 
-def _noun_of(values: Any, file: str) -> Job | Robot | Scene:
+def _noun_of(values: Any, file: str) -> Job | Robot | Scene | Motion:
     if isinstance(values, list):
         return read_scene(values, None, Path(file).parent)
     if isinstance(values, dict) and "segments" in values and "robot" not in values:
         return read_robot(values)
     if not isinstance(values, dict):
-        raise InputError("file", "", values, "a problem, a robot, or a list of obstacles")
+        raise InputError("file", "", values, "a problem, a robot, a list of obstacles, or a motion")
+    if "motion" in values:
+        return _saved_motion(values, file)
     return problem_of(values, file, Job)

@@ -98,7 +98,8 @@ def _residual(robot: Robot, curve: Curve, depths: Floats, q: Floats) -> tuple[Fl
     shares = np.arange(1, PLACES + 1) / PLACES
     along = (np.cumsum(lengths, axis=1) - lengths)[..., None] + lengths[..., None] * shares
     along = along.reshape(len(q), -1)
-    along *= (depths / along[:, -1])[:, None]
+    length = along[:, -1]
+    along *= np.divide(depths, length, out=np.ones_like(depths), where=length > 0.0)[:, None]
     tangents = curve.tangent(along)
     tangents[:, -1] = 0.0
     return _across(_places(robot, q) - curve.at(along), tangents), tangents

@@ -29,6 +29,7 @@ from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps, prove_steps
 from sinuous.words import duration
+from sinuous.writing.documents import write_document
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -195,6 +196,16 @@ class Motion(NotebookMixin, Frozen):
             return 0.0, 0.0
         steps = np.diff(self.q, axis=0)
         return float(np.hypot(steps[..., 0], steps[..., 1]).max()), float(np.abs(steps[..., 2]).max())
+
+    @property
+    def duration(self) -> float:
+        """Time from the first knot to the last; 0 without any."""
+        return float(self.times[-1] - self.times[0]) if len(self.times) else 0.0
+
+    @property
+    def tips(self) -> Floats:
+        """Poses (T, 4, 4) of the tool (of the tip, without one) at the knots, in the world."""
+        return self.robot.tip(self.q)
 
     @property
     def actuators(self) -> Floats:
@@ -418,6 +429,19 @@ class Motion(NotebookMixin, Frozen):
     def to_dict(self) -> dict[str, Any]:
         """Return totals, knots and waypoints as plain values, in the order of the file format."""
         return report.write(self)
+
+    def save(self, file: str | Path) -> None:
+        """Write the motion with its robot, scene and waypoints, JSON when it is called so, YAML otherwise.
+
+        `sinuous.load` reads it, with all that is claimed of it; `Motion(robot, q, scene, times)` proves it again.
+        Obstacles that were read from files stay there; the new file names them.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file, or the file cannot be written.
+        """
+        write_document(file, report.saved(self, Path(file).parent))
 
     def to_npz(self, file: str | Path) -> None:
         """Write knots, times, actuators and what is proved of the steps as NumPy arrays; see `from_npz`.

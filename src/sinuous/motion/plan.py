@@ -23,7 +23,7 @@ from sinuous.motion.report import Report
 from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
-from sinuous.problem.target import Target, Targets, target_list
+from sinuous.problem.target import Target, Targets, is_place, target_list
 from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
@@ -308,9 +308,8 @@ class Planner:
 
     def _end(self, goal: Goal) -> Floats | list[Target]:
         """The configuration (n, 3) or the targets that are meant."""
-        if isinstance(goal, Target):
-            return [goal]
-        if isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal):
+        listed = isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal)
+        if listed or isinstance(goal, Target) or is_place(goal):
             return list(target_list("goal", goal))
         end = self._configuration("goal", cast(Initial, goal))
         check_limits(self._robot, "goal", end)

@@ -67,7 +67,9 @@ def write_motion(file: str | Path, robot: Robot, times: Floats, q: Floats) -> No
 
 def _numbers(robot: Robot, q: Floats) -> list[list[float]]:
     """Configurations and actuators (T, 3 n + m)."""
-    found: list[list[float]] = np.concatenate([q.reshape(len(q), -1), robot.to_actuators(q)], axis=-1).tolist()
+    found: list[list[float]] = np.concatenate(
+        [q.reshape(len(q), 3 * len(robot)), robot.to_actuators(q)], axis=-1
+    ).tolist()
     return found
 
 

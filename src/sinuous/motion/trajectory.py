@@ -16,6 +16,7 @@ from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import splines_between, warn_of_corners
 from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
+from sinuous.notebook import NotebookMixin
 from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
 
 
-class Trajectory(Frozen):
+class Trajectory(NotebookMixin, Frozen):
     """A path through configuration space and a time scaling of it; `Motion.timed` makes one.
 
     Between two `times` the speed along the path changes evenly.

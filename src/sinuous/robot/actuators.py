@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Vector, Whole
+from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -170,9 +170,13 @@ class Tendons(Lines):
         Least and largest displacement that the drive allows, in the length unit; 0, the straight robot, must lie
         between. Positive is pulled: the tendon is shorter than the backbone it runs along. Limits of what the motors
         count are `limits` instead.
+    straight : bool
+        Whether they run straight from disk to disk, which stand at the ends of the arcs of a segment (`arcs`), instead
+        of along the body. It matters under load.
     """
 
     displacement: tuple[float, float]
+    straight: bool
 
     own_limits: ClassVar[str] = "displacement"
     one_sided: ClassVar[bool] = True
@@ -192,15 +196,17 @@ class Tendons(Lines):
         limits: Limits | None = None,
         stiffness: Each | None = None,
         tension: TensionLimits | None = None,
+        straight: Truth = False,
     ) -> None:
         motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
         motors |= {"stiffness": stiffness, "tension": tension}
         super().__init__(count, radius, angle, angles=angles, names=names, **motors)
         _refuse_both("displacement", displacement, limits)
+        self._set(straight=checks.truth("straight", straight))
         self._set(displacement=_limits_about_zero("displacement", displacement))
-        for straight, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
+        for upright, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
             if not low <= 0.0 <= high:
-                wanted = f"[low, high] with low <= {straight:g} <= high"
+                wanted = f"[low, high] with low <= {upright:g} <= high"
                 raise InputError("limits", "excludes the straight robot", limits, wanted)
         if (self.unstretched[:, 1] < 0.0).any():
             wanted = f"a least one that stretches tendons by no more than {float(self.displacements[:, 1].min()):g}"

@@ -1,10 +1,11 @@
 """How a solution solves again: what it keeps of the solver that found it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
 
 
@@ -45,6 +46,11 @@ class ReSolver(Protocol):
         """Most starts of a solve; `None`: as many as the time allows."""
         ...
 
+    @property
+    def prefer(self) -> Preferences:
+        """What is liked better among solutions."""
+        ...
+
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
 
@@ -61,6 +67,7 @@ class LoadedResult:
     seed: int
     seconds: float = 0.0
     max_starts: int | None = 0
+    prefer: Preferences = field(default_factory=Preferences)
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Refuse: see the class."""

@@ -1,21 +1,21 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
 import textwrap
-from collections.abc import Mapping
-from time import perf_counter
-from typing import Any, cast
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, StartKind
+from sinuous.arguments import START_KINDS, Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.kernels.tables import SOLVED, Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
+from sinuous.robot.robot import Robot
 from sinuous.solution.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import as_demanded, read_result
@@ -27,7 +27,11 @@ from sinuous.solution.trials import Case
 from sinuous.solution.verification import Verification, verify
 from sinuous.solution.worst import Worst, find_worst
 from sinuous.words import duration, listed
+from sinuous.work_time import work_time
 from sinuous.writing.plain import plain
+
+if TYPE_CHECKING:
+    from sinuous.derivatives.derivative import Derivative
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
@@ -170,8 +174,8 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random or route."""
-        return cast(StartKind, SOURCES[self._outcome.source])
+        """Which kind of start won: given, arc, random, route or remembered."""
+        return START_KINDS[self._outcome.source]
 
     @property
     def route(self) -> Floats | None:
@@ -225,6 +229,16 @@ class Solution(NotebookMixin):
     def demanded_self_clearance(self) -> float | tuple[float, ...] | None:
         """The same from itself."""
         return _demanded(self.problem.robot.self_clearance)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self.problem.robot
+
+    @property
+    def tip(self) -> Floats:
+        """Pose (4, 4) of the tool (of the tip, without one) in the world."""
+        return self.problem.robot.tip(self.q)
 
     @property
     def base(self) -> Floats:
@@ -299,7 +313,7 @@ class Solution(NotebookMixin):
         InputError
             When `time` is no number of at least 0.
         """
-        end = perf_counter() + checks.number("time", time, low=0.0)
+        end = work_time() + checks.number("time", time, low=0.0)
         given = self._given.reshape(-1, *self.q.shape)
         own = self.problem, self.status, self.q, given[0] if len(given) else None
         case = Case(*own, self.binding, self.reason, self._resolver, self.starts, self._within)
@@ -327,6 +341,62 @@ class Solution(NotebookMixin):
         if self.status is Status.NO_ROUTE:
             return closed_in(self.problem, self._outcome.cell)
         return None
+
+    def derivative(self, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "Derivative":
+        """Derive the answer by what it depends on: targets, the robot, where it stands, obstacles.
+
+        Of all configurations near this one that meet changed targets, within the limits and clear of obstacles, the
+        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen is not called
+        regular.
+
+        Parameters
+        ----------
+        wrt : str or sequence of str
+            Groups of parameters: `target`, `base`, `tool`, `lengths`, `bends`, `curvatures`, `radii`, `tendons`,
+            `actuators`, `obstacles`, `initial`; see `sinuous.derivatives.parameters`.
+
+        Returns
+        -------
+        Derivative
+
+        Raises
+        ------
+        InputError
+            When there is no such group.
+        NotSolvedError
+            When it is not solved.
+        """
+        from sinuous.derivatives.derivative import derivative_of  # noqa: PLC0415
+
+        if self._outcome.code != SOLVED:
+            self.raise_for_status()
+        liked = bool(self._resolver.prefer) and not self._resolver.prefer.satisfied(self._outcome.clearance)
+        return derivative_of(self._problem, self._outcome.q, wrt, liked)
+
+    def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":
+        """Derivatives (p,) of `sum(cotangent * q)` by each group of parameters, for a cotangent (n, 3).
+
+        Raises
+        ------
+        InputError, NotSolvedError
+            As for `derivative`, or when the cotangent has another shape.
+        """
+        return self.derivative(wrt).vjp(cotangent)
+
+    def jvp(self, tangent: Vector | Mapping[Parameter, Vector]) -> Floats:
+        """Motion (n, 3) of the configuration when parameters begin to move along `tangent`; see `Derivative.jvp`.
+
+        Parameters
+        ----------
+        tangent : array_like (p,), or mapping of str to array_like (p,)
+            Of the target, or of groups of parameters by their names.
+
+        Raises
+        ------
+        InputError, NotSolvedError
+            As for `derivative`, or when a tangent has another shape.
+        """
+        return self.derivative(tuple(tangent) if isinstance(tangent, Mapping) else ("target",)).jvp(tangent)
 
     def verify(self) -> Verification:
         """Recompute everything by an independent, slow path; see `sinuous.solution.verification`."""
@@ -369,8 +439,8 @@ class Solution(NotebookMixin):
             "base": self.base.tolist(),
             "position_error": self.position_error,
             "angle_error": self.angle_error,
-            "clearance": _finite(self.clearance),
-            "self_clearance": _finite(self.self_clearance),
+            "clearance": finite_or_none(self.clearance),
+            "self_clearance": finite_or_none(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
             "uncertainty": plain(self.problem.robot.uncertainty),
@@ -429,6 +499,6 @@ def _demanded(value: float | tuple[float, ...]) -> float | tuple[float, ...] | N
     return value if np.any(value) else None
 
 
-def _finite(value: float | None) -> float | None:
+def finite_or_none(value: float | None) -> float | None:
     """What a file says of a number: nothing where it is infinite."""
     return None if value is None or np.isinf(value) else value

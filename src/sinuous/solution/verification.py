@@ -221,6 +221,7 @@ def check(
     if not isinstance(robot, Robot):
         raise InputError("robot", "", robot, "a Robot")
     shapes, place = robot.configuration("q", q), as_snapshot(scene)
+    place.refuse_moving()
     check_sizes(robot, place)
     asked = () if targets is None else target_list("targets", targets)
     if asked:

@@ -9,10 +9,11 @@ from typing import NamedTuple
 from sinuous.errors import InputError
 from sinuous.solving.starts import Batch, Question, Scattered
 
-SCATTERED, EDGES, SIDE_TUBES = "scattered", "edges", "side_tubes"
+REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "side_tubes"
 """Names of attempts that others have to know."""
 
 ATTEMPTS = {
+    REMEMBERED: "shapes of a memory whose poses are nearest to the targets",
     SCATTERED: "starts scattered over all shapes, beyond those of the first call",
     "base_tube": "chains laid along the tube that the base lies in",
     EDGES: "a route around edges",

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from time import monotonic
 from typing import Literal
 
 import numpy as np
@@ -20,6 +19,7 @@ from sinuous.solving.classes.passages import Passages
 from sinuous.solving.search import Clock, Search
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import Strategy
+from sinuous.work_time import work_time
 
 Kind = Literal["route", "shape"]
 """What may be asked for."""
@@ -160,7 +160,7 @@ class Distinct(Search):
         shape: Callable[[Floats], Floats],
         max_starts: int,
         seconds: float,
-        clock: Clock = monotonic,
+        clock: Clock = work_time,
         classes: Classes | None = None,
     ) -> None:
         super().__init__(max_starts, seconds, clock)
@@ -228,7 +228,7 @@ class Several:
             return problem.robot.backbone(q, 8)
 
         shape(np.zeros((len(problem.robot), 3)))  # loads the kernel, before the time begins
-        self._end = monotonic() + wanted.seconds
+        self._end = work_time() + wanted.seconds
         seconds = wanted.seconds if self._curves is None else SEARCHING * wanted.seconds
         classes = None
         if self._curves is not None and wanted.by == BY_ROUTE:
@@ -291,4 +291,4 @@ class Several:
         return [found[i] for i in order]
 
     def _seconds_left(self) -> float:
-        return self._end - monotonic()
+        return self._end - work_time()

@@ -1,7 +1,6 @@
 """A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
-import time as clock
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self, Unpack
@@ -9,12 +8,14 @@ from typing import Any, Self, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
+from sinuous.arguments import START_KINDS, Entry, HasArray, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
-from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
+from sinuous.kernels.compiling.tiers import code_first
+from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -29,7 +30,9 @@ from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
+from sinuous.solving.attempts import REMEMBERED
 from sinuous.solving.base import base_blocked
+from sinuous.solving.classes.curves import Curves
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
@@ -37,6 +40,7 @@ from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wa
 from sinuous.solving.starts import Batch, Question
 from sinuous.solving.strategy import Strategy
 from sinuous.solving.velocity import ControlLoop
+from sinuous.work_time import no_work, work_time
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
@@ -53,6 +57,8 @@ class Solver:
     robot : Robot
     scene : Scene or list of obstacles, optional
         Live: after an update the next solve sees the new obstacles.
+    ready : str or sequence of str
+        Methods of the solver whose machine code is waited for now, see `warm`: before a control loop.
     **options
         The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without, clearance,
         self_clearance.
@@ -70,9 +76,18 @@ class Solver:
         When an argument is not what it should be.
     """
 
-    def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        scene: SceneLike | None = None,
+        *,
+        ready: str | Sequence[str] = (),
+        **options: Unpack[SolveArguments],
+    ) -> None:
+        uses = _uses("ready", (ready,) if isinstance(ready, str) else ready)
         self._prepare(*_checked(robot, scene, options))
         self._strategy.load()
+        self._warm(uses)
 
     @classmethod
     def once(cls, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> Self:
@@ -99,6 +114,27 @@ class Solver:
         self._no_initial: Floats = np.empty((0, *self._shape))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
+
+    def warm(self, *uses: str) -> None:
+        """Wait until what these methods need is compiled, so that none of their calls waits, or is interpreted.
+
+        Parameters
+        ----------
+        *uses : str
+            `solve`, `solve_many`, `solve_all`, `step`; by default all of them.
+
+        Raises
+        ------
+        InputError
+            When there is no such method.
+        """
+        self._warm(_uses("warm", uses or tuple(READY)))
+
+    def _warm(self, uses: Iterable[str]) -> None:
+        """Use each of these methods once, in a way that is soon done."""
+        with code_first():
+            for use in uses:
+                READY[use](self)
 
     def solve(
         self,
@@ -131,7 +167,7 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        began = clock.perf_counter()
+        began = work_time()
         scene, blocked = self._place
         looked = scene is not self.scene.snapshot()
         if looked:
@@ -143,22 +179,23 @@ class Solver:
         if within is not None:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
-            budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
-        outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
+            budget = *budget[:3], max(0.0, budget[3] + began - work_time())
+        outcome = self._look(problem, given) if blocked else self._first(problem, given, budget)
         if outcome.code != SOLVED:
             if outcome.code in UNDECIDED:
-                began += self._strategy.load()  # compiling is no solving
+                with no_work():
+                    self._strategy.load()
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
             raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
-        began = clock.perf_counter()
+        began = work_time()
         outcome = self._control.within(problem, given[0], within, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given, within=within)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given, within=within)
 
     def loaded(
         self,
@@ -227,12 +264,13 @@ class Solver:
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
-        with ProgressBar(len(asked) if shown else 0) as bar:
-            many = Many(questions, self._prepared, threads, bar.advance)
+        with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
+            many = Many(questions, self._prepared, self._strategy, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
-            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
+            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
+            many.learn()
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -385,13 +423,33 @@ class Solver:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
 
-    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
+    def _first(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
+        """Make the first call: from the initial configuration, or else from remembered shapes; then from own starts."""
+        if self.options.memory is None:
+            return self._prepared.run(problem, given, budget, given[0] if len(given) else None)
+        if len(given):
+            first = self._prepared.run(problem, given, budget, given[0])
+        else:
+            starts = self._strategy.remembered(problem._rows[None])[0]
+            first = self._prepared.run(problem, starts, budget)
+            if first.source == GIVEN and len(starts):
+                first = first._replace(source=START_KINDS.index(REMEMBERED))
+                if first.code == SOLVED:
+                    self._strategy.learn(first.q[None], starts[first.starts - 1][None])
+                return first
+        if first.code == SOLVED:
+            self._strategy.learn(first.q[None])
+        return first
+
+    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float, learn: bool = True) -> Outcome:
         """Ask the other start sources until something is decided."""
         if first.code in UNDECIDED:
             self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
+        if learn and search.outcome.code == SOLVED:
+            self._strategy.learn(search.outcome.q[None])
         return search.outcome
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
@@ -474,6 +532,11 @@ class SolvesAgain:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
 
+    @property
+    def prefer(self) -> Preferences:
+        """What is liked better among solutions."""
+        return self.options.prefer
+
     def solve(
         self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any
     ) -> Solution:
@@ -483,11 +546,56 @@ class SolvesAgain:
         return solver.solve(problem.targets, initial, within=within)
 
 
+def _warm_solve(solver: Solver) -> None:
+    solver.solve(_beyond_reach(solver), _straight(solver), time=0.0)
+    solver._strategy.load(anew=True)
+
+
+def _warm_many(solver: Solver) -> None:
+    solver.solve_many([_beyond_reach(solver)], time=0.0)
+
+
+def _warm_all(solver: Solver) -> None:
+    _warm_solve(solver)
+    if len(solver.scene):
+        Curves(solver.robot, solver.scene.snapshot()).load()
+
+
+def _warm_step(solver: Solver) -> None:
+    solver.step(_straight(solver), (0.0,) * 6, 1.0)
+
+
+READY: dict[str, Callable[[Solver], None]] = {
+    "solve": _warm_solve,
+    "solve_many": _warm_many,
+    "solve_all": _warm_all,
+    "step": _warm_step,
+}
+"""Methods of a solver that can be waited for, and how each is used once."""
+
+
+def _uses(key: str, given: Sequence[str]) -> list[str]:
+    return [checks.choice(key, use, tuple(READY)) for use in given]
+
+
+def _straight(solver: Solver) -> Floats:
+    """Straight, with mean lengths."""
+    lengths = [sum(segment.length) / 2.0 for segment in solver.robot.segments]
+    return np.array([(0.0, 0.0, length) for length in lengths])
+
+
+def _beyond_reach(solver: Solver) -> Target:
+    """A target that is soon seen to be impossible."""
+    return Target((0.0, 0.0, 9.0 * len(solver.robot) * solver.robot.mean_length))
+
+
 def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) -> tuple[Robot, Scene, SolveOptions]:
     """Check what a solver is made of, and warn of what looks wrong."""
     if not isinstance(robot, Robot):
         raise InputError("robot", "", robot, "a Robot")
     place, chosen = as_scene(scene), SolveOptions.of(options)
     check_sizes(robot, place)
+    if chosen.memory is not None:
+        chosen.memory.check(robot)
     warn_of(suspicions(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

@@ -218,6 +218,39 @@ def test_what_was_never_linearised_whole_is_no_better_than_anything() -> None:
     np.testing.assert_array_equal(states.q[at], q)
 
 
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+def test_a_start_without_numbers_is_no_solution(number: float) -> None:
+    """Comparisons with NaN are false, also those that should find something wrong: it was called met, and clear."""
+    problem = kernel_problem(WIDE, targets_at(WIDE, shape(WIDE, 5), 5))
+    for place in (0, 4, slice(None)):
+        q = shape(WIDE, 3)
+        q.reshape(-1)[place] = number
+        states, work = make_states(problem), make_work(problem)
+        put(states, 0, q)
+        at, verdict, _, _, _, _ = newton.descend(problem, states, 0, work, 0, 0.0)
+        assert verdict == MISSED
+        assert np.isfinite(states.q[at]).all()
+        assert not WIDE.violations(states.q[at])
+
+
+def test_what_is_not_a_number_is_never_met() -> None:
+    problem = kernel_problem(WIDE, Target((0.0, 0.0, 1.0)))
+    states, work = make_states(problem), make_work(problem)
+    state = put(states, 0, np.full((len(WIDE), 3), math.nan))
+    newton.linearise(problem, state, work, 3, solids.EXACT, 0.0, False)
+    assert not newton.met(problem, state, 0.0)
+
+
+def test_a_step_without_numbers_is_none() -> None:
+    problem = kernel_problem(WIDE, Target((0.0, 0.0, 1.0)))
+    states, work = make_states(problem), make_work(problem)
+    state, q = put(states, 0, shape(WIDE, 3)), shape(WIDE, 3)
+    work.step[:] = 0.0
+    work.step[1] = math.nan
+    newton.move(problem, state, work, state_of(states, 1))
+    np.testing.assert_array_equal(states.q[1], q)
+
+
 def test_nothing_is_missed_beyond_tolerance_by_an_obstacle_alone() -> None:
     """In the way is a ball: the descent goes round it, and what it says of clearance was proved."""
     robot = Robot.uniform(4, (0.5, 1.5), 2.0, radius=0.05)

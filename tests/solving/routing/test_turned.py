@@ -19,7 +19,8 @@ from sinuous.problem.problem import Problem
 from sinuous.robot.actuators import Tendons
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.growth import Grown, settled
-from sinuous.solving.routing.turned import Groups, turned, turned_back
+from sinuous.solving.routing.roots import roots
+from sinuous.solving.routing.turned import Groups, joined, rooted, turned, turned_back
 from tests.helpers import kernel_groups
 
 TOOL = pose((0.1, 0.0, 0.3), direction=(0.3, 0.0, 1.0))
@@ -43,11 +44,9 @@ def test_a_chain_from_the_target_ends_at_the_target(kind: str, tool: np.ndarray 
     }[kind]
     here = groups(robot, [target])
     route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
-    there = turned(here, route)
-    assert there is not None
-    beam = Grown(
-        there, respaced(route[::-1], 100)[None], there[0][None, -2 * POSE_WIDTH : -POSE_WIDTH].copy(), 32, 60.0
-    )
+    begin = roots(here, route)[:1]
+    there = turned(here, begin[0])
+    beam = Grown(there, respaced(route[::-1], 100)[None], begin, 32, 60.0)
     chains = [beam.whole(i)[0] for i in range(4)]
     ends = settled(there, chains, lambda: 60.0)
     shapes = [turned_back(here, there, chain) for chain in ends]
@@ -64,8 +63,7 @@ def test_where_a_rotation_is_asked_for_the_base_is_one_to_end_with() -> None:
     tip = robot.tip(Q)
     asked = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3])])
     route = np.vstack([robot.backbone(Q, 20), tip[:3, 3]])
-    there = turned(asked, route)
-    assert there is not None
+    there = turned(asked, roots(asked, route)[0])
     q = turned_back(there, asked, Q)  # to turn round twice is to do nothing
     other = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=_base(there))
     row = there[3][0]
@@ -73,16 +71,14 @@ def test_where_a_rotation_is_asked_for_the_base_is_one_to_end_with() -> None:
     np.testing.assert_allclose(other.tip(q)[:3, 3], robot.base[:3, 3], atol=1e-9)
     np.testing.assert_allclose(other.tip(q)[:3, :3], row[GOAL : GOAL + 9].reshape(3, 3), atol=1e-9)
     elbow = robot.forward(Q)[0, :3, 3]
-    bent = turned(groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3]), Target(elbow, segment=1)]), route)
-    assert bent is not None
+    with_elbow = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3]), Target(elbow, segment=1)])
+    bent = turned(with_elbow, roots(with_elbow, route)[0])
     number = int(bent[3][0, TARGET_SEGMENT])
     np.testing.assert_allclose(other.forward(q)[number, :3, 3], elbow, atol=1e-9)
     np.testing.assert_allclose(bent[3][0, TARGET_POSITION : TARGET_POSITION + 3], elbow, atol=1e-9)
     np.testing.assert_allclose(bent[3][1], row)
     towards = groups(robot, [Target(tip[:3, 3], direction=tip[:3, 2])])
-    other_groups = turned(towards, route)
-    assert other_groups is not None
-    assert other_groups[3][0, ORIENTATION] == DIRECTION
+    assert turned(towards, roots(towards, route)[0])[3][0, ORIENTATION] == DIRECTION
 
 
 def _base(there: Groups) -> np.ndarray:
@@ -92,19 +88,27 @@ def _base(there: Groups) -> np.ndarray:
     return base
 
 
-def test_what_is_not_turned_is_left() -> None:
-    segments = [Segment(1.0, 2.0)] * 3
+def test_mounts_and_limits_of_actuators_are_left_out() -> None:
+    segments, tip = [Segment(1.0, 2.0)] * 3, Target((0.5, 0.0, 2.5))
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
-    tip = Target((0.5, 0.0, 2.5))
-    assert turned(groups(Robot(segments), [tip]), line) is not None
-    assert turned(groups(Robot(segments), [Target((0.0, 0.0, 1.0), segment=2)]), line) is None
     driven = [Segment(1.0, 2.0, tendons=Tendons(3, 0.05, displacement=(-0.05, 0.05)))] * 3
-    there = turned(groups(Robot(driven, mount=0.2), [tip]), line)
-    assert there is not None
-    bare = turned(groups(Robot(segments), [tip]), line)
-    assert bare is not None
+    there, bare = (
+        turned(asked, roots(asked, line)[0])
+        for asked in (groups(Robot(driven, mount=0.2), [tip]), groups(Robot(segments), [tip]))
+    )
     for one, other in zip(there, bare, strict=True):
         assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("cut", [0, 1, 3, 4])
+def test_parts_from_either_end_that_meet_are_joined(cut: int) -> None:
+    robot = Robot([Segment((0.8, 1.2), 2.0)] * 4, base=pose((1.0, 2.0, 3.0), direction=(0.2, 0.3, 1.0)))
+    tip = robot.tip(Q)
+    here = groups(robot, [Target(tip[:3, 3], rotation=tip[:3, :3])])
+    there = turned(here, roots(here, robot.backbone(Q, 20))[0])
+    back = turned_back(there, here, Q)
+    np.testing.assert_allclose(joined(here, Q[:cut], there, back[: 4 - cut]), Q, atol=1e-12)
+    assert np.array_equal(_base(rooted(there, np.arange(12.0)))[:3, 3], [9.0, 10.0, 11.0])
 
 
 @pytest.mark.parametrize("asked", [{"direction": (0.0, 0.6, 0.8)}, {"rotation": (0.3, 0.5, -0.4, 0.7)}])
@@ -112,24 +116,8 @@ def test_an_elbow_is_passed_along_the_same_tangent_the_other_way(asked: dict[str
     line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 3.0), 20)
     elbow = Target((0.0, 0.1, 1.0), segment=1, **asked)
     here = groups(Robot([Segment(1.0, 2.0)] * 3), [elbow, Target((0.5, 0.0, 2.5))])
-    there = turned(here, line)
-    assert there is not None
-    row = there[3][0]
+    row = turned(here, roots(here, line)[0])[3][0]
     tangent = pose(**asked)[:3, 2]  # type: ignore[arg-type]
     assert row[ORIENTATION] == DIRECTION
     assert row[TARGET_SEGMENT] == 1.0
     np.testing.assert_allclose(row[GOAL : GOAL + 3], -tangent, atol=1e-12)
-
-
-@pytest.mark.parametrize("count", [2, 3, 100])
-def test_a_route_within_the_length_of_the_tool_and_one_of_two_points_are_turned(count: int) -> None:
-    robot = Robot([Segment((0.8, 1.2), 2.0)] * 4, tool=pose((0.0, 0.0, 3.0)))
-    route = np.linspace((0.0, 0.0, 0.0), (0.0, 0.5, 2.0), count)
-    there = turned(groups(robot, [Target(route[-1])]), route)
-    assert there is not None
-    assert not np.isnan(there[0]).any()
-
-
-def test_a_route_without_a_direction_is_not_turned() -> None:
-    robot = Robot([Segment((0.8, 1.2), 2.0)] * 4)
-    assert turned(groups(robot, [Target((0, 0, 1))]), np.tile([0.0, 0.0, 1.0], (5, 1))) is None

@@ -24,7 +24,7 @@ from numba.core.compiler import CompileResult
 from sinuous.caches import places, writable
 from sinuous.kernels.compiling.locks import locked
 from sinuous.kernels.compiling.once import Part, as_part
-from sinuous.kernels.compiling.sources import NAME_LENGTH, stamp_of, unchanged
+from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged
 
 KEPT_DAYS = 30
 """How long a file is kept that nobody uses."""
@@ -52,6 +52,14 @@ CACHE = find_cache()
 KERNELS: dict[tuple[str, str], Callable[[], Any]] = {}
 """What is compiled for inner kernels, by module and qualified name: what a kernel that is read from the disk calls."""
 
+ENTRIES: dict[tuple[str, str], Any] = {}
+"""Entries by module and qualified name: what a helper is asked to compile."""
+
+
+def begun() -> bool:
+    """Say whether an entry of these sources has been compiled: then most of what entries share has been, too."""
+    return (CACHE / f"{sources_hash()}.begun").exists()
+
 
 class Store(NullCache):
     """The compiled code of one function on disk, in the place of Numba's cache.
@@ -68,18 +76,25 @@ class Store(NullCache):
     ----------
     name : str
         Of the function, the same in every process.
+    module, called : str
+        Where the function is found in Python.
     """
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder, self._kind = function, CACHE, kind
         self._file = file or function.__code__.co_filename
-        told = f"{kind} {function.__module__} {function.__qualname__} {stamp_of(self._file)}"
+        self.module, self.called = function.__module__, function.__qualname__
+        told = f"{kind} {self.module} {self.called} {stamp_of(self._file)}"
         self.name = f"{kind}{hashlib.sha256(told.encode()).hexdigest()[:NAME_LENGTH]}"
 
     @property
     def cache_path(self) -> str:
         """Where the files are."""
         return str(self._folder)
+
+    def usable(self) -> bool:
+        """Say whether other processes would find here what they compile for this one."""
+        return unchanged(self._file) and os.access(self._folder, os.W_OK)
 
     @contextlib.contextmanager
     def alone(self, signature: Any, codegen: Any) -> Iterator[None]:
@@ -122,6 +137,9 @@ class Store(NullCache):
             return
         data = serialize.dumps((called, result._reduce()))
         _keep(self.path(signature, result.codegen), hashlib.sha256(data).digest() + data)
+        if self._kind == "entry":
+            with contextlib.suppress(OSError):
+                (self._folder / f"{sources_hash()}.begun").touch()
 
     def path(self, signature: Any, codegen: Any) -> Path:
         """File of the code for a signature; a kernel is the same for all processors, only an entry is machine code."""
@@ -159,7 +177,7 @@ def remove_old(folder: Path, most: int = MOST_BYTES) -> None:
 
 def _files_in(folder: Path) -> Iterator[tuple[float, int, Path]]:
     """When each file was used, its size, and where it is; also what a process left that was killed as it wrote."""
-    for file in folder.glob("*.code*"):
+    for file in (*folder.glob("*.code*"), *folder.glob("*.begun")):
         with contextlib.suppress(OSError):
             found = file.stat()
             yield found.st_mtime, found.st_size, file

@@ -4,7 +4,7 @@ import math
 
 from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields.distances import Scene, closest, obstacle, read_scene
-from sinuous.kernels.fields.solids import EXACT
+from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.band import respace
 from sinuous.kernels.maths.vectors import Array, Vec, across, add, add_scaled, dot, get_vec, norm, scale, sub
 
@@ -40,13 +40,13 @@ def room_along(scene: Array, points: Array, reach: float, distances: Array) -> N
     """
     obstacles = read_scene(scene)
     for i in range(points.shape[0]):
-        distances[i], _ = closest(obstacles, get_vec(points, i, 0), reach, EXACT)
+        distances[i], _ = closest(obstacles, get_vec(points, i, 0), reach, STEP)
 
 
 @kernel
 def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: float) -> float:
     """Most distance from the obstacles in the plane across a line; away from the nearest one it is looked first."""
-    most, which = closest(scene, place, enough, EXACT)
+    most, which = closest(scene, place, enough, STEP)
     length = norm(ahead)
     if not 0.0 < most < enough or length == 0.0:
         return most
@@ -57,7 +57,7 @@ def _most_beside(scene: Scene, place: Vec, ahead: Vec, radius: float, enough: fl
         angle = first + 2.0 * math.pi * side / SIDES
         way = add(scale(math.cos(angle), x), scale(math.sin(angle), y))
         for step in range(1, ASIDE + 1):
-            d, _ = closest(scene, add_scaled(place, step * radius, way), enough, EXACT)
+            d, _ = closest(scene, add_scaled(place, step * radius, way), enough, STEP)
             if d <= begun:
                 break
             most = max(most, d)

@@ -6,7 +6,7 @@ from sinuous.kernels.chain.arc import pose
 from sinuous.kernels.chain.kinematics import compose
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.growing.guide import Guide
-from sinuous.kernels.maths.vectors import Mat, Vec, get_vec, norm, sub, vec_mat
+from sinuous.kernels.maths.vectors import Mat, Vec, get_vec, mat_mat, mat_vec, norm, sub, transpose, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import bend_cap, project_segment
 from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, RADIUS
@@ -53,6 +53,14 @@ def end_of(start: Start, q: Vec) -> Start:
     """Pose of the end of an arc that begins with a pose."""
     turn, shift = pose(q[0], q[1], q[2])
     return compose(start[0], start[1], turn, shift)
+
+
+@kernel
+def start_of(end: Start, q: Vec) -> Start:
+    """Pose with which an arc begins that ends with a pose."""
+    turn, shift = pose(q[0], q[1], q[2])
+    rotation = mat_mat(end[0], transpose(turn))
+    return rotation, sub(end[1], mat_vec(rotation, shift))
 
 
 @kernel

@@ -1,5 +1,8 @@
 """An arc that comes out between obstacles: first a part of it, then more, bent off the walls on its way.
 
+Where it does not fit as the arc before it ends, both are bent: one that is a little off in a tube has the next one too
+far off to be bent back by itself.
+
 An arc is pushed off the walls by Gauss-Newton in its two bends: places along it, and on its circle for some radii
 beyond its end, are asked to keep a distance. What lies beyond the end makes arcs in a tube turn into the arc that
 follows the tube, whatever they were aimed at: the next segment must fit there, too.
@@ -10,16 +13,19 @@ import math
 from sinuous.kernels.body.pieces import closest, near
 from sinuous.kernels.chain.arc import point, pose_and_columns
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.fields.distances import Scene, obstacle
+from sinuous.kernels.fields.distances import obstacle
 from sinuous.kernels.fields.solids import STEP
-from sinuous.kernels.growing.arcs import Start, thickness
-from sinuous.kernels.maths.vectors import Array, Vec, add, cross, dot, mat_vec, vec_mat
+from sinuous.kernels.growing.arcs import Start, end_of, thickness
+from sinuous.kernels.maths.vectors import Array, Vec, add, cross, dot, mat_vec, sub, vec_mat
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step.limits import project_segment
 from sinuous.kernels.tables import MAX_BEND, MIN_LENGTH
 
 New = tuple[Start, int, float]
-"""Where a new segment begins, which one it is, and the length of the chain before it."""
+"""Where a segment begins, which one it is, and the length of the chain before it."""
+
+Two = tuple[Vec, Vec]
+"""Coordinates of the arc before the new one, and those of the new one."""
 
 STAGES = 3
 """Parts in which an arc comes out that does not fit as it is."""
@@ -62,116 +68,200 @@ DAMPING = 1e-3
 
 
 @kernel
-def _row(scene: Scene, start: Start, q: Vec, place: tuple[float, Vec], which: int, d: float) -> tuple[float, float]:
-    """Derivatives by the bends of the distance `d` of a place, at a share `s` of an arc, from obstacle `which`."""
-    s, p = place
-    _, end, x, y, _ = pose_and_columns(s * q[0], s * q[1], s * q[2])
-    _, g = obstacle(scene, which, p, d)
-    force = vec_mat(g, start[0])
-    return s * dot(force, add(x[1], cross(x[0], end))), s * dot(force, add(y[1], cross(y[0], end)))
+def _row(start: Start, q: Vec, s: float, p: Vec, g: Vec) -> tuple[float, float]:
+    """Derivatives of the distance of a place `p`, whose gradient is `g`, by the bends of an arc that it is fixed to.
 
-
-@kernel
-def _press(problem: Problem, new: New, q: Vec, among: Array, count: int) -> tuple[float, float, float, float]:
-    """Deepest overlap of an arc, in radii; its pressure; and the change of its bends that relieves it.
-
-    The pressure is the integral along the arc of the square of what is missing of the clearance, in radii. `among`
-    lists the `count` obstacles that concern the arc. Both results are inf for an arc that is given up.
+    It is fixed where a share `s` of the arc is out, which begins with a pose.
     """
-    start, k, along = new
-    scene, radius = problem.scene, thickness(problem, k)
-    xx = yy = DAMPING * q[2] * q[2]
-    xy = bx = by = deepest = pressure = 0.0
-    at, step, last = max(0.0, problem.mount - along), FINEST * radius, q[2] + AHEAD * radius
-    while at < last:
-        most = 1.0 + CLEARANCE
-        if at < q[2]:
-            at, most = min(q[2], at + step), LOST
-        else:
-            at = min(last, at + step)
-        s = at / q[2]
-        p = add(start[1], mat_vec(start[0], point(s * q[0], s * q[1], at)))
-        d, _, which = closest(scene, among, count, p, REACH * radius, STEP)
-        step = max(FINEST * radius, min(d, REACH * radius) - radius)
-        if at <= q[2]:
-            deepest = max(deepest, 1.0 - d / radius)
-        if deepest > LOST:
-            return math.inf, math.inf, 0.0, 0.0
-        missing = min(most, 1.0 + CLEARANCE - d / radius)
-        if missing > 0.0:
-            pressure += missing * missing * step
-            x, y = _row(scene, start, q, (s, p), which, d)
-            xx, xy, yy = xx + x * x, xy + x * y, yy + y * y
-            bx, by = bx + x * missing * radius, by + y * missing * radius
-    det = xx * yy - xy * xy
-    if pressure == 0.0 or det <= 0.0:
-        return deepest, pressure, 0.0, 0.0
-    return deepest, pressure, (yy * bx - xy * by) / det, (xx * by - xy * bx) / det
+    _, _, x, y, _ = pose_and_columns(s * q[0], s * q[1], s * q[2])
+    force, own = vec_mat(g, start[0]), vec_mat(sub(p, start[1]), start[0])
+    return s * dot(force, add(x[1], cross(x[0], own))), s * dot(force, add(y[1], cross(y[0], own)))
 
 
 @kernel
-def _relieve(problem: Problem, new: New, q: Vec, s: float, among: Array, count: int) -> tuple[Vec, float, float]:
+def _solved(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec) -> tuple[float, float, float, float]:
+    """Solve the symmetric system of blocks `a` (xx, xy, yy), `b` (rows) and `c`, with the right sides `g` and `h`."""
+    det = a[0] * a[2] - a[1] * a[1]
+    if det <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    i, j, k = a[2] / det, -a[1] / det, a[0] / det
+    # columns of a^-1 b, and a^-1 g
+    u0, u1 = i * b[0] + j * b[2], j * b[0] + k * b[2]
+    v0, v1 = i * b[1] + j * b[3], j * b[1] + k * b[3]
+    w0, w1 = i * g[0] + j * g[1], j * g[0] + k * g[1]
+    xx, xy, yy = c[0] - b[0] * u0 - b[2] * u1, c[1] - b[0] * v0 - b[2] * v1, c[2] - b[1] * v0 - b[3] * v1
+    x, y = h[0] - b[0] * w0 - b[2] * w1, h[1] - b[1] * w0 - b[3] * w1
+    det = xx * yy - xy * xy
+    if det <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    x, y = (yy * x - xy * y) / det, (xx * y - xy * x) / det
+    return w0 - u0 * x - v0 * y, w1 - u1 * x - v1 * y, x, y
+
+
+@kernel
+def _press(
+    problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
+) -> tuple[float, float, tuple[float, float, float, float]]:
+    """Deepest overlap of an arc, in radii; its pressure; and the change that relieves it.
+
+    The change is that of the bends of the arc before it, where `both` are to change, and of its own. The pressure is
+    the integral along what changes of the square of what is missing of the clearance, in radii. `among` lists the
+    `count` obstacles that concern it. Overlap and pressure are inf for an arc that is given up.
+    """
+    scene, radius = problem.scene, thickness(problem, new[1])
+    axx = ayy = DAMPING * two[0][2] * two[0][2] + (0.0 if both else 1.0)
+    cxx = cyy = DAMPING * two[1][2] * two[1][2]
+    axy = cxy = bxx = bxy = byx = byy = gx = gy = hx = hy = deepest = pressure = 0.0
+    for part in range(0 if both else 1, 2):
+        (start, _, along), q = (before, two[0]) if part == 0 else (new, two[1])
+        ahead = AHEAD * radius if part == 1 else 0.0
+        at, step, last = max(0.0, problem.mount - along), FINEST * radius, q[2] + ahead
+        while at < last:
+            most = 1.0 + CLEARANCE
+            if at < q[2]:
+                at, most = min(q[2], at + step), LOST
+            else:
+                at = min(last, at + step)
+            s = at / q[2]
+            p = add(start[1], mat_vec(start[0], point(s * q[0], s * q[1], at)))
+            d, _, which = closest(scene, among, count, p, REACH * radius, STEP)
+            step = max(FINEST * radius, min(d, REACH * radius) - radius)
+            if at <= q[2]:
+                deepest = max(deepest, 1.0 - d / radius)
+            if deepest > LOST:
+                return math.inf, math.inf, (0.0, 0.0, 0.0, 0.0)
+            missing = min(most, 1.0 + CLEARANCE - d / radius)
+            if missing > 0.0:
+                pressure += missing * missing * step
+                _, g = obstacle(scene, which, p, d)
+                x, y = _row(start, q, s, p, g)
+                m = missing * radius
+                u, v = (x, y) if part == 0 else (0.0, 0.0)
+                if part == 1:
+                    cxx, cxy, cyy, hx, hy = cxx + x * x, cxy + x * y, cyy + y * y, hx + x * m, hy + y * m
+                    if both:
+                        u, v = _row(before[0], two[0], 1.0, p, g)
+                        bxx, bxy, byx, byy = bxx + u * x, bxy + u * y, byx + v * x, byy + v * y
+                axx, axy, ayy, gx, gy = axx + u * u, axy + u * v, ayy + v * v, gx + u * m, gy + v * m
+    if pressure == 0.0:
+        return deepest, pressure, (0.0, 0.0, 0.0, 0.0)
+    change = _solved((axx, axy, ayy), (cxx, cxy, cyy), (bxx, bxy, byx, byy), (gx, gy, 0.0), (hx, hy, 0.0))
+    return deepest, pressure, change
+
+
+@kernel
+def _relieve(
+    problem: Problem, before: New, new: New, two: Two, s: float, both: bool, among: Array, count: int
+) -> tuple[Two, float, float]:
     """Bend an arc until its first part, a share `s`, is pressed as little as can be; its overlap and its pressure."""
-    k = new[1]
-    deepest, pressure, x, y = _press(problem, new, (s * q[0], s * q[1], s * q[2]), among, count)
+    k, begin = new[1], new
+    q = two[1]
+    part = s * q[0], s * q[1], s * q[2]
+    deepest, pressure, (u, v, x, y) = _press(problem, before, begin, (two[0], part), both, among, count)
     share = 1.0
     for _ in range(ROUNDS):
         if not 0.0 < pressure < math.inf:
             break
-        size = math.hypot(x, y) / s
-        step = share * min(1.0, MOST / size) / s if size > 0.0 else 0.0
-        other = project_segment(problem.limits, k, q[0] + step * x, q[1] + step * y, q[2])
+        size = max(math.hypot(x, y) / s, math.hypot(u, v))
+        step = share * min(1.0, MOST / size) if size > 0.0 else 0.0
+        first = two[0]
+        if both:
+            first = project_segment(problem.limits, k - 1, first[0] + step * u, first[1] + step * v, first[2])
+            begin = end_of(before[0], first), k, new[2]
+        other = project_segment(problem.limits, k, two[1][0] + step / s * x, two[1][1] + step / s * y, two[1][2])
         part = s * other[0], s * other[1], s * other[2]
-        deeper, left, dx, dy = _press(problem, new, part, among, count)
+        deeper, left, change = _press(problem, before, begin, (first, part), both, among, count)
         if left >= pressure:
             share *= SHORTER
             continue
         enough, share = left > ENOUGH * pressure, 1.0
-        q, deepest, pressure, x, y = other, deeper, left, dx, dy
+        two, deepest, pressure, (u, v, x, y) = (first, other), deeper, left, change
         if enough:
             break
-    return q, deepest, pressure
+    return two, deepest, pressure
 
 
 @kernel
-def _in_stages(problem: Problem, new: New, q: Vec, among: Array, count: int) -> tuple[Vec, float, float, float]:
+def _in_stages(
+    problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
+) -> tuple[Two, float, float, float]:
     """Let an arc come out part by part; returns it, the share of it that fits, and the overlap and pressure of that."""
-    best, fits, overlap, pressure = q, 0.0, math.inf, 0.0
+    best, fits, overlap, pressure = two, 0.0, math.inf, 0.0
     for stage in range(1, STAGES + 1):
         s = stage / STAGES
-        q, deepest, left = _relieve(problem, new, q, s, among, count)
+        if both:
+            new = end_of(before[0], two[0]), new[1], new[2]
+        two, deepest, left = _relieve(problem, before, new, two, s, both, among, count)
         if deepest > KEPT:
             break
-        best, fits, overlap, pressure = q, s, deepest, left
+        best, fits, overlap, pressure = two, s, deepest, left
     return best, fits, overlap, pressure
 
 
 @kernel
-def come_out(problem: Problem, new: New, q: Vec, among: Array) -> tuple[Vec, float, float]:
-    """Bend an arc off the obstacles, and cut it to the part that fits.
+def _bent(
+    problem: Problem, before: New, new: New, two: Two, joint: bool, among: Array, count: int
+) -> tuple[Two, float, float, float]:
+    """Bend an arc off the obstacles, and the one before it if need be and `joint`; returns the same as `_in_stages`."""
+    best, share, overlap, pressure = two, 1.0, math.inf, 0.0
+    for both in range(2):
+        if both == 1 and (not joint or share == 0.0):
+            break
+        staged, fits, deepest, left = _in_stages(problem, before, new, two, both == 1, among, count)
+        if both == 0 or fits > share or (fits == share and deepest < overlap):
+            best, share, overlap, pressure = staged, fits, deepest, left
+        if share == 1.0 and overlap <= SHALLOW:
+            break
+    return best, share, overlap, pressure
 
-    Returns the arc, its deepest overlap in radii (inf where it does not fit), and its mean pressure. `among` (m,) int64
-    is scratch.
+
+@kernel
+def come_out(problem: Problem, before: New, new: New, two: Two, joint: bool, among: Array) -> tuple[Two, float, float]:
+    """Bend an arc off the obstacles, if need be with the one before it, and cut it to the part that fits.
+
+    Parameters
+    ----------
+    problem : Problem
+    before, new : New
+        The arc before it, and itself.
+    two : Two
+        Their coordinates.
+    joint : bool
+        Whether the arc before it may change: there is one, and its end is not asked to be anywhere.
+    among : ndarray (m,) int64
+        Scratch.
+
+    Returns
+    -------
+    two : Two
+    overlap : float
+        Deepest one, in radii; inf where it does not fit.
+    pressure : float
+        Mean one.
     """
     (rotation, position), k, _ = new
-    radius = thickness(problem, k)
+    q, radius = two[1], thickness(problem, k)
     middle = add(position, mat_vec(rotation, point(0.5 * q[0], 0.5 * q[1], 0.5 * q[2])))
     count, _ = near(problem.scene, middle, ASIDE * q[2] + (REACH + AHEAD) * radius, among)
     if count == 0 or q[2] == 0.0:
-        return q, 0.0, 0.0
-    overlap, pressure, _, _ = _press(problem, new, q, among, count)
+        return two, 0.0, 0.0
+    overlap, pressure, _ = _press(problem, before, new, two, False, among, count)
     if pressure == 0.0:
-        return q, 0.0, 0.0
+        return two, 0.0, 0.0
     if problem.limits[k, MAX_BEND] == 0.0:
-        return q, overlap if overlap <= KEPT else math.inf, pressure / max(q[2], radius)
-    bent, fits = q, 1.0
+        return two, overlap if overlap <= KEPT else math.inf, pressure / max(q[2], radius)
+    bent, fits = two, 1.0
     if overlap <= KEPT:
-        bent, overlap, pressure = _relieve(problem, new, q, 1.0, among, count)
+        bent, overlap, pressure = _relieve(problem, before, new, two, 1.0, False, among, count)
     if overlap > SHALLOW:
-        staged, share, deepest, left = _in_stages(problem, new, q, among, count)
+        if joint:
+            reach = ASIDE * (two[0][2] + q[2]) + (REACH + AHEAD) * radius
+            count, _ = near(problem.scene, position, reach, among)
+        staged, share, deepest, left = _bent(problem, before, new, two, joint, among, count)
         if overlap > KEPT or (share == 1.0 and deepest < overlap):
             bent, fits, overlap, pressure = staged, share, deepest, left
     length = fits * q[2]
     if overlap > KEPT or length < problem.limits[k, MIN_LENGTH] or length == 0.0:
-        return q, math.inf, 0.0
-    return (fits * bent[0], fits * bent[1], length), overlap, pressure / length
+        return two, math.inf, 0.0
+    last = bent[1]
+    return (bent[0], (fits * last[0], fits * last[1], length)), overlap, pressure / length

@@ -11,9 +11,11 @@ import math
 from sinuous.kernels.chain.kinematics import frame, put_frame
 from sinuous.kernels.clock import allow, begin, spend
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.fields.distances import price
-from sinuous.kernels.growing.arcs import ARCS, Start, count_of, end_of, tried
+from sinuous.kernels.fields.distances import closest, price
+from sinuous.kernels.fields.solids import STEP
+from sinuous.kernels.growing.arcs import ARCS, Start, count_of, end_of, start_of, thickness, tried
 from sinuous.kernels.growing.beam import (
+    BEFORE,
     COST,
     FINE,
     FRAME,
@@ -21,6 +23,7 @@ from sinuous.kernels.growing.beam import (
     LENGTH,
     NEARLY,
     PARENT,
+    ROOM,
     SCORE,
     SEEN,
     Beam,
@@ -35,9 +38,9 @@ from sinuous.kernels.growing.guide import needed, sighted
 from sinuous.kernels.growing.legs import Leg, leg_to, missed
 from sinuous.kernels.growing.meeting import meets_itself
 from sinuous.kernels.maths import heap
-from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_vec
+from sinuous.kernels.maths.vectors import ZERO, Array, Vec, get_vec, put_vec
 from sinuous.kernels.problem import Problem, read_problem
-from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
+from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, POSE_WIDTH
 
 OVERLAP = 16.0
 """Score of the square of an overlap, in radii."""
@@ -54,6 +57,9 @@ LEEWAY = 1.05
 
 UNSEEN = 1.0
 """Score of a segment from whose end no point of the guide is seen: it may be on another way."""
+
+PATIENCE = 3
+"""Arcs that are looked at for each chain that is made, at most: in a tube all of them turn into the same one."""
 
 LOOKS = 100
 """Distances that one arc takes, about."""
@@ -115,21 +121,25 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
     """Make number `made` of the new chains, by an arc that continues one of `k` segments; False where it cannot be."""
     level, new, i = beam.levels[k], beam.made, item // ARCS
     start, along, mean = frame(level, i), level[i, LENGTH], problem.unit / problem.limits.shape[0]
-    q, overlap, tight = come_out(problem, (start, k, along), get_vec(beam.arcs, item, 0), beam.among)
-    if overlap == math.inf or (problem.avoids_itself and meets_itself(problem, beam.levels, k, i, q)):
+    own, aim = get_vec(level, i, LAST), get_vec(beam.arcs, item, 0)
+    joint = k > leg.first and problem.limits[k - 1, MAX_BEND] > 0.0
+    before = (start_of(start, own), k - 1, along - own[2]) if joint else (start, k, along)
+    (own, q), overlap, tight = come_out(problem, before, (start, k, along), (own, aim), joint, beam.among)
+    start = end_of(before[0], own) if joint else start
+    if overlap == math.inf or (problem.avoids_itself and meets_itself(problem, beam.levels, k, i, start, q)):
         return False
     end = end_of(start, q)
     if not differs(beam, end, NEARLY * mean, FINE):
         return False
     seen, cost = int(level[i, SEEN]), OVERLAP * max(0.0, overlap) ** 2 + PRESSED * tight
-    if along + q[2] > problem.mount:
-        found = sighted(problem.scene, leg.guide, end[1], seen)
-        seen, cost = (found, cost) if found >= 0 else (seen, cost + UNSEEN)
+    found = sighted(problem.scene, leg.guide, end[1], seen) if along + q[2] > problem.mount else seen
+    seen = found if found >= 0 else seen
     put_frame(new, made, end[0], end[1])
     put_vec(new, made, LAST, q)
+    put_vec(new, made, BEFORE, own)
     new[made, LENGTH], new[made, PARENT], new[made, SEEN] = along + q[2], i, seen
     new[made, COST] = level[i, COST] + cost
-    new[made, SCORE] = new[made, COST] + _score(problem, leg, k, end, seen)
+    new[made, SCORE] = new[made, COST] + _score(problem, leg, k, end, seen) + (UNSEEN if found < 0 else 0.0)
     if k == leg.last:
         new[made, COST] = new[made, SCORE]
     return True
@@ -138,14 +148,28 @@ def _continued(problem: Problem, leg: Leg, beam: Beam, k: int, item: int, made: 
 @kernel
 def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int) -> int:
     """Look at the `size` arcs in the heap, the most promising first; returns how many chains that makes."""
-    count, looks = 0, LOOKS * price(problem.scene)
+    count, left, looks = 0, PATIENCE * beam.made.shape[0], LOOKS * price(problem.scene)
     empty_buckets(beam)
-    while size > 0 and count < beam.made.shape[0]:
+    while size > 0 and (left > 0 or count == 0) and count < beam.made.shape[0]:
         if spend(beam.clock, looks):
             return 0
         item, size = heap.pop(beam.heap, beam.items, size)
+        left -= 1
         count += 1 if _continued(problem, leg, beam, k, item, count) else 0
     return count
+
+
+@kernel
+def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, room: float) -> bool:
+    """Whether one of the `count` chains of `k` segments ends so far from the obstacles, in radii; notes how far."""
+    level, found = beam.levels[k], False
+    n = problem.limits.shape[0]
+    radius = max(thickness(problem, max(0, k - 1)), thickness(problem, min(k, n - 1)))
+    for i in range(count):
+        d, _ = closest(problem.scene, frame(level, i)[1], room * radius, STEP)
+        level[i, ROOM] = d / radius
+        found = found or level[i, ROOM] >= room
+    return found
 
 
 @entry
@@ -156,12 +180,13 @@ def grow_chains(
     targets: Array,
     legs: Array,
     roots: Array,
+    room: float,
     seconds: float,
     workspace: Array,
     levels: Array,
     counts: Array,
-) -> None:
-    """Grow chains along a route, from target to target.
+) -> bool:
+    """Grow chains along a route, from target to target, or until one of them ends in the open; say whether one does.
 
     Parameters
     ----------
@@ -174,6 +199,8 @@ def grow_chains(
         has a position, from there to the next one, and so on, in the order of their segments.
     roots : ndarray (r, 12)
         Poses that chains may begin with: at most as many as are kept.
+    room : float
+        How far from the obstacles the open is, in radii of the body; inf: nowhere.
     seconds : float
         Budget.
     workspace : ndarray (s,)
@@ -194,14 +221,18 @@ def grow_chains(
         for j in range(POSE_WIDTH):
             levels[0, i, FRAME + j] = roots[i, j]
         levels[0, i, COST] = levels[0, i, LENGTH] = 0.0
+        put_vec(levels[0], i, LAST, ZERO)
     k, mean = 0, problem.unit / problem.limits.shape[0]
     for number in range(legs.shape[0]):
-        leg = leg_to(problem, legs[number], number)
+        leg = leg_to(problem, legs[number], number, k)
         for i in range(counts[k]):
             levels[k, i, SEEN] = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0))
         while k <= leg.last and counts[k] > 0:
+            if room < math.inf and _in_the_open(problem, beam, k, counts[k], room):
+                return True
             made = _make(problem, leg, beam, k, _promise(problem, leg, beam, k, counts[k]))
             k += 1
             counts[k] = keep(beam, k, made, mean)
         if counts[k] == 0:
-            return
+            return False
+    return False

@@ -18,9 +18,9 @@ WIDEST = 0.25
 TURNED = 0.5
 """What a radian counts that the end is turned away, in lengths of a segment."""
 
-Leg = namedtuple("Leg", ["guide", "target", "last", "around"])
-"""The guide along one leg; the target that it leads to, and the segment whose end has to be there; and how far from the
-end of the guide the backbone ends, because of a tool."""
+Leg = namedtuple("Leg", ["guide", "target", "first", "last", "around"])
+"""The guide along one leg; the target that it leads to; its first segment, and the last, whose end has to be there; and
+how far from the end of the guide the backbone ends, because of a tool."""
 
 
 @kernel
@@ -38,8 +38,8 @@ def _target(problem: Problem, number: int) -> tuple[int, int]:
 
 
 @kernel
-def leg_to(problem: Problem, points: Array, number: int) -> Leg:
-    """Leg `number` along points (K, 3), which are evenly spaced, or nearly so."""
+def leg_to(problem: Problem, points: Array, number: int, first: int) -> Leg:
+    """Leg `number`, from segment `first` on, along points (K, 3), which are evenly spaced, or nearly so."""
     limits, length = problem.limits, 0.0
     for i in range(1, points.shape[0]):
         length += norm(sub(get_vec(points, i, 0), get_vec(points, i - 1, 0)))
@@ -52,7 +52,7 @@ def leg_to(problem: Problem, points: Array, number: int) -> Leg:
     target, last = _target(problem, number)
     _, around = backbone_end(problem, target, last)
     back = tangent_back(problem.targets, target) if around == 0.0 else ZERO
-    return Leg(Guide(points, length / (points.shape[0] - 1), back, radius, turn), target, last, around)
+    return Leg(Guide(points, length / (points.shape[0] - 1), back, radius, turn), target, first, last, around)
 
 
 @kernel

@@ -49,9 +49,12 @@ def _meet(one: Arc, other: Arc, apart: float, near: float) -> bool:
 
 
 @kernel
-def meets_itself(problem: Problem, levels: Array, k: int, i: int, q: Vec) -> bool:
-    """Whether segment `k`, with the coordinates `q`, beyond chain `i` comes nearer to that chain than their radii."""
-    new = frame(levels[k], i), q, levels[k, i, LENGTH]
+def meets_itself(problem: Problem, levels: Array, k: int, i: int, start: Start, q: Vec) -> bool:
+    """Whether segment `k`, with the coordinates `q`, beyond chain `i` comes nearer to that chain than their radii.
+
+    It begins with the pose `start`: near the end of that chain.
+    """
+    new = start, q, levels[k, i, LENGTH]
     end = _at(new, PIECES)
     own = problem.limits[k, SELF_RADIUS]
     while k > 0:

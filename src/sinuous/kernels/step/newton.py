@@ -14,7 +14,7 @@ from sinuous.kernels.clock import SEGMENT_LOOKS, late, spend
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.fields.distances import Scene, coarseness, number_of
-from sinuous.kernels.maths.vectors import ZERO, put_vec
+from sinuous.kernels.maths.vectors import ZERO, Array, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.kernels.step.coupling import couple
@@ -32,6 +32,7 @@ from sinuous.kernels.step.states import (
     pick,
 )
 from sinuous.kernels.step.targets import add_rows, end_segment
+from sinuous.kernels.tables import MAX_LENGTH, MIN_LENGTH
 
 MISSED = -1
 """In place of a verdict of the proof: the targets were not met."""
@@ -169,27 +170,44 @@ def rest(work: Work) -> None:
 
 
 @kernel
+def _finite(q: Array, k: int) -> bool:
+    """Whether the numbers of segment `k` are finite; of NaN and infinity the difference to itself is NaN."""
+    x, y, length = get_vec(q, k, 0)
+    return bool((x - x) + (y - y) + (length - length) == 0.0)
+
+
+@kernel
 def move(problem: Problem, state: State, work: Work, trial: State) -> None:
-    """Take the step, within all limits."""
+    """Take the step, within all limits; a segment whose step has no number stays where it is."""
     limits.move(problem.limits, state.q, work.step, trial.q)
     actuation.hold_back(problem.actuation, state.q, trial.q)
+    for k in range(trial.q.shape[0]):
+        if not _finite(trial.q, k):
+            put_vec(trial.q, k, 0, get_vec(state.q, k, 0))
 
 
 @kernel
 def project_to_limits(problem: Problem, state: State, work: Work) -> None:
-    """Bring the configuration of `state` within all limits."""
+    """Bring the configuration of `state` within all limits; a segment without numbers is straight, of middle length."""
     q = state.q
     for k in range(q.shape[0]):
+        if not _finite(q, k):
+            middle = 0.5 * (problem.limits[k, MIN_LENGTH] + problem.limits[k, MAX_LENGTH])
+            put_vec(q, k, 0, (0.0, 0.0, middle))
         put_vec(q, k, 0, limits.project_segment(problem.limits, k, q[k, 0], q[k, 1], q[k, 2]))
     actuation.straighten(problem.actuation, q, work.step)
 
 
 @kernel
 def met(problem: Problem, state: State, loose: float) -> bool:
-    """Targets within tolerance, and no overlap seen that is more than `loose`, none at all of the body with itself."""
+    """Targets within tolerance, and no overlap seen that is more than `loose`, none at all of the body with itself.
+
+    Where anything is NaN the merit is: the largest of errors, and the least of clearances, pass over it.
+    """
     norms = state.norms
     return bool(
-        norms[POSITION] <= problem.position_tolerance
+        norms[MERIT] < math.inf
+        and norms[POSITION] <= problem.position_tolerance
         and norms[ANGLE] <= problem.angle_tolerance
         and norms[SEEN] >= -loose
         and norms[SELF_SEEN] >= 0.0

@@ -5,7 +5,6 @@ Two are alike where one is known to deform into the other and stay clear, see `s
 
 import math
 from collections.abc import Callable, Sequence
-from time import monotonic
 from typing import NamedTuple
 
 import numpy as np
@@ -128,16 +127,14 @@ class Curves:
         """Return what is first met from points of a curve (N, 3) to their counterparts on another (N,); -1: nothing."""
         return self.see(a, b, ALIKE * self.keep).which
 
-    def load(self) -> float:
-        """Compile the entries, or load them from the cache; return the seconds it took."""
-        began = monotonic()
+    def load(self) -> None:
+        """Compile the entries, or load them from the cache."""
         line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), self._points)
         homotopy.draw_tight(self._group, line, self.keep, 0.0, self._workspace)
         homotopy.deforms(self._group, line, line, self.keep, 0.0, self._workspace)
         homotopy.halfway(self._group, line, line, self.keep, self._workspace, line.copy())
         self.see(line[:1], line[:1], self.keep)
         self.scene.beside([Mesh(np.eye(3), [[0, 1, 2]])]).distance(np.zeros(3))
-        return monotonic() - began
 
     @property
     def _group(self) -> Floats:

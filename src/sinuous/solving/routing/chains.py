@@ -8,39 +8,20 @@ how it is turned about its tangent, so what is joined meets both ends.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.chain.batch import frames_of
 from sinuous.kernels.solve.search import search
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import (
-    ANGLE_TOLERANCE,
-    DIRECTION,
-    FREE,
-    GOAL,
-    HAS_POSITION,
-    ORIENTATION,
-    POSE_POSITION,
-    POSE_WIDTH,
-    POSITION_TOLERANCE,
-    ROTATION,
-    SOLVED,
-    TARGET_POSITION,
-    TARGET_SEGMENT,
-    TARGET_WIDTH,
-    UNIT,
-)
-from sinuous.poses import pose
+from sinuous.kernels.tables import POSE_POSITION, POSE_WIDTH, SOLVED, UNIT
+from sinuous.solving.routing.bridges import OPEN, bridged
 from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, settled
-from sinuous.solving.routing.parts import before
-from sinuous.solving.routing.turned import FLIP, Groups, turned, turned_back
-
-ROOTS = 12
-"""Directions in which chains from the target begin where it leaves that open."""
+from sinuous.solving.routing.parts import ending
+from sinuous.solving.routing.roots import roots
+from sinuous.solving.routing.turned import Groups, joined, rooted, turned, turned_back
 
 WHOLES = 4
 """Most chains of one beam that reach the other end by themselves and are given."""
@@ -90,40 +71,54 @@ class Chains:
         self._groups, self._legs, self._left = groups, legs, left
         self._n = int(groups[0][0])
         self._segment = float(groups[2][UNIT]) / self._n
-        self._other = turned(groups, np.concatenate(list(legs)))
+        self._roots = roots(groups, np.concatenate(list(legs)))
+        self._other = turned(groups, self._roots[0]) if len(self._roots) else None
         robot, scene, _, targets = groups
         self._workspace = np.empty(workspace_size(self._n, int(robot[1]), int(scene[0]), len(targets) + 1))
 
     def of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
-        ahead = Grown(self._groups, self._legs, _base(self._groups)[None], width, self._left())
-        wholes = [(ahead.scores[ahead.segments, i], ahead.whole(i)[0]) for i in range(min(ahead.wholes, WHOLES))]
-        if self._other is not None and self._left() > 0.0:
-            legs = self._legs[::-1, ::-1].copy()
-            behind = Grown(self._other, legs, _roots(self._groups, self._other), width, self._left())
-            for i in range(min(behind.wholes, WHOLES)):
-                chain, root = behind.whole(i)
-                wholes.append((behind.scores[behind.segments, i], turned_back(self._groups, self._from(root), chain)))
-            yield from self._joined(ahead, behind, round(JOINTS * math.sqrt(width / FIRST_WIDTH)))
-        wholes.sort(key=lambda whole: whole[0])
-        for _, chain in wholes:
+        if self._other is None:
+            yield from self._given(self._wholes(self._ahead(width), self._groups))
+            return
+        ahead, behind = self._ahead(width, OPEN), self._behind(self._other, width, OPEN)
+        yield from bridged(self._groups, self._other, ahead, behind, width, self._left)
+        ahead = self._ahead(width) if ahead.open else ahead
+        behind = self._behind(self._other, width) if behind.open else behind
+        yield from self._joined(ahead, behind, round(JOINTS * math.sqrt(width / FIRST_WIDTH)))
+        yield from self._given([*self._wholes(ahead, self._groups), *self._wholes(behind, self._other)])
+
+    def _ahead(self, width: int, room: float = math.inf) -> Grown:
+        """Chains from the base."""
+        base = self._groups[0][None, -2 * POSE_WIDTH : -POSE_WIDTH]
+        return Grown(self._groups, self._legs, base.copy(), width, self._left(), room)
+
+    def _behind(self, other: Groups, width: int, room: float = math.inf) -> Grown:
+        """Chains from the target."""
+        return Grown(other, self._legs[::-1, ::-1].copy(), self._roots, width, self._left(), room)
+
+    def _wholes(self, grown: Grown, groups: Groups) -> Iterator[tuple[float, Floats]]:
+        """Chains (n, 3) that reach the other end by themselves, and their scores."""
+        for i in range(min(grown.wholes, WHOLES)):
+            chain, root = grown.whole(i)
+            if groups is not self._groups:
+                chain = turned_back(self._groups, rooted(groups, root), chain)
+            yield float(grown.scores[grown.segments, i]), chain
+
+    def _given(self, wholes: Iterable[tuple[float, Floats]]) -> Iterator[Floats]:
+        """Yield chains, the best first, each also drawn to the targets."""
+        for _, chain in sorted(wholes, key=lambda whole: whole[0]):
             yield chain
             yield from settled(self._groups, [chain], self._left)
 
-    def _from(self, root: Floats) -> Groups:
-        """The problem the other way round, of chains that begin with the pose `root`."""
-        assert self._other is not None
-        robot = self._other[0].copy()
-        robot[-2 * POSE_WIDTH : -POSE_WIDTH] = root
-        return (robot, *self._other[1:])
-
     def _joined(self, ahead: Grown, behind: Grown, most: int) -> Iterator[Floats]:
         """Yield chains (n, 3) that meet both ends, of parts from either end."""
+        assert self._other is not None
         for _, k, i, j in self._joints(ahead, behind)[:most]:
             if self._left() <= 0.0:
                 return
             (head, _), (tail, root) = ahead.chain(k, i), behind.chain(self._n - k, j)
-            begun = self._from(root)
+            begun = rooted(self._other, root)
             closed = self._closed(self._groups, head, behind.frames[self._n - k, j])
             if closed is not None:
                 head = closed
@@ -132,7 +127,7 @@ class Chains:
                 if closed is None:
                     continue
                 tail = closed
-            yield _whole(self._groups, head, begun, tail)
+            yield joined(self._groups, head, begun, tail)
 
     def _joints(self, ahead: Grown, behind: Grown) -> list[_Joint]:
         """Pairs of parts that nearly meet, the best first: some of every number of segments."""
@@ -154,45 +149,6 @@ class Chains:
 
     def _closed(self, groups: Groups, chain: Floats, end: Floats) -> Floats | None:
         """Return a chain like this one (k, 3) that ends against a pose (12,); `None` where none is found."""
-        row = np.zeros(TARGET_WIDTH)
-        row[TARGET_SEGMENT], row[HAS_POSITION] = len(chain) - 1.0, 1.0
-        row[TARGET_POSITION : TARGET_POSITION + 3] = end[POSE_POSITION:]
-        if groups[3][-1, ORIENTATION] == ROTATION:
-            row[ORIENTATION] = ROTATION
-            row[GOAL : GOAL + 9] = (end[:POSE_POSITION].reshape(3, 3) @ FLIP).ravel()
-        else:
-            row[ORIENTATION], row[GOAL : GOAL + 3] = DIRECTION, -end[TANGENT]
-        part = before(groups, row)
-        tolerances = [POSITION_TOLERANCE, ANGLE_TOLERANCE]
-        part[2][tolerances] = groups[2][tolerances]
-        best = np.empty((len(chain), 3))
+        part, best = ending(groups, len(chain), end), np.empty((len(chain), 3))
         record = search(*part, chain[None], (0, 0, 0, max(0.0, self._left())), self._workspace, best)
         return best if record[0] == SOLVED else None
-
-
-def _base(groups: Groups) -> Floats:
-    """Pose (12,) of the base."""
-    return groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
-
-
-def _roots(groups: Groups, other: Groups) -> Floats:
-    """Poses (r, 12) in which chains from the target may begin: first that in which the route arrives."""
-    base, tool = _base(other), groups[0][-POSE_WIDTH:]
-    if groups[3][-1, ORIENTATION] != FREE or tool[POSE_POSITION:].any():
-        return base[None].copy()
-    number = np.arange(ROOTS - 1) + 0.5
-    height, turn = 1.0 - 2.0 * number / (ROOTS - 1), math.pi * (1.0 + math.sqrt(5.0)) * number
-    level = np.sqrt(1.0 - height * height)
-    around = np.stack([level * np.cos(turn), level * np.sin(turn), height], axis=1)
-    around = around[np.argsort(-around @ base[TANGENT])]
-    frames = [np.append(pose(direction=ahead)[:3, :3].ravel(), base[POSE_POSITION:]) for ahead in around]
-    return np.stack([base, *frames])
-
-
-def _whole(groups: Groups, head: Floats, begun: Groups, tail: Floats) -> Floats:
-    """The chain (n, 3) of a part (k, 3) from the base, and one (n - k, 3) from the target that it meets."""
-    frames = np.empty((1, len(head) + 1, POSE_WIDTH))
-    frames_of(head[None].copy(), _base(groups).reshape(1, POSE_WIDTH).copy(), frames)
-    robot = groups[0].copy()
-    robot[-2 * POSE_WIDTH : -POSE_WIDTH] = frames[0, -1]
-    return np.concatenate([head, turned_back((robot, *groups[1:]), begun, tail)])

@@ -1,5 +1,6 @@
 """Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
@@ -8,7 +9,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_workspace_size
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.fitting.settle import settle_chain
-from sinuous.kernels.growing.beam import CHAIN_WIDTH, COST, FRAME, LAST, PARENT, SCORE
+from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, COST, FRAME, LAST, PARENT, ROOM, SCORE
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.tables import (
     HAS_POSITION,
@@ -136,11 +137,16 @@ class Grown:
     width : int
         Chains of every number of segments that are kept: a power of two.
     seconds : float
+    room : float
+        Distance from the obstacles, in radii of the body, from which on an end is in the open: there they stop. By
+        default they go on to the last target.
 
     Attributes
     ----------
     segments : int
         Of a chain that gets to the last target.
+    open : bool
+        Whether some end in the open: those with the most segments.
     counts : ndarray (n + 1,) int
         How many chains there are, by their number of segments.
     frames : ndarray (n + 1, w, 12)
@@ -149,13 +155,16 @@ class Grown:
         What is amiss with them by now, and in what is expected of them.
     """
 
-    def __init__(self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float) -> None:
+    def __init__(
+        self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float, room: float = math.inf
+    ) -> None:
         n, obstacles = int(groups[0][0]), int(groups[1][0])
         self.segments = segments_of(groups)[len(legs) - 1] + 1
         self.counts = np.zeros(n + 1, np.int64)
         self._levels = levels = np.zeros((n + 1, width, CHAIN_WIDTH))
         workspace = np.empty(growing_size(obstacles, width))
-        grow_chains(*groups, legs, roots, max(0.0, seconds), workspace, levels, self.counts)
+        self.open: bool = grow_chains(*groups, legs, roots, room, max(0.0, seconds), workspace, levels, self.counts)
+        self._room = room
         self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
         self.costs, self.scores = levels[..., COST], levels[..., SCORE]
         self._rest = np.zeros((n, 3))
@@ -166,12 +175,24 @@ class Grown:
         """How many chains get to the last target."""
         return int(self.counts[self.segments])
 
+    def outside(self) -> tuple[int, list[int]]:
+        """Number of segments of the chains that end in the open, and their numbers, the best first."""
+        last = int(np.flatnonzero(self.counts)[-1])
+        return last, np.flatnonzero(self._levels[last, : self.counts[last], ROOM] >= self._room).tolist()
+
+    def parent(self, k: int, i: int) -> int:
+        """Number of the chain of one segment less that chain number `i` of `k` segments continues."""
+        return int(self._levels[k, i, PARENT])
+
     def chain(self, k: int, i: int) -> tuple[Floats, Floats]:
         """Return chain (k, 3) number `i` of `k` segments, and the pose (12,) in which it begins."""
         q = np.empty((k, 3))
         for at in range(k, 0, -1):
-            q[at - 1] = self._levels[at, i, LAST : LAST + 3]
-            i = int(self._levels[at, i, PARENT])
+            if at == k:
+                q[at - 1] = self._levels[at, i, LAST : LAST + 3]
+            if at > 1:
+                q[at - 2] = self._levels[at, i, BEFORE : BEFORE + 3]
+            i = self.parent(at, i)
         return q, self.frames[0, i]
 
     def whole(self, i: int) -> tuple[Floats, Floats]:

@@ -13,21 +13,28 @@ from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.tables import (
     ACTUATOR_WIDTH,
     ANGLE_TOLERANCE,
+    DIRECTION,
     FIRST_SEGMENT,
+    GOAL,
+    HAS_POSITION,
     LAST_SEGMENT,
     MAX_LENGTH,
     MIN_LENGTH,
     MOUNT,
+    ORIENTATION,
     POSE_POSITION,
     POSE_WIDTH,
     POSITION_TOLERANCE,
     ROBOT_HEADER,
+    ROTATION,
     SEGMENT_WIDTH,
+    TARGET_POSITION,
     TARGET_SEGMENT,
+    TARGET_WIDTH,
     UNIT,
 )
 from sinuous.solving.polylines import respaced
-from sinuous.solving.routing.turned import Groups
+from sinuous.solving.routing.turned import FLIP, Groups
 
 NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
 """Pose (12,) of the tip without a tool."""
@@ -54,6 +61,25 @@ def before(groups: Groups, row: Floats) -> Groups:
     told[POSITION_TOLERANCE] = max(told[POSITION_TOLERANCE], LOOSE * ball_radius(segments))
     told[ANGLE_TOLERANCE] = max(told[ANGLE_TOLERANCE], SLANT)
     return first(robot, count), scene, told, np.vstack([own, last])
+
+
+def ending(groups: Groups, count: int, end: Floats) -> Groups:
+    """Return the problem of the first `count` segments, to end against a pose (12,), as exactly as the target asks for.
+
+    It is turned about its tangent as the pose is only where the target of the tip is a rotation.
+    """
+    row = np.zeros(TARGET_WIDTH)
+    row[TARGET_SEGMENT], row[HAS_POSITION] = count - 1.0, 1.0
+    row[TARGET_POSITION : TARGET_POSITION + 3] = end[POSE_POSITION:]
+    against = end[:POSE_POSITION].reshape(3, 3) @ FLIP
+    if groups[3][-1, ORIENTATION] == ROTATION:
+        row[ORIENTATION], row[GOAL : GOAL + 9] = ROTATION, against.ravel()
+    else:
+        row[ORIENTATION], row[GOAL : GOAL + 3] = DIRECTION, against[:, 2]
+    part = before(groups, row)
+    tolerances = [POSITION_TOLERANCE, ANGLE_TOLERANCE]
+    part[2][tolerances] = groups[2][tolerances]
+    return part
 
 
 def beyond(groups: Groups, chain: Floats) -> Groups:

@@ -1,7 +1,6 @@
 """Searches for routes through free space from the base to a target, and the chain along them."""
 
 from collections.abc import Callable, Sequence
-from time import monotonic
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -271,10 +270,9 @@ class Searches:
             fit_route(*groups, line, left, workspace, q)
         return fits
 
-    def load(self) -> float:
-        """Compile the entries, or load them from the cache, where that is not done yet; return the seconds it took."""
-        began = monotonic()
-        if not Searches.loaded:
+    def load(self, *, anew: bool = False) -> None:
+        """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""
+        if anew or not Searches.loaded:
             Searches.loaded = True
             problem = Problem.prepared(self._robot, (Target((0.0, 0.0, 0.0)),), self._scene.snapshot(), self._tolerance)
             query = self.query(problem)
@@ -296,7 +294,6 @@ class Searches:
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
             beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
-        return monotonic() - began
 
     def room(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""

@@ -3,11 +3,10 @@
 A chain that is grown out of a narrow place begins along it; one that is grown into it has to arrive along it.
 """
 
-import math
-
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels.chain.batch import frames_of
 from sinuous.kernels.growing.turning import turn_round
 from sinuous.kernels.tables import (
     DIRECTION,
@@ -25,7 +24,6 @@ from sinuous.kernels.tables import (
     TARGET_SEGMENT,
     TARGET_WIDTH,
 )
-from sinuous.poses import pose
 
 Groups = tuple[Floats, Floats, Floats, Floats]
 """What entries are given of a problem: robot, scene, settings, targets."""
@@ -33,41 +31,30 @@ Groups = tuple[Floats, Floats, Floats, Floats]
 FLIP = np.diag([1.0, -1.0, -1.0])
 """Half a turn about x."""
 
-ROLLS = 16
-"""Angles about the tangent that are looked at."""
 
-BEFORE = 3
-"""Points of a route that its tangent is taken over."""
+def turned(groups: Groups, root: Floats) -> Groups:
+    """Return the groups of the problem the other way round, of chains that begin with the pose `root` (12,).
 
-
-def turned(groups: Groups, route: Floats) -> Groups | None:
-    """Return the groups of the problem the other way round; `None` where the tip is not asked to be somewhere.
-
-    Where the target leaves the direction open, or how far it is turned about it, the route (K, 3) decides. Where it
-    asks for a rotation, the base is a rotation to end with. Of an elbow whose rotation is asked for only the direction
-    is kept. The mount is left out, and so are limits of actuators: only the whole robot has to keep them.
+    Where the target asks for a rotation, the base is a rotation to end with. Of an elbow whose rotation is asked for
+    only the direction is kept. The mount is left out, and so are limits of actuators: only the whole robot has to keep
+    them.
     """
     robot, scene, settings, targets = groups
     n = int(robot[0])
     at_tip = np.isin(targets[:, TARGET_SEGMENT], (-1.0, n - 1.0))
-    tip, elbows = targets[at_tip], targets[~at_tip]
-    if len(tip) != 1 or tip[0, HAS_POSITION] == 0.0:
-        return None
+    tip, elbows = targets[at_tip][0], targets[~at_tip]
     rows = robot[ROBOT_HEADER : ROBOT_HEADER + SEGMENT_WIDTH * n].reshape(n, SEGMENT_WIDTH)
-    base, tool = robot[-2 * POSE_WIDTH : -POSE_WIDTH], robot[-POSE_WIDTH:]
-    at = _arrival(tip[0], tool[POSE_POSITION:], route)
-    if at is None:
-        return None
-    rotation, position = _end(tip[0], _rotation(tool), tool[POSE_POSITION:], *at)
-    begin, nothing = (rotation @ FLIP).ravel(), np.eye(3).ravel()
+    base = robot[-2 * POSE_WIDTH : -POSE_WIDTH]
+    against = base[:POSE_POSITION].reshape(3, 3) @ FLIP
     header = [robot[0], 0.0, robot[2]]
-    other = np.concatenate([header, rows[::-1].ravel(), begin, position, nothing, np.zeros(3)])
+    other = np.concatenate([header, rows[::-1].ravel(), root, np.eye(3).ravel(), np.zeros(3)])
     row = np.zeros((1, TARGET_WIDTH))
-    row[0, TARGET_SEGMENT], row[0, HAS_POSITION], row[0, ORIENTATION] = -1.0, 1.0, DIRECTION
+    row[0, TARGET_SEGMENT], row[0, HAS_POSITION] = -1.0, 1.0
     row[0, TARGET_POSITION : TARGET_POSITION + 3] = base[POSE_POSITION:]
-    row[0, GOAL : GOAL + 3] = -_rotation(base)[:, 2]
-    if tip[0, ORIENTATION] == ROTATION:
-        row[0, ORIENTATION], row[0, GOAL : GOAL + 9] = ROTATION, (_rotation(base) @ FLIP).ravel()
+    if tip[ORIENTATION] == ROTATION:
+        row[0, ORIENTATION], row[0, GOAL : GOAL + 9] = ROTATION, against.ravel()
+    else:
+        row[0, ORIENTATION], row[0, GOAL : GOAL + 3] = DIRECTION, against[:, 2]
     for elbow in elbows:
         elbow[TARGET_SEGMENT] = n - 2.0 - elbow[TARGET_SEGMENT]
         if elbow[ORIENTATION] != FREE:
@@ -78,6 +65,13 @@ def turned(groups: Groups, route: Floats) -> Groups | None:
     return other, scene, told, np.vstack([elbows, row])
 
 
+def rooted(groups: Groups, root: Floats) -> Groups:
+    """Return the same problem for a robot that begins with the pose `root` (12,)."""
+    robot = groups[0].copy()
+    robot[-2 * POSE_WIDTH : -POSE_WIDTH] = root
+    return (robot, *groups[1:])
+
+
 def turned_back(groups: Groups, other: Groups, chain: Floats) -> Floats:
     """Return the configuration (n, 3) of a chain (n, 3) of the problem the other way round."""
     q = np.empty_like(chain)
@@ -85,44 +79,13 @@ def turned_back(groups: Groups, other: Groups, chain: Floats) -> Floats:
     return q
 
 
+def joined(groups: Groups, head: Floats, other: Groups, tail: Floats) -> Floats:
+    """Return the chain (n, 3) of one part (k, 3), and a part (n - k, 3) of the other problem, which it meets."""
+    frames = np.empty((1, len(head) + 1, POSE_WIDTH))
+    base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
+    frames_of(head[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
+    return np.concatenate([head, turned_back(rooted(groups, frames[0, -1]), other, tail)])
+
+
 def _rotation(flat: Floats) -> Floats:
     return flat[:POSE_POSITION].reshape(3, 3)
-
-
-def _arrival(target: Floats, shift: Floats, route: Floats) -> tuple[Floats, Floats] | None:
-    """Place (3,) on a route (K, 3) where the backbone ends and the tool begins, and the route's tangent (3,) there.
-
-    Where all of the route is nearer to the target than the tool is long, it is where the route begins. `None` where the
-    route has no direction there.
-    """
-    goal = target[TARGET_POSITION : TARGET_POSITION + 3]
-    beyond = np.flatnonzero(np.linalg.norm(route - goal, axis=1) >= np.linalg.norm(shift))
-    before = min(BEFORE, len(route) - 1)
-    at = max(before, int(beyond[-1]) if len(beyond) else 0)
-    tangent = route[at] - route[at - before]
-    length = float(np.linalg.norm(tangent))
-    return None if length == 0.0 else (route[at], tangent / length)
-
-
-def _end(target: Floats, tool: Floats, shift: Floats, place: Floats, tangent: Floats) -> tuple[Floats, Floats]:
-    """Rotation and position of the end of the backbone at a target; what that leaves open, the route decides.
-
-    `place` and `tangent` (3,) are those of the route where the backbone ends.
-    """
-    goal = target[TARGET_POSITION : TARGET_POSITION + 3]
-    if target[ORIENTATION] == ROTATION:
-        rotation = target[GOAL : GOAL + 9].reshape(3, 3) @ tool.T
-        return rotation, goal - rotation @ shift
-    free = target[ORIENTATION] == FREE
-    turn = pose(direction=tangent if free else target[GOAL : GOAL + 3])[:3, :3]
-    best, found = -math.inf, turn
-    for roll in 2.0 * math.pi * np.arange(ROLLS) / ROLLS:
-        spin = np.array(
-            [[math.cos(roll), -math.sin(roll), 0.0], [math.sin(roll), math.cos(roll), 0.0], [0.0, 0.0, 1.0]]
-        )
-        rotation = turn @ spin if free else turn @ spin @ tool.T
-        off = np.linalg.norm(goal - rotation @ shift - place)
-        fits = float(-off if free else rotation[:, 2] @ tangent)
-        if fits > best:
-            best, found = fits, rotation
-    return found, goal - found @ shift

@@ -473,7 +473,7 @@ class Robot(NotebookMixin, Frozen):
         if tensions is not None:
             q = None if initial is None else checks.array("initial", initial, (len(self), 3))
             return find_pulled(self, checks.array("tensions", tensions, (len(self.drive),)), loads, q)
-        q = self.from_actuators(actuators, initial)  # type: ignore[arg-type]
+        q = self.from_actuators(actuators, initial)
         given: Any = actuators
         values, _ = fitting(given, initial, [each.name for each in self.actuators], len(self))
         return find_equilibrium(self, q, loads, self.drive.motors.displacements(values))

@@ -13,6 +13,7 @@ FLOORS = {
     "cli": 6,
     "pictures": 6,
     "assessing": 5,
+    "designing": 5,
     "batch": 5,
     "calibration": 5,
     "workspace": 5,

@@ -18,11 +18,14 @@ if TYPE_CHECKING:
     from sinuous.assessing.assessment import Assessment as Assessment
     from sinuous.assessing.moves import Move as Move
     from sinuous.assessing.sweep import sweep as sweep
+    from sinuous.assessing.tasks import Cover as Cover
     from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.solve import solve_batch as solve_batch
     from sinuous.calibration.calibrate import calibrate as calibrate
     from sinuous.calibration.calibrate import suggest as suggest
     from sinuous.calibration.calibration import Calibration as Calibration
+    from sinuous.designing.design import Design as Design
+    from sinuous.designing.find import design as design
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
     from sinuous.errors import SuspiciousInput as SuspiciousInput
@@ -39,6 +42,7 @@ if TYPE_CHECKING:
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.assessment import plot_assessment as plot_assessment
     from sinuous.pictures.calibration import plot_calibration as plot_calibration
+    from sinuous.pictures.design import plot_design as plot_design
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
     from sinuous.pictures.workspace import plot_reach as plot_reach
@@ -94,10 +98,12 @@ _HOMES = {
     "assessing.assessment": ("Assessment",),
     "assessing.moves": ("Move",),
     "assessing.sweep": ("sweep",),
-    "assessing.tasks": ("Follow",),
+    "assessing.tasks": ("Cover", "Follow"),
     "batch.solve": ("solve_batch",),
     "calibration.calibrate": ("calibrate", "suggest"),
     "calibration.calibration": ("Calibration",),
+    "designing.design": ("Design",),
+    "designing.find": ("design",),
     "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
@@ -107,6 +113,7 @@ _HOMES = {
     "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
     "pictures.calibration": ("plot_calibration",),
+    "pictures.design": ("plot_design",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
     "pictures.assessment": ("plot_assessment",),

@@ -240,11 +240,20 @@ def warm(
         list[str] | None,
         typer.Option(help="Only what this method needs; may be repeated.", autocompletion=methods_like),
     ] = None,
+    where: Annotated[bool, typer.Option("--where", help="Say where compiled kernels are kept.")] = False,
+    clear: Annotated[bool, typer.Option("--clear", help="Remove what is compiled.")] = False,
+    profile: Annotated[bool, typer.Option("--profile", help="Print the seconds of what is compiled.")] = False,
 ) -> int:
     """Compile everything now, once on this machine."""
-    from sinuous.cli.warm import warm_up  # noqa: PLC0415
+    from sinuous.cli import warm as command  # noqa: PLC0415
 
-    return warm_up(method or ())
+    if where + clear + profile > 1 or (method and (where or clear)):
+        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    if where:
+        return command.show_store()
+    if clear:
+        return command.clear_store()
+    return command.profile(method or ()) if profile else command.warm_up(method or ())
 
 
 @app.command()

@@ -17,7 +17,14 @@ Q = np.array([[0.5, 0.2, 0.1], [-0.4, 0.6, 0.1], [0.3, 0.3, 0.1]])
 
 
 def arm(**more: Any) -> sn.Robot:
-    own: dict[str, Any] = {"stiffness": ROD, "mass": 0.05, "arcs": 4, "gravity": GRAVITY, "payload": sn.Payload(0.01), **more}
+    own: dict[str, Any] = {
+        "stiffness": ROD,
+        "mass": 0.05,
+        "arcs": 4,
+        "gravity": GRAVITY,
+        "payload": sn.Payload(0.01),
+        **more,
+    }
     return sn.Robot([sn.Segment((0.07, 0.13), max_bend=2.0, radius=0.005)] * 3, **own)
 
 

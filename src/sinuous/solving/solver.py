@@ -115,8 +115,7 @@ class Solver:
         if robot.hangs:
             self._load = UnderLoad(robot)
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
-            self._resolver, self._no_initial = SolvesAgain(chosen), np.empty((0, len(robot), 3))
-            self._shape, self._strategy = (len(robot), 3), self._free._strategy
+            self._borrow(self._free)
             return
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
@@ -126,6 +125,11 @@ class Solver:
         self._no_initial: Floats = np.empty((0, *self._shape))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
+
+    def _borrow(self, free: "Solver") -> None:
+        """Share what a solver of the robot without load has prepared."""
+        self._resolver, self._shape = SolvesAgain(self.options), free._shape
+        self._no_initial, self._strategy = free._no_initial, free._strategy
 
     def warm(self, *uses: str) -> None:
         """Wait until what these methods need is compiled, so that none of their calls waits, or is interpreted.

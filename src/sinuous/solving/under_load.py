@@ -116,17 +116,23 @@ class Shape:
         `None` where no equilibrium was found.
     """
 
+    states: Floats | None
+    tensions: Floats
+
     def __init__(self, robot: Robot, q: Floats, before: "Shape | None" = None) -> None:
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+        from sinuous.kernels.statics.equilibrium import UNSTABLE  # noqa: PLC0415
+
         self.q, self.tables = q, tables_of(robot, q, ())
         begin = self.tables
         if before is not None and before.states is not None:
             change = self.tables.states - before.tables.states
             begin = begin._replace(states=before.states + change, tensions=before.tensions)
         found = run(robot, begin)
-        self.states = None if found is None or found.record[2] > 0.0 else found.states
-        self.tensions = None if found is None else found.tensions
-        if self.states is None:
+        self.states = None
+        if found is None or found.record[UNSTABLE] > 0.0:
             return
+        self.states, self.tensions = found.states, found.tensions
         own = body_of(robot)
         self.rolls = np.cumsum(self.states[:, t.TWIST])
         turns = self.rolls - self.states[:, t.TWIST]
@@ -134,15 +140,13 @@ class Shape:
         x, y = self.states[:, 0], self.states[:, 1]
         self.arcs = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
         self._robot, self._own, self._turns = robot, own, turns + 0.5 * self.states[:, t.TWIST]
-        from sinuous.kernels.chain import batch  # noqa: PLC0415
-
         self._frames = np.empty((1, len(self.arcs) + 1, 12))
         batch.frames_of(self.arcs[None], pose_row(robot.base), self._frames)
 
     def pose(self, segment: int | None) -> Floats:
         """Pose (4, 4) of the end of a segment (1 = first), or of the tool."""
         at_tip = segment is None or segment == len(self._robot)
-        end = self._own.ends[-1 if at_tip else segment - 1]
+        end = self._own.ends[-1 if segment is None or at_tip else segment - 1]
         row, pose = self._frames[0, end + 1], np.eye(4)
         pose[:3, :3], pose[:3, 3] = row[:9].reshape(3, 3), row[9:]
         pose = pose @ rolled(float(self.rolls[end]))
@@ -154,7 +158,7 @@ class Shape:
 
         count, own, robot = len(self.arcs), self._own, self._robot
         at_tip = segment is None or segment == len(robot)
-        end = int(own.ends[-1 if at_tip else segment - 1])
+        end = int(own.ends[-1 if segment is None or at_tip else segment - 1])
         out = np.zeros((1, 6, 3 * count))
         tool = pose_row(rolled(float(self.rolls[-1])) @ robot.tool)
         batch.jacobians_of(self.arcs[None], self._frames, tool, end, np.empty((count, 18)), out)

@@ -162,7 +162,7 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
         robot.segments[k].changed(length=float(length), max_bend=2.0 * np.pi, arcs=1, mass=0.0, **alone)
         for k, length in zip(owners, lengths, strict=True)
     ]
-    away = {
+    away: Any = {
         key: tuple(each[k] for k in owners) if isinstance(each := getattr(robot, key), tuple) else each
         for key in ("clearance", "self_clearance")
     }

@@ -28,6 +28,7 @@ from sinuous.solution.verification import Verification, verify
 from sinuous.solution.worst import Worst, find_worst
 from sinuous.words import duration, listed
 from sinuous.work_time import work_time
+from sinuous.writing.plain import plain
 
 if TYPE_CHECKING:
     from sinuous.derivatives.derivative import Derivative
@@ -442,6 +443,7 @@ class Solution(NotebookMixin):
             "self_clearance": finite_or_none(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
+            "uncertainty": plain(self.problem.robot.uncertainty),
             "actuators": self.actuators,
             "tensions": self.tensions,
             "worst": None if worst is None else worst.to_dict(),
@@ -481,7 +483,8 @@ class Solution(NotebookMixin):
             ("from self", self.self_clearance),
         ):
             if value is not None:
-                parts.append(f"  {label:<10} {value:.3g}")
+                unsure = self.problem.robot.uncertainty if label == "clearance" else None
+                parts.append(f"  {label:<10} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
             parts.append(f"  route      {self.route_class}")
         parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")

@@ -111,7 +111,7 @@ class Attempts:
 
     def batches(self) -> Iterator[Batch]:
         """Yield starts; an attempt works only when its next batch is asked for."""
-        while self._queue and self._question.seconds_left() > 0.0:
+        while self._queue and self._question.deadline() > 0.0:
             attempt = self._next()
             for number, batch in enumerate(attempt.make()):
                 yield batch

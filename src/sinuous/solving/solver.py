@@ -186,6 +186,7 @@ class Solver:
                 with no_work():
                     self._strategy.load()
             outcome = self._go_on(outcome, problem, given, budget[3])
+        outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
@@ -271,6 +272,7 @@ class Solver:
                 many.decide(BASE_BLOCKED)
             many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
             many.learn()
+            many.take_room(budget[3])
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -333,8 +335,9 @@ class Solver:
         several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
+        own = self._resolver, given
         return [
-            Solution(problem, outcome, outcome.seconds, self._resolver, given, route_class)
+            Solution(problem, self._with_room(outcome, problem, wanted.seconds), outcome.seconds, *own, route_class)
             for outcome, route_class in several.best()
         ]
 
@@ -451,6 +454,14 @@ class Solver:
         if learn and search.outcome.code == SOLVED:
             self._strategy.learn(search.outcome.q[None])
         return search.outcome
+
+    def _with_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Move a solution out of contact; see `Prepared.take_room`."""
+        if outcome.code != SOLVED or outcome.clearance >= self._prepared.grazing:
+            return outcome
+        with no_work():  # compiling is no solving
+            self._prepared.load_room(problem)
+        return self._prepared.take_room(outcome, problem, seconds)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""

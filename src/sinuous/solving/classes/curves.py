@@ -4,7 +4,7 @@ Two are alike where one is known to deform into the other and stay clear, see `s
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.polylines import lengths_along, points_at
+from sinuous.solving.starts import Deadline
 
 FEWEST = 64
 """Least number of points of a curve."""
@@ -64,8 +65,8 @@ class Curves:
     ----------
     robot : Robot
     scene : Snapshot
-    seconds_left : callable
-        Of the budget that comparing is in.
+    deadline : callable
+        See `Deadline`.
 
     Attributes
     ----------
@@ -76,8 +77,8 @@ class Curves:
         Distance from the obstacles that a curve keeps while it is drawn tight, in the length unit.
     """
 
-    def __init__(self, robot: Robot, scene: Snapshot, seconds_left: Callable[[], float] = lambda: math.inf) -> None:
-        self._robot, self._seconds_left = robot, seconds_left
+    def __init__(self, robot: Robot, scene: Snapshot, deadline: Deadline = lambda: math.inf) -> None:
+        self._robot, self._deadline = robot, deadline
         self.scene, self.mount = scene, robot.mount
         radius, longest = min(robot.needed_radii), sum(segment.length[1] for segment in robot.segments)
         wanted = A_RADIUS * longest / radius if radius > 0.0 else MOST
@@ -141,7 +142,7 @@ class Curves:
         return self.scene._kernel_group
 
     def _seconds(self) -> float:
-        return max(0.0, self._seconds_left())
+        return max(0.0, self._deadline())
 
 
 def across(axes: Floats) -> Floats:

@@ -1,6 +1,6 @@
 """Searches for routes through free space from the base to a target, and the chain along them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ from sinuous.solving.routing.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond, segments_in
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
+from sinuous.solving.starts import Deadline
 
 COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""
@@ -236,26 +237,26 @@ class Searches:
             for obstacle in problem.scene.obstacles
         )
 
-    def by_tubes(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
+    def by_tubes(self, problem: Problem, query: Floats, deadline: Deadline) -> Floats | None:
         """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
         group, edges = problem.scene._kernel_group, rims_of(problem.scene)
-        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, seconds_left()))
+        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, deadline()))
         if not axes:
             return None
 
         def leg(asked: Floats) -> Floats | None:
-            return self.by_edges(problem, asked, max(0.0, seconds_left()))
+            return self.by_edges(problem, asked, max(0.0, deadline()))
 
         def last(asked: Floats) -> Floats | None:
             route = leg(asked)
             for plan in self.leg_plans(finest=True)[:1] if route is None else ():
-                found = self.find(problem, asked, plan, max(0.0, seconds_left()))
+                found = self.find(problem, asked, plan, max(0.0, deadline()))
                 route = found.routes[0] if found.routes else None
             return route
 
         return route_through(axes, query, leg, last, POINTS)
 
-    def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
+    def fit(self, problem: Problem, routes: Sequence[Floats], deadline: Deadline) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
         robot = self._robot
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
@@ -263,7 +264,7 @@ class Searches:
         fits = np.empty((len(routes), len(robot), 3))
         groups = self.groups(problem)
         for i, (route, q) in enumerate(zip(routes, fits, strict=True)):
-            left = seconds_left()
+            left = deadline()
             if left <= 0.0:
                 return fits[:i]
             line = np.array(route)  # what is told is frozen, and kernels are compiled for what can be written

@@ -98,6 +98,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["motion"].solved
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
+        case "Calibrate an arm from motion capture":
+            assert names["found"].expected.mean < 0.03 * names["drawn"].mean_length
         case "Pictures and films":
             assert {"shape.pdf", "motion.gif", "clearance.png"} <= {file.name for file in tmp_path.iterdir()}
         case "In a notebook":

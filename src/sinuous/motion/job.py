@@ -14,8 +14,7 @@ from sinuous.gc_pause import gc_paused
 from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
-from sinuous.motion.track import track
-from sinuous.robot.rates import Rates
+from sinuous.motion.track import TimedArguments, track
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -44,7 +43,7 @@ class Job(ProblemFile):
         self._refuse("path", "goal")
         return Solver.once(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
 
-    def track(self, **options: Unpack[SolveArguments]) -> Motion:
+    def track(self, **options: Unpack[TimedArguments]) -> Motion:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`.
 
         Raises
@@ -53,9 +52,10 @@ class Job(ProblemFile):
             When it speaks of a goal, or an option is not what it should be.
         """
         self._refuse("goal")
-        given = self._options(options)
-        if not self.prefer and "prefer" not in options:
-            del given["prefer"]
+        asked: TimedArguments = {"tolerance": self.tolerance, "rates": self.rates or None}
+        if self.prefer:
+            asked["prefer"] = self.prefer
+        given: TimedArguments = {**asked, **options}
         return track(self.robot, self.waypoints, self.scene, start=self.start, times=self.times, **given)
 
     def plan(self, **options: Unpack[PlanArguments]) -> Motion:
@@ -69,7 +69,7 @@ class Job(ProblemFile):
         self._refuse("path")
         if self.start is None:
             raise InputError("start", "missing", None, "where the motion begins", self.file or None)
-        asked: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, "rates": rates_in_time(self)}
+        asked: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, "rates": self.rates or None}
         given: PlanArguments = {**asked, **options}
         return plan(self.robot, self.start, self.ends, self.scene, **given)
 
@@ -126,11 +126,6 @@ def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
     if problem.goal is not None:
         return report.read(Motion, values, (), (problem.robot, scene))
     return Motion.from_dict(values, map(problem.problem, range(len(problem.waypoints))), scene)
-
-
-def rates_in_time(problem: ProblemFile) -> Rates | None:
-    """How fast a plan may be: what the file says, where obstacles move."""
-    return problem.rates if problem.rates and problem.scene.snapshot().moves else None
 
 
 SAVED = ("robot", "scene", "path", "tolerance", "motion")

@@ -1,6 +1,7 @@
 """A motion: configurations at times, linear in q between them, and what is proved of all of it."""
 
 from collections.abc import Iterator
+from dataclasses import fields
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -241,7 +242,8 @@ class Motion(NotebookMixin, Frozen):
         blend : float
             How far any place of the body may leave the way to round a corner, in the length unit. More than half of
             what is proved to be free is never used, so that a rounded corner is as clear as is proved; where nothing is
-            proved, or where the way turns by a right angle or more, it stops. Needs the extra `timing`.
+            proved, or where the way turns by a right angle or more, it stops. Needs the extra `timing`. By default it
+            stops in all corners (`Trajectory.stops`), which may take several times as long.
 
         Raises
         ------
@@ -263,18 +265,28 @@ class Motion(NotebookMixin, Frozen):
         if self.scene.moves and len(self.q) > 1:
             return type(self)(self.robot, self.q[::-1], self.scene, times)
         last, tried = len(self.q) - 1, len(self.solutions)
-        found = Report(
+        found = self._report(
             solutions=self.solutions[::-1],
             waypoint_knots=tuple(None if knot is None else last - knot for knot in self.waypoint_knots[::-1]),
             reconfigured=tuple(tried + 2 - number for number in self.reconfigured[::-1] if 1 < number <= tried),
-            remaining=self.remaining,
-            seconds=self.seconds,
-            method=self.method,
-            seed=self.seed,
-            ended=self._ended,
-            blocking=self._blocking,
         )
         return self.made(self.robot, self.scene, self.q[::-1].copy(), times, self.steps.reversed(), found)
+
+    def _report(self, **changed: Any) -> Report:
+        """How it was found, with other values of some fields."""
+        private = {"ended": "_ended", "blocking": "_blocking"}
+        own = {field.name: getattr(self, private.get(field.name, field.name)) for field in fields(Report)}
+        return Report(**{**own, **changed})
+
+    def with_waypoints(self, other: "Motion", waypoint_knots: tuple[int | None, ...]) -> Self:
+        """Return the same motion with the waypoints of another one, at these knots."""
+        found = other._report(waypoint_knots=waypoint_knots)
+        return self.made(self.robot, self.scene, self.q, self.times, self.steps, found)
+
+    def with_times(self, times: Floats, ended: Status | None = None) -> Self:
+        """Return the same motion at other times (T,), among obstacles that stand still; perhaps ended otherwise."""
+        found = self._report(ended=self._ended if ended is None else ended)
+        return self.made(self.robot, self.scene, self.q, times, self.steps, found)
 
     def resampled(self, rate: Number) -> Self:
         """Return the motion through configurations at an even rate (Hz), the last knot included.
@@ -526,6 +538,8 @@ def _sentence(motion: Motion) -> str:
         solution = motion.solutions[failed]
         return f"{_count_reached(motion)}; waypoint {failed + 1}: {solution.worst or solution.sentence}"
     begun = _count_reached(motion) if motion.solutions else motion.status.sentence
+    if motion.status is Status.RATE_BOUND and len(motion.q) > 1:
+        return f"{begun}; the times that were asked for are too short for the rates"
     if motion.worst is not None:
         return f"{begun}; {motion.worst}"
     if motion.solutions and motion.status is Status.TIME_LIMIT and not motion.remaining:

@@ -298,7 +298,7 @@ class Solution(NotebookMixin):
 
     @property
     def shape(self) -> "Equilibrium | None":
-        """The body under gravity and payload; `None` where nothing bends the robot, or where no equilibrium was found."""
+        """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
         robot = self.problem.robot
         if not robot.hangs:
             return None

@@ -9,6 +9,7 @@ interpreted, is given up; it waits for its code, and begins again.
 import contextlib
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator
 from functools import partial
 from threading import Lock
@@ -33,6 +34,10 @@ MODE = os.environ.get("SINUOUS_KERNELS", "auto")
 
 if MODE not in MODES:
     raise ValueError(f"SINUOUS_KERNELS: expected one of {', '.join(MODES)}, got {MODE!r}")
+
+
+TOOK: list[tuple[str, float]] = []
+"""Entries that this process has compiled, or waited for, and the seconds of each."""
 
 
 class _Waiting:
@@ -66,9 +71,10 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
 
     def choose(*arguments: Any) -> Any:
         signature = tuple(types.unliteral(compiled.typeof_pyval(one)) for one in arguments)
-        path = store.path(signature, compiled.targetctx.codegen())
+        codegen = compiled.targetctx.codegen()
+        path = store.path(signature, codegen)
         piece = piece_of(compiled, signature)
-        if signature in compiled.overloads or path.exists():
+        if signature in compiled.overloads or store.find(signature, codegen).exists():
             return compile_for(*arguments)
         order = Order(store.module, store.called, signature, path)
         if piece is None or not _may_come_later(piece) or not store.usable() or not foreman.order(order):
@@ -77,8 +83,11 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
         return lambda *given: _interpreted_first(interpreted, partial(now, piece), given)
 
     def now(piece: Piece | None, *arguments: Any) -> Any:
+        began = time.perf_counter()
         with announced(piece):
-            return compile_for(*arguments)
+            made = compile_for(*arguments)
+        TOOK.append((f"{store.module}.{store.called}", time.perf_counter() - began))
+        return made
 
     compiled._compile_for_args = choose
     return compiled

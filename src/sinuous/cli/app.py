@@ -165,6 +165,22 @@ def check(files: Files, json: Json = False) -> int:
 
 
 @app.command()
+def calibrate(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, or a file with a robot.")],
+    measured: Annotated[str, typer.Argument(metavar="MEASURED.csv", help="Columns: actuators, and x,y,z.")],
+    fit: Annotated[str | None, typer.Option(help="What to fit, as base,offsets,stiffness; else it is chosen.")] = None,
+    unit: Annotated[float, typer.Option(help="Length units of the robot in one of the measurements.")] = 1.0,
+    out: Annotated[Path | None, typer.Option(metavar="ROBOT.yaml", help="Write the calibrated robot.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw errors over rows and patterns.")] = None,
+    json: Json = False,
+) -> int:
+    """Fit a robot to measurements."""
+    from sinuous.cli.calibrate import calibrate_file  # noqa: PLC0415
+
+    return calibrate_file(file, measured, fit, unit, out, plot, json=json)
+
+
+@app.command()
 @with_groups
 def view(
     file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, YAML or JSON.", show_default=False)],

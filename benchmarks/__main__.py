@@ -31,7 +31,7 @@ ABOUT = {
     "many": "batches through files, engines, a batch that is killed, and a map of the workspace",
     "motion": "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
     "derivatives": "derivatives of answers: what they cost, and whether differences agree with them",
-    "real": "robots as they are, beside what others published: shapes under load",
+    "real": "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
     "design": "robots for sets of tasks, against random ones and a template",
     "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
     "view": "pages: from an event of the mouse to a new shape, what a browser gets, and pages in files",

@@ -85,6 +85,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "Ten million targets, through files":
             assert names["q"].shape == (FEWER, 5, 3)
             assert names["batch"].counts["solved"] > 0.9 * FEWER
+        case "Ask again in the same place":
+            assert names["second"].start == "remembered"
         case "What can it reach?":
             assert 0.0 < names["workspace"].volume().found < names["workspace"].volume(free=True).at_most
             assert sn.Reach.load(tmp_path / "map.npz").equals(names["workspace"])
@@ -98,6 +100,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["motion"].solved
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
+        case "Calibrate an arm from motion capture":
+            assert names["found"].expected.mean < 0.03 * names["drawn"].mean_length
         case "Pictures and films":
             assert {"shape.pdf", "motion.gif", "clearance.png"} <= {file.name for file in tmp_path.iterdir()}
         case "In a notebook":

@@ -15,6 +15,7 @@ FLOORS = {
     "assessing": 5,
     "designing": 5,
     "batch": 5,
+    "calibration": 5,
     "workspace": 5,
     "viewer": 6,
     "display": 5,
@@ -46,6 +47,7 @@ FLOORS = {
     "frozen": 0,
     "gc_pause": 0,
     "guesses": 0,
+    "signatures": 0,
     "notebook": 0,
     "writing": 0,
 }

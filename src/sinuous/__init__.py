@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from sinuous.assessing.tasks import Cover as Cover
     from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.solve import solve_batch as solve_batch
+    from sinuous.calibration.calibrate import calibrate as calibrate
+    from sinuous.calibration.calibrate import suggest as suggest
+    from sinuous.calibration.calibration import Calibration as Calibration
     from sinuous.designing.design import Design as Design
     from sinuous.designing.find import design as design
     from sinuous.errors import InputError as InputError
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.assessment import plot_assessment as plot_assessment
+    from sinuous.pictures.calibration import plot_calibration as plot_calibration
     from sinuous.pictures.design import plot_design as plot_design
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
@@ -61,6 +65,7 @@ if TYPE_CHECKING:
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
     from sinuous.robot.stiffness import Stiffness as Stiffness
+    from sinuous.robot.uncertainty import Uncertainty as Uncertainty
     from sinuous.scene.grids import Field as Field
     from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -95,6 +100,8 @@ _HOMES = {
     "assessing.sweep": ("sweep",),
     "assessing.tasks": ("Cover", "Follow"),
     "batch.solve": ("solve_batch",),
+    "calibration.calibrate": ("calibrate", "suggest"),
+    "calibration.calibration": ("Calibration",),
     "designing.design": ("Design",),
     "designing.find": ("design",),
     "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
@@ -105,6 +112,7 @@ _HOMES = {
     "motion.track": ("track",),
     "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
+    "pictures.calibration": ("plot_calibration",),
     "pictures.design": ("plot_design",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
@@ -122,6 +130,7 @@ _HOMES = {
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
     "robot.stiffness": ("Stiffness",),
+    "robot.uncertainty": ("Uncertainty",),
     "statics.equilibrium": ("Equilibrium",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
@@ -154,6 +163,7 @@ if not TYPE_CHECKING:  # a checker would take every name for one that is there
         if name not in _HOME:
             raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
         value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
+        import_module("sinuous.signatures").make_readable(value)
         globals()[name] = value
         return value
 

@@ -165,6 +165,22 @@ def check(files: Files, json: Json = False) -> int:
 
 
 @app.command()
+def calibrate(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, or a file with a robot.")],
+    measured: Annotated[str, typer.Argument(metavar="MEASURED.csv", help="Columns: actuators, and x,y,z.")],
+    fit: Annotated[str | None, typer.Option(help="What to fit, as base,offsets,stiffness; else it is chosen.")] = None,
+    unit: Annotated[float, typer.Option(help="Length units of the robot in one of the measurements.")] = 1.0,
+    out: Annotated[Path | None, typer.Option(metavar="ROBOT.yaml", help="Write the calibrated robot.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw errors over rows and patterns.")] = None,
+    json: Json = False,
+) -> int:
+    """Fit a robot to measurements."""
+    from sinuous.cli.calibrate import calibrate_file  # noqa: PLC0415
+
+    return calibrate_file(file, measured, fit, unit, out, plot, json=json)
+
+
+@app.command()
 @with_groups
 def view(
     file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, YAML or JSON.", show_default=False)],
@@ -224,11 +240,20 @@ def warm(
         list[str] | None,
         typer.Option(help="Only what this method needs; may be repeated.", autocompletion=methods_like),
     ] = None,
+    where: Annotated[bool, typer.Option("--where", help="Say where compiled kernels are kept.")] = False,
+    clear: Annotated[bool, typer.Option("--clear", help="Remove what is compiled.")] = False,
+    profile: Annotated[bool, typer.Option("--profile", help="Print the seconds of what is compiled.")] = False,
 ) -> int:
     """Compile everything now, once on this machine."""
-    from sinuous.cli.warm import warm_up  # noqa: PLC0415
+    from sinuous.cli import warm as command  # noqa: PLC0415
 
-    return warm_up(method or ())
+    if where + clear + profile > 1 or (method and (where or clear)):
+        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    if where:
+        return command.show_store()
+    if clear:
+        return command.clear_store()
+    return command.profile(method or ()) if profile else command.warm_up(method or ())
 
 
 @app.command()

@@ -4,16 +4,17 @@ import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import START_KINDS, Number, Parameter, Rows, StartKind, Vector
+from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
-from sinuous.kernels.tables import SOLVED, Outcome
+from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
+from sinuous.packing import read_only
 from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -179,7 +180,7 @@ class Solution(NotebookMixin):
     @property
     def start(self) -> StartKind:
         """Which kind of start won: given, arc, random, route or remembered."""
-        return START_KINDS[self._outcome.source]
+        return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
     def route(self) -> Floats | None:
@@ -242,7 +243,8 @@ class Solution(NotebookMixin):
     @property
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
-        return self.problem.robot.tip(self.q)
+        pose: Floats = read_only(self.problem.robot.tip(self.q))
+        return pose
 
     @property
     def base(self) -> Floats:

@@ -13,7 +13,9 @@ FLOORS = {
     "cli": 6,
     "pictures": 6,
     "assessing": 5,
+    "designing": 5,
     "batch": 5,
+    "calibration": 5,
     "workspace": 5,
     "viewer": 6,
     "display": 5,
@@ -45,6 +47,7 @@ FLOORS = {
     "frozen": 0,
     "gc_pause": 0,
     "guesses": 0,
+    "signatures": 0,
     "notebook": 0,
     "writing": 0,
 }

@@ -18,8 +18,14 @@ if TYPE_CHECKING:
     from sinuous.assessing.assessment import Assessment as Assessment
     from sinuous.assessing.moves import Move as Move
     from sinuous.assessing.sweep import sweep as sweep
+    from sinuous.assessing.tasks import Cover as Cover
     from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.solve import solve_batch as solve_batch
+    from sinuous.calibration.calibrate import calibrate as calibrate
+    from sinuous.calibration.calibrate import suggest as suggest
+    from sinuous.calibration.calibration import Calibration as Calibration
+    from sinuous.designing.design import Design as Design
+    from sinuous.designing.find import design as design
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
     from sinuous.errors import SuspiciousInput as SuspiciousInput
@@ -35,6 +41,8 @@ if TYPE_CHECKING:
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.assessment import plot_assessment as plot_assessment
+    from sinuous.pictures.calibration import plot_calibration as plot_calibration
+    from sinuous.pictures.design import plot_design as plot_design
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
     from sinuous.pictures.workspace import plot_reach as plot_reach
@@ -57,6 +65,7 @@ if TYPE_CHECKING:
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
     from sinuous.robot.stiffness import Stiffness as Stiffness
+    from sinuous.robot.uncertainty import Uncertainty as Uncertainty
     from sinuous.scene.grids import Field as Field
     from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -89,8 +98,12 @@ _HOMES = {
     "assessing.assessment": ("Assessment",),
     "assessing.moves": ("Move",),
     "assessing.sweep": ("sweep",),
-    "assessing.tasks": ("Follow",),
+    "assessing.tasks": ("Cover", "Follow"),
     "batch.solve": ("solve_batch",),
+    "calibration.calibrate": ("calibrate", "suggest"),
+    "calibration.calibration": ("Calibration",),
+    "designing.design": ("Design",),
+    "designing.find": ("design",),
     "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
@@ -99,6 +112,8 @@ _HOMES = {
     "motion.track": ("track",),
     "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
+    "pictures.calibration": ("plot_calibration",),
+    "pictures.design": ("plot_design",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
     "pictures.assessment": ("plot_assessment",),
@@ -115,6 +130,7 @@ _HOMES = {
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
     "robot.stiffness": ("Stiffness",),
+    "robot.uncertainty": ("Uncertainty",),
     "statics.equilibrium": ("Equilibrium",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
@@ -147,6 +163,7 @@ if not TYPE_CHECKING:  # a checker would take every name for one that is there
         if name not in _HOME:
             raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
         value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
+        import_module("sinuous.signatures").make_readable(value)
         globals()[name] = value
         return value
 

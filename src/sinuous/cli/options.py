@@ -144,6 +144,13 @@ class BatchSolving(Solving):
 
 
 @dataclass(frozen=True)
+class DesignSolving(Solving):
+    """How each target of a task is solved."""
+
+    max_starts: MostStarts = 24
+
+
+@dataclass(frozen=True)
 class MapSolving(Solving):
     """How each direction of a map is solved."""
 

@@ -22,6 +22,7 @@ from sinuous.robot.loads import Payload
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
@@ -79,6 +80,7 @@ def read_robot(value: Any) -> Robot:
         "tool": read_pose,
         "actuators": partial(make, Actuators),
         "payload": _read_payload,
+        "uncertainty": partial(make, Uncertainty),
     }
     return make(Robot, entries, parts)
 

@@ -26,6 +26,7 @@ from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import optional_name
 from sinuous.robot.segment import Segment, segment_names
 from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.uncertainty import Uncertainty
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
 
@@ -51,6 +52,7 @@ class WholeArguments(TypedDict, total=False):
     name: str | None
     clearance: OneEach
     self_clearance: OneEach
+    uncertainty: Uncertainty | None
     stiffness: Stiffness | Number | None
     mass: Number | None
     arcs: Whole | None
@@ -95,6 +97,9 @@ class Robot(NotebookMixin, Frozen):
     self_clearance : float or array_like (n,)
         The same of the body from itself: two places keep the mean of what is demanded of their segments. It counts as
         half as much thickness on either side: in `self_collision` for the radius stands the radius and half of it.
+    uncertainty : Uncertainty, optional
+        By how much the body may be elsewhere, as a calibration found: where nothing may be touched, the body is thicker
+        by it. Clearances that are reported are what is left then. It says nothing of the body against itself.
     stiffness, mass, arcs : optional
         For all segments, instead of each one's own.
     gravity : array_like (3,), optional
@@ -111,7 +116,7 @@ class Robot(NotebookMixin, Frozen):
         Radius of the body, per segment.
     needed_radii, self_radii : tuple of float
         Within which the backbone of a segment needs to be free of obstacles, and of other places of the body with
-        theirs: the radius, and what is demanded of clearance.
+        theirs: the radius, what is demanded of clearance and, of obstacles, the `uncertainty`.
     curvatures : tuple of float
         Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
@@ -141,6 +146,7 @@ class Robot(NotebookMixin, Frozen):
     name: str | None
     clearance: float | tuple[float, ...]
     self_clearance: float | tuple[float, ...]
+    uncertainty: Uncertainty | None
     gravity: Floats | None
     payload: tuple[Payload, ...]
     limits: Floats
@@ -162,6 +168,7 @@ class Robot(NotebookMixin, Frozen):
         name: str | None = None,
         clearance: OneEach = 0.0,
         self_clearance: OneEach = 0.0,
+        uncertainty: Uncertainty | None = None,
         stiffness: Stiffness | Number | None = None,
         mass: Number | None = None,
         arcs: Whole | None = None,
@@ -190,7 +197,11 @@ class Robot(NotebookMixin, Frozen):
         apart = checks.one_each("self_clearance", self_clearance, len(listed), "segment")
         if self_collision == "allow" and np.any(apart):
             raise InputError("self_clearance", "stands beside self_collision: allow", self_clearance, "0")
-        needed = tuple(float(each) for each in np.add(radii, away))
+        if not (uncertainty is None or isinstance(uncertainty, Uncertainty)):
+            raise InputError("uncertainty", "", uncertainty, "Uncertainty or nothing")
+        with checks.inside("uncertainty"):
+            unsure = 0.0 if uncertainty is None else checks.one_each("bound", uncertainty.bound, len(listed), "segment")
+        needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
         own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
         curvatures = curvature_limits(listed, own, self_collision == "avoid")
         drive = Actuation(listed, actuators)
@@ -213,6 +224,7 @@ class Robot(NotebookMixin, Frozen):
             name=optional_name(name),
             clearance=away,
             self_clearance=apart,
+            uncertainty=uncertainty,
             gravity=None if gravity is None else _gravity(gravity, listed, carried),
             payload=carried,
             radii=radii,
@@ -276,6 +288,11 @@ class Robot(NotebookMixin, Frozen):
     def demands(self) -> bool:
         """Whether any clearance is demanded."""
         return bool(np.any(self.clearance) or np.any(self.self_clearance))
+
+    @property
+    def hangs(self) -> bool:
+        """Whether gravity bends it: `gravity` is given, and a segment has a stiffness."""
+        return self.gravity is not None and any(segment.stiffness is not None for segment in self.segments)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -587,6 +604,9 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
+    if robot.hangs:
+        wanted = "none: take robot.changed(gravity=None) for the robot without load"
+        raise InputError("gravity", "only solve and shape know loads", robot.gravity, wanted)
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

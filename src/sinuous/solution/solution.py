@@ -1,17 +1,21 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+import math
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import START_KINDS, Number, Parameter, Rows, StartKind, Vector
+from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
-from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOLVED, Outcome
+from sinuous.errors import InputError, NotSolvedError
+from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
+from sinuous.packing import read_only
+from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
@@ -28,9 +32,11 @@ from sinuous.solution.verification import Verification, verify
 from sinuous.solution.worst import Worst, find_worst
 from sinuous.words import duration, listed
 from sinuous.work_time import work_time
+from sinuous.writing.plain import plain
 
 if TYPE_CHECKING:
     from sinuous.derivatives.derivative import Derivative
+    from sinuous.statics.equilibrium import Equilibrium
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
@@ -174,7 +180,7 @@ class Solution(NotebookMixin):
     @property
     def start(self) -> StartKind:
         """Which kind of start won: given, arc, random, route or remembered."""
-        return START_KINDS[self._outcome.source]
+        return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
     def route(self) -> Floats | None:
@@ -237,7 +243,8 @@ class Solution(NotebookMixin):
     @property
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
-        return self.problem.robot.tip(self.q)
+        pose: Floats = read_only(self.problem.robot.tip(self.q))
+        return pose
 
     @property
     def base(self) -> Floats:
@@ -253,8 +260,14 @@ class Solution(NotebookMixin):
 
     @property
     def tensions(self) -> dict[str, float] | None:
-        """Tensions of the elastic actuators by name, positive where they pull; `None` without any."""
-        drive = self.problem.robot.drive
+        """Tensions of the elastic actuators by name, positive where they pull; `None` without any.
+
+        Of a robot that gravity bends, those of all tendons and chambers under load.
+        """
+        drive, shape = self.problem.robot.drive, self.shape
+        if shape is not None:
+            pairs = zip(drive.actuators, shape.tensions.tolist(), strict=True)
+            return {each.name: tension for each, tension in pairs if not math.isnan(tension)} or None
         if drive.elastic is None:
             return None
         names = [drive.actuators[place].name for place in drive.elastic.places]
@@ -271,8 +284,30 @@ class Solution(NotebookMixin):
     def worst(self) -> Worst | None:
         """The constraint farthest from being met; `None` when solved."""
         if not hasattr(self, "_worst"):
-            self._worst = None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
+            self._worst = None if self.solved else self._find_worst()
         return self._worst
+
+    def _find_worst(self) -> Worst:
+        """Of a robot under load what its body misses, by segments of the robot."""
+        problem = self.problem
+        if not problem.robot.hangs or self.shape is None:
+            return find_worst(problem, self.q, self.status in _OVERLAPS)
+        asked = ask_body(problem.robot, self.q, problem.targets)
+        body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
+        found = find_worst(body, asked.arcs, self.status in _OVERLAPS)
+        own = asked.segment(found.segment), asked.segment(found.other_segment)
+        return replace(found, segment=own[0], other_segment=own[1])
+
+    @property
+    def shape(self) -> "Equilibrium | None":
+        """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
+        robot = self.problem.robot
+        if not robot.hangs:
+            return None
+        try:
+            return robot.shape(self.q)
+        except InputError:
+            return None
 
     @property
     def binding(self) -> tuple[Binding, ...]:
@@ -320,6 +355,8 @@ class Solution(NotebookMixin):
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
+        if self.problem.robot.hangs:
+            return ()
         if self._within is not None:
             return rate_binding(self.problem, self.q, self._given[0], self._within)
         found = find_binding(self.problem, self.q, any_limit=self.status is Status.LIMIT_BOUND)
@@ -345,8 +382,8 @@ class Solution(NotebookMixin):
         """Derive the answer by what it depends on: targets, the robot, where it stands, obstacles.
 
         Of all configurations near this one that meet changed targets, within the limits and clear of obstacles, the
-        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen is not called
-        regular.
+        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen, or that was
+        moved out of contact with an obstacle, is not called regular.
 
         Parameters
         ----------
@@ -369,7 +406,7 @@ class Solution(NotebookMixin):
 
         if self._outcome.code != SOLVED:
             self.raise_for_status()
-        liked = bool(self._resolver.prefer) and not self._resolver.prefer.satisfied(self._outcome.clearance)
+        liked = self._resolver.chooses(self._problem.robot, self._outcome.clearance)
         return derivative_of(self._problem, self._outcome.q, wrt, liked)
 
     def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":
@@ -431,7 +468,8 @@ class Solution(NotebookMixin):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
-        worst, reason = self.worst, self.reason
+        worst, reason, shape = self.worst, self.reason, self.shape
+        load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
         return {
             "status": str(self.status),
             "q": self.q.tolist(),
@@ -442,8 +480,10 @@ class Solution(NotebookMixin):
             "self_clearance": finite_or_none(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
+            "uncertainty": plain(self.problem.robot.uncertainty),
             "actuators": self.actuators,
             "tensions": self.tensions,
+            **load,
             "worst": None if worst is None else worst.to_dict(),
             "reason": None
             if reason is None
@@ -481,7 +521,8 @@ class Solution(NotebookMixin):
             ("off itself", self.self_clearance),
         ):
             if value is not None:
-                parts.append(f"  {label:<10} {value:.3g}")
+                unsure = self.problem.robot.uncertainty if label == "clearance" else None
+                parts.append(f"  {label:<10} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
             parts.append(f"  route      {self.route_class}")
         parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")

@@ -1,6 +1,6 @@
 """A body under load, at rest: where it is, what holds it, and whether it would stay there."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,7 +13,7 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.kernels.statics import layout as t
 from sinuous.reprs import call
-from sinuous.robot.loads import Load
+from sinuous.robot.loads import Force, Load
 from sinuous.statics.body import Tables, body_of, tables_of
 
 if TYPE_CHECKING:
@@ -104,14 +104,7 @@ class Equilibrium(Frozen):
     @cached_property
     def body(self) -> "Robot":
         """The body as a robot of arcs, one segment each: `arcs` is its shape. It has no drive, and no load."""
-        own = body_of(self.robot)
-        alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
-        segments = [
-            self.robot.segments[k].changed(length=float(x[2]), max_bend=np.pi, arcs=1, mass=0.0, **alone)
-            for k, x in zip(own.owners, self.arcs, strict=True)
-        ]
-        tool = _roll(float(self.states[:, t.TWIST].sum())) @ self.robot.tool
-        return self.robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None)
+        return body_robot(self.robot, self.states[:, t.LENGTH], float(self.states[:, t.TWIST].sum()))
 
     @cached_property
     def poses(self) -> Floats:
@@ -127,6 +120,17 @@ class Equilibrium(Frozen):
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
         result: Floats = self.poses[-1] @ self.robot.tool
         return result
+
+    def forces(self) -> Iterator[tuple[Floats, Floats]]:
+        """Yield where each force and payload pulls, and the force (3,), in world axes; weights of the body are not."""
+        gravity = self.robot.gravity
+        for load in (*self.robot.payload, *self.loads):
+            pose = self.poses[-1 if load.segment is None else load.segment - 1]
+            place = pose[:3, 3] + pose[:3, :3] @ load.position
+            if isinstance(load, Force):
+                yield place, load.force
+            elif gravity is not None:
+                yield place, load.mass * gravity
 
     def backbone(self, samples: Whole = 20) -> Floats:
         """Points (N * samples + 1, 3) of the backbone from base to tip, evenly spaced within each arc."""
@@ -159,6 +163,25 @@ class Equilibrium(Frozen):
         """Largest distance between ends of arcs of two equilibria of one robot."""
         first, second = (each.body.forward(each.arcs)[:, :3, 3] for each in (self, other))
         return float(np.linalg.norm(first - second, axis=-1).max())
+
+
+def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
+    """Return the body of a robot as one of arcs of these lengths (N,), whose tip has rolled by so much (rad)."""
+    owners = body_of(robot).owners
+    alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
+    segments = [
+        robot.segments[k].changed(length=float(length), max_bend=2.0 * np.pi, arcs=1, mass=0.0, **alone)
+        for k, length in zip(owners, lengths, strict=True)
+    ]
+    away: Any = {
+        key: tuple(each[k] for k in owners) if isinstance(each := getattr(robot, key), tuple) else each
+        for key in ("clearance", "self_clearance")
+    }
+    uncertainty = robot.uncertainty
+    if uncertainty is not None and isinstance(uncertainty.bound, tuple):
+        away["uncertainty"] = type(uncertainty)(tuple(uncertainty.bound[k] for k in owners), uncertainty.level)
+    tool = _roll(roll) @ robot.tool
+    return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
 
 
 def _roll(angle: float) -> Floats:

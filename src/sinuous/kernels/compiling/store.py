@@ -25,6 +25,7 @@ from sinuous.caches import places, writable
 from sinuous.kernels.compiling.locks import locked
 from sinuous.kernels.compiling.once import Part, as_part
 from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged
+from sinuous.kernels.compiling.targets import Target, shipped
 
 KEPT_DAYS = 30
 """How long a file is kept that nobody uses."""
@@ -100,7 +101,7 @@ class Store(NullCache):
     def alone(self, signature: Any, codegen: Any) -> Iterator[None]:
         """Let no other process compile this meanwhile; wait for one that does."""
         path = self.path(signature, codegen)
-        if path.exists():
+        if self.find(signature, codegen).exists():
             yield
         else:
             with locked(self._folder / "lock", path.name):
@@ -108,7 +109,7 @@ class Store(NullCache):
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the code for a signature with all that it calls, or `None` where it is not there as it was written."""
-        path = self.path(signature, context.codegen())
+        path = self.find(signature, context.codegen())
         data = _read(path) if unchanged(self._file) else None
         if data is None:
             return None
@@ -141,12 +142,25 @@ class Store(NullCache):
             with contextlib.suppress(OSError):
                 (self._folder / f"{sources_hash()}.begun").touch()
 
+    def find(self, signature: Any, codegen: Any) -> Path:
+        """File of the code for a signature, where there is one, also among what is shipped; else where it would be."""
+        own = self.path(signature, codegen)
+        if self._kind == "entry" and not own.exists():
+            for folder, target in shipped():
+                path = folder / self._file_name(signature, target)
+                if path.exists():
+                    return path
+        return own
+
     def path(self, signature: Any, codegen: Any) -> Path:
-        """File of the code for a signature; a kernel is the same for all processors, only an entry is machine code."""
-        triple, *processor = codegen.magic_tuple()
-        told = f"{self.name} {signature} {triple} {processor if self._kind == 'entry' else ''}"
-        digest = hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]
-        return self._folder / f"{self._function.__name__}.{digest}.code"
+        """File in the store of the code for a signature, for this processor."""
+        return self._folder / self._file_name(signature, Target(*codegen.magic_tuple()))
+
+    def _file_name(self, signature: Any, target: Target) -> str:
+        """Name of a file; a kernel is the same for all processors, only an entry is machine code."""
+        processor = [target.cpu, target.features] if self._kind == "entry" else ""
+        told = f"{self.name} {signature} {target.triple} {processor}"
+        return f"{self._function.__name__}.{hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]}.code"
 
     def _sign(self, result: Any) -> None:
         """Write on a part by which name others find it again."""
@@ -163,6 +177,22 @@ def tell(text: str) -> None:
 
 
 _told: set[str] = set()
+
+
+def clear(folder: Path) -> int:
+    """Remove all files of a store; return how many kernels there were."""
+    count = 0
+    for _, _, file in list(_files_in(folder)):
+        with contextlib.suppress(OSError):
+            file.unlink()
+            count += file.suffix == ".code"
+    return count
+
+
+def size_of(folder: Path) -> tuple[int, int]:
+    """Count the files of a store, and their bytes."""
+    sizes = [size for _, size, _ in _files_in(folder)]
+    return len(sizes), sum(sizes)
 
 
 def remove_old(folder: Path, most: int = MOST_BYTES) -> None:
@@ -199,7 +229,8 @@ def _read(path: Path) -> bytes | None:
     try:
         written = path.read_bytes()
         if time.time() - path.stat().st_mtime > DAY:
-            os.utime(path)
+            with contextlib.suppress(OSError):  # what is shipped may not be written to
+                os.utime(path)
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:

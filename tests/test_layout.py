@@ -47,6 +47,7 @@ FLOORS = {
     "frozen": 0,
     "gc_pause": 0,
     "guesses": 0,
+    "signatures": 0,
     "notebook": 0,
     "writing": 0,
 }

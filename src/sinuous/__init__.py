@@ -163,6 +163,7 @@ if not TYPE_CHECKING:  # a checker would take every name for one that is there
         if name not in _HOME:
             raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
         value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
+        import_module("sinuous.signatures").make_readable(value)
         globals()[name] = value
         return value
 

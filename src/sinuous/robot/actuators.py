@@ -23,6 +23,9 @@ from sinuous.robot.names import listed_names, optional_name
 
 MOST_LINES = 64
 
+HEAD = "    Parameters\n    ----------\n"
+"""What stands above the parameters in a docstring."""
+
 UNLIMITED = (-math.inf, math.inf)
 
 ENDS = 2
@@ -122,6 +125,11 @@ class Lines(Frozen):
         """Stiffness (m,) of each line; infinite where it is rigid."""
         return np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
 
+    def __init_subclass__(cls) -> None:
+        """Put the parameters of all lines before those of a kind of them."""
+        common = (Lines.__doc__ or "").partition(HEAD)[2].rstrip(" ")
+        cls.__doc__ = (cls.__doc__ or "").replace(HEAD, HEAD + common, 1)
+
     @property
     def motors(self) -> Motors:
         """The motors of the lines."""
@@ -160,7 +168,7 @@ class Lines(Frozen):
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Tendons(Lines):
-    """Tendons that end at the end of one segment; parameters as `Lines`, and `displacement`.
+    """Tendons that end at the end of one segment.
 
     They pull and do not push. Elastic ones (`stiffness`) stretch under their tension, and go slack without one.
 
@@ -215,7 +223,7 @@ class Tendons(Lines):
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Chambers(Lines):
-    """Pneumatic or bellows chambers along one segment; parameters as `Lines`, and `length`.
+    """Pneumatic or bellows chambers along one segment.
 
     Parameters
     ----------

@@ -290,6 +290,11 @@ class Robot(NotebookMixin, Frozen):
         return bool(np.any(self.clearance) or np.any(self.self_clearance))
 
     @property
+    def hangs(self) -> bool:
+        """Whether gravity bends it: `gravity` is given, and a segment has a stiffness."""
+        return self.gravity is not None and any(segment.stiffness is not None for segment in self.segments)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What may surprise: segments that are too thick for their own limits."""
         return tuple(held_back(self.segments, self.self_radii, self.curvatures))
@@ -599,6 +604,9 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
+    if robot.hangs:
+        wanted = "none: take robot.changed(gravity=None) for the robot without load"
+        raise InputError("gravity", "only solve and shape know loads", robot.gravity, wanted)
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from sinuous.checks import Floats
 from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOLVED, Outcome
 from sinuous.notebook import NotebookMixin
+from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
@@ -32,6 +34,7 @@ from sinuous.writing.plain import plain
 
 if TYPE_CHECKING:
     from sinuous.derivatives.derivative import Derivative
+    from sinuous.statics.equilibrium import Equilibrium
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
@@ -272,8 +275,25 @@ class Solution(NotebookMixin):
     def worst(self) -> Worst | None:
         """The constraint farthest from being met; `None` when solved."""
         if not hasattr(self, "_worst"):
-            self._worst = None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
+            self._worst = None if self.solved else self._find_worst()
         return self._worst
+
+    def _find_worst(self) -> Worst:
+        """Of a robot under load what its body misses, by segments of the robot."""
+        problem = self.problem
+        if not problem.robot.hangs:
+            return find_worst(problem, self.q, self.status in _OVERLAPS)
+        asked = ask_body(problem.robot, self.q, problem.targets)
+        body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
+        found = find_worst(body, asked.arcs, self.status in _OVERLAPS)
+        own = asked.segment(found.segment), asked.segment(found.other_segment)
+        return replace(found, segment=own[0], other_segment=own[1])
+
+    @property
+    def shape(self) -> "Equilibrium | None":
+        """The body under gravity and payload; `None` where nothing bends the robot."""
+        robot = self.problem.robot
+        return robot.shape(self.q) if robot.hangs else None
 
     @property
     def binding(self) -> tuple[Binding, ...]:
@@ -321,6 +341,8 @@ class Solution(NotebookMixin):
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
+        if self.problem.robot.hangs:
+            return ()
         if self._within is not None:
             return rate_binding(self.problem, self.q, self._given[0], self._within)
         found = find_binding(self.problem, self.q, any_limit=self.status is Status.LIMIT_BOUND)

@@ -1,6 +1,6 @@
 """A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self, Unpack
@@ -40,8 +40,13 @@ from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solving.starts import Batch, Question
 from sinuous.solving.strategy import Strategy
+from sinuous.solving.under_load import STARTS, UnderLoad, solve_under_load
+from sinuous.solving.under_load import given as start_at
 from sinuous.solving.velocity import ControlLoop
 from sinuous.work_time import no_work, work_time
+
+FEW = 10
+"""Starts under load where the robot without load is proved to have no solution, which says nothing of the other."""
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
@@ -107,6 +112,12 @@ class Solver:
         self.robot, self.scene, self.options = robot, scene, chosen
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
+        self._load: UnderLoad | None = None
+        if robot.hangs:
+            self._load = UnderLoad(robot)
+            self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
+            self._borrow(self._free)
+            return
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = SolvesAgain(chosen)
@@ -115,6 +126,11 @@ class Solver:
         self._no_initial: Floats = np.empty((0, *self._shape))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
+
+    def _borrow(self, free: "Solver") -> None:
+        """Share what a solver of the robot without load has prepared."""
+        self._resolver, self._shape = SolvesAgain(self.options), free._shape
+        self._no_initial, self._strategy = free._no_initial, free._strategy
 
     def warm(self, *uses: str) -> None:
         """Wait until what these methods need is compiled, so that none of their calls waits, or is interpreted.
@@ -168,6 +184,8 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
+        if self._load is not None:
+            return self._solve_under_load(self._load, target, initial, within, time)
         began = work_time()
         scene, blocked = self._place
         looked = scene is not self.scene.snapshot()
@@ -189,6 +207,36 @@ class Solver:
             outcome = self._go_on(outcome, problem, given, budget[3])
         outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def _solve_under_load(
+        self, load: UnderLoad, target: Targets, initial: Initial | None, within: Changes | None, time: Number | None
+    ) -> Solution:
+        """Correct solutions of the robot without load, one after the other."""
+        if within is not None:
+            raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
+        began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
+        given, free = self._given(initial), self._free
+        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        scene = self.scene.snapshot()
+        problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
+        unloaded = Problem.prepared(free.robot, targets, scene, self.tolerance)
+
+        def starts() -> Iterator[Outcome]:
+            yield from (start_at(q) for q in given)
+            first = free.solve(targets, time=0.5 * seconds)._outcome
+            yield first
+            for i in range(1, STARTS if first.code in (SOLVED, *UNDECIDED) else FEW):
+                budget = i, i + 1, self.options.seed, seconds
+                yield free._prepared.run(unloaded, self._no_initial, budget)
+
+        outcome = solve_under_load(load, problem, starts(), seconds, self.options.most_starts)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def _refuse_load(self, what: str) -> None:
+        """Refuse what knows no loads yet: an answer without them would be wrong."""
+        if self._load is not None:
+            wanted = f"none for {what}: take robot.changed(gravity=None), or solve target by target"
+            raise InputError("gravity", "only solve and shape know loads", self.robot.gravity, wanted)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
@@ -212,6 +260,7 @@ class Solver:
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
+        self._refuse_load("build")
         budget = self._first_budgets[int(initial is not None)]
         return self._prepared.build(self._problem(target)[0], self._given(initial), budget)
 
@@ -260,6 +309,7 @@ class Solver:
         InputError
             When an argument is not what it should be, or there is not one of each for every target.
         """
+        self._refuse_load("solve_many")
         asked = read_target_sets(self.robot, targets, arrays)
         threads, shown = read_workers(workers), checks.truth("progress", progress)
         given = read_initial(self.robot, len(asked), initial)
@@ -323,6 +373,7 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
+        self._refuse_load("solve_all")
         wanted = Wanted(
             checks.integer("count", count, 1, 10_000),
             checks.number("apart", apart, low=0.0) * self.robot.mean_length,
@@ -404,6 +455,7 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
+        self._refuse_load("step")
         limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
         seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
         own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)

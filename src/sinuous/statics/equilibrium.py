@@ -104,14 +104,7 @@ class Equilibrium(Frozen):
     @cached_property
     def body(self) -> "Robot":
         """The body as a robot of arcs, one segment each: `arcs` is its shape. It has no drive, and no load."""
-        own = body_of(self.robot)
-        alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
-        segments = [
-            self.robot.segments[k].changed(length=float(x[2]), max_bend=np.pi, arcs=1, mass=0.0, **alone)
-            for k, x in zip(own.owners, self.arcs, strict=True)
-        ]
-        tool = _roll(float(self.states[:, t.TWIST].sum())) @ self.robot.tool
-        return self.robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None)
+        return body_robot(self.robot, self.states[:, t.LENGTH], float(self.states[:, t.TWIST].sum()))
 
     @cached_property
     def poses(self) -> Floats:
@@ -159,6 +152,22 @@ class Equilibrium(Frozen):
         """Largest distance between ends of arcs of two equilibria of one robot."""
         first, second = (each.body.forward(each.arcs)[:, :3, 3] for each in (self, other))
         return float(np.linalg.norm(first - second, axis=-1).max())
+
+
+def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
+    """Return the body of a robot as one of arcs of these lengths (N,), whose tip has rolled by so much (rad)."""
+    owners = body_of(robot).owners
+    alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
+    segments = [
+        robot.segments[k].changed(length=float(length), max_bend=2.0 * np.pi, arcs=1, mass=0.0, **alone)
+        for k, length in zip(owners, lengths, strict=True)
+    ]
+    away: Any = {
+        key: tuple(each[k] for k in owners) if isinstance(each := getattr(robot, key), tuple) else each
+        for key in ("clearance", "self_clearance")
+    }
+    tool = _roll(roll) @ robot.tool
+    return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
 
 
 def _roll(angle: float) -> Floats:

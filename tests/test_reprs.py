@@ -39,6 +39,7 @@ OBJECTS: list[Any] = [
     sn.Chambers(angles=np.arange(9.0), radius=0.123456789, names=[f"{LONG} {i}" for i in range(9)]),
     sn.Tendons(3, 0.1, displacement=(-0.1, 0.2)),
     sn.Stage(40.0, 1 / 3, LONG, LONG),
+    sn.Memory(ROBOT),
     sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),
     *(SCENE, SCENE.snapshot()),
     *(sn.Sphere((1 / 3, 2 / 3, 1e-9), 1 / 7, inside=True, name=LONG), sn.HalfSpace((0, 0, 0), (1, 2, 3))),

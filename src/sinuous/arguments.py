@@ -4,7 +4,7 @@ NumPy's own `ArrayLike` takes a text, a single number and true or false for an a
 """
 
 from collections.abc import Sequence
-from typing import Any, Literal, Protocol, get_args
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,9 +76,7 @@ SelfCollision = Literal["avoid", "allow"]
 """What may be said of a body that runs through itself."""
 
 StartKind = Literal["given", "arc", "random", "route", "remembered"]
-"""Where a start comes from, in the order of the codes of `sinuous.kernels.tables`."""
-
-START_KINDS: tuple[StartKind, ...] = get_args(StartKind)
+"""Where a start comes from."""
 
 Shortest = Literal["configuration", "actuators"]
 """What a motion may be shortest in."""

@@ -106,8 +106,9 @@ def test_the_store_is_shown_and_emptied(
 
 
 def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    steps = [Step("one", lambda: warm.TOOK.extend([("a", 1.0), ("b", 2.5)]))]
-    monkeypatch.setattr(warm, "TOOK", [])
+    took: list[tuple[str, float]] = []
+    steps = [Step("one", lambda: took.extend([("a", 1.0), ("b", 2.5)]))]
+    monkeypatch.setattr(warm, "TOOK", took)
     monkeypatch.setattr(warm, "steps", lambda methods: steps)
     assert main(["warm", "--profile"]) == 0
     said = capsys.readouterr().out.splitlines()

@@ -10,6 +10,9 @@ from scipy.linalg import expm
 
 import sinuous as sn
 from sinuous.checks import Floats
+from sinuous.display.contents import gather
+from sinuous.problem.suspicions import suspicions
+from sinuous.scene.snapshot import Snapshot
 from tests.helpers import refused
 from tests.statics.cosserat import shoot
 
@@ -224,3 +227,17 @@ def test_a_robot_under_load_is_saved_and_loaded(tmp_path: Any) -> None:
     again = sn.load(tmp_path / "arm.yaml")
     assert isinstance(again, sn.Robot)
     assert again.equals(robot)
+
+
+def test_units_that_do_not_fit_are_noted() -> None:
+    assert not suspicions(arm(), Snapshot(()))
+    for wrong in (1e-3, 1e6):
+        (note,) = suspicions(arm(stiffness=sn.Stiffness(wrong)), Snapshot(()))
+        assert "stiffness" in note
+
+
+def test_it_is_drawn_with_and_without_load_and_with_forces() -> None:
+    robot = arm(payload=sn.Payload(0.1))
+    contents = gather([robot.shape(SHAPE, FORCE)])
+    assert [len(each.robot) for each in contents.arms] == [8, 2]
+    assert len(contents.paths) == 2

@@ -4,7 +4,6 @@ import math
 from typing import Any, NamedTuple
 
 from sinuous import checks
-from sinuous.arguments import START_KINDS
 from sinuous.errors import InputError
 from sinuous.kernels import tables as t
 from sinuous.problem.problem import Problem
@@ -35,7 +34,7 @@ def read_result(values: Any, problem: Problem) -> Read:
         When a key is missing or its value cannot be meant.
     """
     result = _Result(values)
-    status, start = result.choice("status", _STATUSES), result.choice("start", START_KINDS)
+    status, start = result.choice("status", _STATUSES), result.choice("start", t.SOURCES)
     clearance = result.optional("clearance")
     q = checks.array("q", result.value("q"), (len(problem.robot), 3)).copy()
     outcome = t.Outcome(
@@ -43,7 +42,7 @@ def read_result(values: Any, problem: Problem) -> Read:
         CODES.get(Status(status), t.FAILED),
         checks.integer("iterations", result.value("iterations"), 0, 2**62),
         checks.integer("starts", result.value("starts"), 0, 2**62),
-        START_KINDS.index(start),
+        t.SOURCES.index(start),
         _or(result.optional("position_error"), math.nan),
         _or(result.optional("angle_error"), math.nan),
         -math.inf if status == Status.BLOCKED else _or(clearance, math.inf) - problem.robot.least_demanded[0],

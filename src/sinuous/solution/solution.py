@@ -1,18 +1,20 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import START_KINDS, Number, Parameter, Rows, StartKind, Vector
+from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
-from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOLVED, Outcome
+from sinuous.errors import InputError, NotSolvedError
+from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
+from sinuous.packing import read_only
 from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -178,7 +180,7 @@ class Solution(NotebookMixin):
     @property
     def start(self) -> StartKind:
         """Which kind of start won: given, arc, random, route or remembered."""
-        return START_KINDS[self._outcome.source]
+        return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
     def route(self) -> Floats | None:
@@ -241,7 +243,8 @@ class Solution(NotebookMixin):
     @property
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
-        return self.problem.robot.tip(self.q)
+        pose: Floats = read_only(self.problem.robot.tip(self.q))
+        return pose
 
     @property
     def base(self) -> Floats:
@@ -257,8 +260,14 @@ class Solution(NotebookMixin):
 
     @property
     def tensions(self) -> dict[str, float] | None:
-        """Tensions of the elastic actuators by name, positive where they pull; `None` without any."""
-        drive = self.problem.robot.drive
+        """Tensions of the elastic actuators by name, positive where they pull; `None` without any.
+
+        Of a robot that gravity bends, those of all tendons and chambers under load.
+        """
+        drive, shape = self.problem.robot.drive, self.shape
+        if shape is not None:
+            pairs = zip(drive.actuators, shape.tensions.tolist(), strict=True)
+            return {each.name: tension for each, tension in pairs if not math.isnan(tension)} or None
         if drive.elastic is None:
             return None
         names = [drive.actuators[place].name for place in drive.elastic.places]
@@ -281,7 +290,7 @@ class Solution(NotebookMixin):
     def _find_worst(self) -> Worst:
         """Of a robot under load what its body misses, by segments of the robot."""
         problem = self.problem
-        if not problem.robot.hangs:
+        if not problem.robot.hangs or self.shape is None:
             return find_worst(problem, self.q, self.status in _OVERLAPS)
         asked = ask_body(problem.robot, self.q, problem.targets)
         body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
@@ -291,9 +300,14 @@ class Solution(NotebookMixin):
 
     @property
     def shape(self) -> "Equilibrium | None":
-        """The body under gravity and payload; `None` where nothing bends the robot."""
+        """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
         robot = self.problem.robot
-        return robot.shape(self.q) if robot.hangs else None
+        if not robot.hangs:
+            return None
+        try:
+            return robot.shape(self.q)
+        except InputError:
+            return None
 
     @property
     def binding(self) -> tuple[Binding, ...]:
@@ -454,7 +468,8 @@ class Solution(NotebookMixin):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
-        worst, reason = self.worst, self.reason
+        worst, reason, shape = self.worst, self.reason, self.shape
+        load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
         return {
             "status": str(self.status),
             "q": self.q.tolist(),
@@ -468,6 +483,7 @@ class Solution(NotebookMixin):
             "uncertainty": plain(self.problem.robot.uncertainty),
             "actuators": self.actuators,
             "tensions": self.tensions,
+            **load,
             "worst": None if worst is None else worst.to_dict(),
             "reason": None
             if reason is None

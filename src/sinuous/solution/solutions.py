@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.arguments import START_KINDS, Parameter
+from sinuous.arguments import Parameter
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
@@ -23,6 +23,7 @@ from sinuous.kernels.tables import (
     SELF_CLEARANCE,
     SOLVED,
     SOURCE,
+    SOURCES,
     STARTS,
     Outcome,
 )
@@ -221,7 +222,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     @property
     def start(self) -> NDArray[np.str_]:
         """Which kind of start won (m,): given, arc, random or route."""
-        return np.array(START_KINDS)[self._answers[:, SOURCE].astype(np.int64)]
+        return np.array(SOURCES)[self._answers[:, SOURCE].astype(np.int64)]
 
     @property
     def seconds(self) -> Floats:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous import checks
 from sinuous.arguments import Batch, Number, Truth
@@ -228,9 +229,10 @@ class Memory(ShortRepr):
         if len(found):
             self._add(found)
 
-    def alike(self, one: Floats, other: Floats) -> Any:
+    def alike(self, one: Floats, other: Floats) -> NDArray[np.bool_]:
         """Whether configurations (..., n, 3) are hardly different from others: truth values (...)."""
-        return np.max(np.abs(one - other) / self._scale, axis=(-2, -1)) <= SPACING
+        found: NDArray[np.bool_] = np.max(np.abs(one - other) / self._scale, axis=(-2, -1)) <= SPACING
+        return found
 
     def nearest_to(self, rows: Floats, count: int = NEAREST) -> Floats:
         """Return the shapes (m, k, n, 3) nearest to target sets (m, t, 15); k is at most `count`."""

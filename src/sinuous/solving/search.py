@@ -3,8 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 
-from sinuous.arguments import START_KINDS
-from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, SOLVED, UNPROVED, Outcome
+from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.starts import Batch
 from sinuous.work_time import work_time
@@ -95,7 +94,7 @@ class Search(ABC):
                 if len(part.initial):
                     solved = found.code == SOLVED and len(part.routes) > 0
                     route = part.routes[found.starts - 1] if solved else None
-                    found = found._replace(source=START_KINDS.index(batch.source), route=route)
+                    found = found._replace(source=SOURCES.index(batch.source), route=route)
                 self.take(found)
                 if found.starts == 0:  # the method has no more of its own
                     return

@@ -8,11 +8,11 @@ from typing import Any, Self, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import START_KINDS, Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
+from sinuous.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
 from sinuous.kernels.compiling.tiers import code_first
-from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, SOLVED, Budget, Outcome
+from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.prepared import Call
 from sinuous.problem.preferences import Preferences
@@ -31,7 +31,6 @@ from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
-from sinuous.solving.attempts import REMEMBERED
 from sinuous.solving.base import base_blocked
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.many import Many, read_initial, read_workers
@@ -507,7 +506,7 @@ class Solver:
             starts = self._strategy.remembered(problem._rows[None])[0]
             first = self._prepared.run(problem, starts, budget)
             if first.source == GIVEN and len(starts):
-                first = first._replace(source=START_KINDS.index(REMEMBERED))
+                first = first._replace(source=REMEMBERED)
                 if first.code == SOLVED:
                     self._strategy.learn(first.q[None], starts[first.starts - 1][None])
                 return first

@@ -24,8 +24,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.arguments import START_KINDS
 from sinuous.checks import Floats
+from sinuous.kernels import tables
 from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, RECORD_WIDTH, SOURCE, SOURCES, STARTS
 from sinuous.methods import registry
 from sinuous.problem.target import Tolerance
@@ -206,7 +206,7 @@ class Strategy:
             Which of them are hardly different from where they began.
         """
         rows = np.flatnonzero(answers[:, SOURCE] == GIVEN) if starts.shape[1] else np.empty(0, np.int64)
-        answers[rows, SOURCE] = START_KINDS.index(REMEMBERED)
+        answers[rows, SOURCE] = tables.REMEMBERED
         repeats = np.zeros(len(answers), np.bool_)
         if self._memory is not None and len(rows):
             began = starts[rows, answers[rows, STARTS].astype(np.int64) - 1]

@@ -1,6 +1,6 @@
 """A body under load, at rest: where it is, what holds it, and whether it would stay there."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,7 +13,7 @@ from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.kernels.statics import layout as t
 from sinuous.reprs import call
-from sinuous.robot.loads import Load
+from sinuous.robot.loads import Force, Load
 from sinuous.statics.body import Tables, body_of, tables_of
 
 if TYPE_CHECKING:
@@ -121,6 +121,17 @@ class Equilibrium(Frozen):
         result: Floats = self.poses[-1] @ self.robot.tool
         return result
 
+    def forces(self) -> Iterator[tuple[Floats, Floats]]:
+        """Yield where each force and payload pulls, and the force (3,), in world axes; weights of the body are not."""
+        gravity = self.robot.gravity
+        for load in (*self.robot.payload, *self.loads):
+            pose = self.poses[-1 if load.segment is None else load.segment - 1]
+            place = pose[:3, 3] + pose[:3, :3] @ load.position
+            if isinstance(load, Force):
+                yield place, load.force
+            elif gravity is not None:
+                yield place, load.mass * gravity
+
     def backbone(self, samples: Whole = 20) -> Floats:
         """Points (N * samples + 1, 3) of the backbone from base to tip, evenly spaced within each arc."""
         return self.body.backbone(self.arcs, samples)
@@ -166,6 +177,9 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
         key: tuple(each[k] for k in owners) if isinstance(each := getattr(robot, key), tuple) else each
         for key in ("clearance", "self_clearance")
     }
+    uncertainty = robot.uncertainty
+    if uncertainty is not None and isinstance(uncertainty.bound, tuple):
+        away["uncertainty"] = type(uncertainty)(tuple(uncertainty.bound[k] for k in owners), uncertainty.level)
     tool = _roll(roll) @ robot.tool
     return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
 

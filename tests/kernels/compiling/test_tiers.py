@@ -38,6 +38,7 @@ def orders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Orders:
     monkeypatch.setattr(store, "CACHE", tmp_path)
     monkeypatch.setattr(tiers, "MODE", "auto")
     monkeypatch.setattr(tiers, "_told", [])
+    monkeypatch.setattr(tiers, "begun", lambda: True)
     monkeypatch.setattr(pieces, "_told", [])
     monkeypatch.setattr(pieces, "PIECES", (piece(9),))
     noted = Orders()
@@ -87,21 +88,31 @@ def test_a_call_without_code_is_interpreted_and_its_code_ordered_once_it_is_ther
     assert len(orders) == 2
 
 
-@pytest.mark.parametrize("why", ["heavy", "short", "code first", "no helpers", "compiled"])
+@pytest.mark.parametrize("why", ["heavy", "large", "code first", "no helpers", "compiled"])
 def test_a_call_waits_for_its_code_where_that_is_better(
     why: str, orders: Orders, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(pieces, "PIECES", (piece(1 if why == "short" else 9, waits=why == "heavy"),))
+    monkeypatch.setattr(pieces, "PIECES", (piece(9, waits=why == "heavy", most=3 if why == "large" else None),))
     orders.taken = why != "no helpers"
     if why == "compiled":
         monkeypatch.setattr(tiers, "MODE", "compiled")
-    entry: Any = compiling.entry(half)
+    entry: Any = compiling.entry(fill)
     with tiers.code_first() if why == "code first" else no_work():
-        assert entry(3.0) == 1.5
+        assert entry(np.zeros(4), 1.5) == 1
     assert len(entry.signatures) == 1
     assert len(orders) == (why == "no helpers")
-    assert capsys.readouterr().err.count("\n") == (why != "short")
+    assert capsys.readouterr().err.count("\n") == 1
     assert tiers._Waiting.count == 0
+
+
+def test_what_takes_a_moment_is_not_said(
+    orders: Orders, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(pieces, "PIECES", (piece(1, most=3),))
+    entry: Any = compiling.entry(fill)
+    assert entry(np.zeros(3), 1.5) == 1
+    assert (len(entry.signatures), len(orders)) == (0, 1)
+    assert capsys.readouterr().err == ""
 
 
 def test_what_cannot_be_kept_is_compiled_at_once(orders: Orders, monkeypatch: pytest.MonkeyPatch) -> None:

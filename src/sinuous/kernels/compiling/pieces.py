@@ -31,6 +31,8 @@ class Piece(NamedTuple):
         The same where nothing is compiled yet, if that can be; else 0.
     waits : bool
         Whether calls wait for their code, because they are long, or have to be on time.
+    most : int, optional
+        Numbers in the largest array of a call, beyond which it waits: where nothing else tells how long it takes.
     """
 
     what: str
@@ -38,12 +40,16 @@ class Piece(NamedTuple):
     entries: tuple[str, ...]
     alone: int = 0
     waits: bool = False
+    most: int | None = None
 
     @property
     def expected(self) -> int:
         """Seconds that compiling takes about, with what is in the store now."""
         return self.seconds if begun() else max(self.alone, self.seconds)
 
+
+FEW = 30_000
+"""Numbers of which work is soon done, interpreted."""
 
 PIECES = (
     Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 24),
@@ -76,11 +82,13 @@ PIECES = (
         "kinematics",
         1,
         tuple(f"kernels.chain.batch.{name}" for name in ("frames_of", "points_of", "jacobians_of")),
+        most=FEW,
     ),
     Piece(
         "distances",
         3,
         ("kernels.fields.distances.many", "kernels.fields.distances.least_gap"),
+        most=FEW,
     ),
     Piece(
         "sampling of meshes, clouds and grids",
@@ -109,7 +117,7 @@ PIECES = (
         ),
     ),
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
-    Piece("shapes under load", 8, ("kernels.statics.equilibrium.equilibrate",)),
+    Piece("shapes under load", 8, ("kernels.statics.equilibrium.equilibrate",), waits=True),
     Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
     Piece("derivatives", 6, ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE)),
     Piece(

@@ -1,8 +1,8 @@
 """Entries whose machine code is missing run as Python at once, while helpers compile them.
 
 Whether the code is there is asked only where Numba has none for the arguments of a call, so calls of compiled code take
-no longer than without this. An entry waits for its code where that takes a moment only, where it is known to be heavy
-(`Piece.waits`), where no helper can be had, and within `code_first`. A call that takes longer than `PATIENCE`,
+no longer than without this. An entry waits for its code where it is known to be heavy (`Piece.waits`, `Piece.most`),
+where no helper can be had, and within `code_first`. A call that takes longer than `PATIENCE`,
 interpreted, is given up; it waits for its code, and begins again.
 """
 
@@ -20,8 +20,11 @@ from numba import types
 
 from sinuous.kernels.compiling.helpers import Order, foreman
 from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
-from sinuous.kernels.compiling.store import ENTRIES, Store
-from sinuous.work_time import TooLongError
+from sinuous.kernels.compiling.store import ENTRIES, Store, begun
+from sinuous.work_time import TooLongError, no_work
+
+FIRST = 60
+"""Seconds that compiling takes about for somebody who begins."""
 
 PATIENCE = 4.0
 """Seconds that an interpreted call may take."""
@@ -70,6 +73,10 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
     ENTRIES[store.module, store.called] = compiled
 
     def choose(*arguments: Any) -> Any:
+        with no_work():
+            return chosen(*arguments)
+
+    def chosen(*arguments: Any) -> Any:
         signature = tuple(types.unliteral(compiled.typeof_pyval(one)) for one in arguments)
         codegen = compiled.targetctx.codegen()
         path = store.path(signature, codegen)
@@ -77,7 +84,7 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
         if signature in compiled.overloads or store.find(signature, codegen).exists():
             return compile_for(*arguments)
         order = Order(store.module, store.called, signature, path)
-        if piece is None or not _may_come_later(piece) or not store.usable() or not foreman.order(order):
+        if piece is None or not _may_come_later(piece, arguments) or not store.usable() or not foreman.order(order):
             return now(piece, *arguments)
         _tell(piece)
         return lambda *given: _interpreted_first(interpreted, partial(now, piece), given)
@@ -93,14 +100,16 @@ def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
     return compiled
 
 
-def _may_come_later(piece: Piece) -> bool:
+def _may_come_later(piece: Piece, arguments: tuple[Any, ...]) -> bool:
     """Say whether the code of a piece may come later."""
-    return MODE == "auto" and not (_Waiting.count or piece.waits or piece.expected <= SHORT)
+    largest = max((one.size for one in arguments if isinstance(one, np.ndarray)), default=0)
+    return MODE == "auto" and not (_Waiting.count or piece.waits) and (piece.most is None or largest <= piece.most)
 
 
 def _interpreted_first(interpreted: Callable[..., Any], code: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """Interpret a call; where that takes too long, put everything back, wait for the code, and call that."""
-    before = [_copied(one) for one in arguments]
+    with no_work():
+        before = [_copied(one) for one in arguments]
     try:
         return interpreted(*arguments, most=PATIENCE)
     except TooLongError:
@@ -127,10 +136,11 @@ def _put_back(value: Any, kept: Any) -> None:
 
 def _tell(piece: Piece) -> None:
     """Say once that kernels are compiled in the background, and about how long that takes."""
-    if not _told:
+    seconds = piece.expected if begun() else max(piece.expected, FIRST)
+    if not _told and seconds > SHORT:
         _told.append(piece)
         text = (
-            f"sinuous: first use on this machine: kernels are compiled in the background (about {piece.expected} s); "
+            f"sinuous: first use on this machine: kernels are compiled in the background (about {seconds} s); "
             "until then answers take longer"
         )
         print(text, file=sys.stderr, flush=True)  # noqa: T201

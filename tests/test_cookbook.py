@@ -60,6 +60,13 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "In MuJoCo, moved by its motors":
             reached = names["robot"].tip(solution.q)[:3, 3]
             np.testing.assert_allclose(names["data"].site("tip").xpos, reached, atol=1.0)
+        case "From encoders to the shape":
+            left = names["arm"].to_actuators(names["q"]) - list(names["measured"].values())
+            assert 0.1 < abs(left).max() < 3.0
+        case "A plan in the time that its motors need, for a controller":
+            assert names["motion"].solved
+            assert sn.load(tmp_path / "motion.json").equals(names["motion"])
+            assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") > 100 * names["timed"].duration
         case "Motors that count":
             np.testing.assert_allclose(names["q"], names["motion"].q, atol=1e-9)
         case "Through poses, at times" | "Into a hole, along a curve" | "In RViz, MuJoCo and PyBullet":

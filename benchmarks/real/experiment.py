@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from benchmarks.harness.experiment import Measurement, OfLines
 from benchmarks.harness.plan import Plan
-from benchmarks.real import calibration, statics
+from benchmarks.real import calibration, statics, under_load
 
 
 class Real(OfLines):
@@ -14,6 +14,7 @@ class Real(OfLines):
         super().__init__("real", plan)
 
     def parts(self) -> Iterator[tuple[str, Measurement]]:
-        """Calibrated robots, then shapes under load."""
+        """Calibrated robots, then shapes and solves under load."""
         yield from calibration.parts(self.plan)
         yield from statics.parts(self.plan.quick)
+        yield from under_load.parts(self.plan.quick)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from benchmarks.judges.cosserat import shoot
 from sinuous.checks import Floats
 from tests.helpers import refused
-from tests.statics.cosserat import shoot
 
 ROD = sn.Stiffness(bend=0.01, twist=0.008)
 GRAVITY = (0.0, 0.0, -9.81)

@@ -9,12 +9,12 @@ import pytest
 from scipy.linalg import expm
 
 import sinuous as sn
+from benchmarks.judges.cosserat import shoot
 from sinuous.checks import Floats
 from sinuous.display.contents import gather
 from sinuous.problem.suspicions import suspicions
 from sinuous.scene.snapshot import Snapshot
 from tests.helpers import refused
-from tests.statics.cosserat import shoot
 
 ROD = sn.Stiffness(bend=1.0, twist=0.7, stretch=40.0)
 SOFT: dict[str, Any] = {"stiffness": ROD, "mass": 0.3, "arcs": 4, "gravity": (0.3, 0.0, -2.0)}

@@ -298,7 +298,8 @@ class UnderLoad:
         if self._body is None:
             self._body = Body(self._robot, problem)
         outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
-        code = FAILED if outcome.code == SOLVED and self._robot.violations(shape.q) else outcome.code
+        held = len(self._robot.drive) == 0 or not self._robot.violations(shape.q)
+        code = FAILED if outcome.code == SOLVED and not held else outcome.code
         return outcome._replace(q=shape.q.copy(), code=code)
 
 

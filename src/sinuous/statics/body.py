@@ -83,6 +83,8 @@ class Body(NamedTuple):
     weights : ndarray (n, 3)
         Per length.
     lines : Lines
+    carried : ndarray (k, 10)
+        Loads of what the robot carries itself.
     """
 
     counts: NDArray[np.intp]
@@ -93,6 +95,7 @@ class Body(NamedTuple):
     pulled: NDArray[np.bool_]
     weights: Floats
     lines: Lines
+    carried: Floats
 
     @property
     def gives(self) -> bool:
@@ -117,6 +120,7 @@ def body_of(robot: "Robot") -> Body:
         np.isin(np.arange(len(segments)), lines.sections[:, 1]),
         np.array([segment.mass for segment in segments])[:, None] * gravity,
         lines,
+        _load_table(robot, np.cumsum(counts) - 1, ()),
     )
 
 
@@ -158,8 +162,11 @@ def tables_of(robot: "Robot", q: Floats, loads: Sequence[Load], displacements: F
     body = body_of(robot)
     own = q[:, 2] / body.counts
     arcs = np.zeros((len(body.owners), t.ARC_WIDTH))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        stiffness = np.where(own[:, None] > 0.0, body.stiffness / own[:, None], t.RIGID)
+    if own.min() > 0.0:
+        stiffness = body.stiffness / own[:, None]
+    else:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            stiffness = np.where(own[:, None] > 0.0, body.stiffness / own[:, None], t.RIGID)
     arcs[:, : t.REST_X] = stiffness[body.owners]
     bends = np.where(body.pulled[:, None], body.rest, q[:, :2]) / body.counts[:, None]
     arcs[:, t.REST_X : t.REST_LENGTH] = bends[body.owners]
@@ -168,17 +175,18 @@ def tables_of(robot: "Robot", q: Floats, loads: Sequence[Load], displacements: F
     states = np.zeros((len(arcs), t.STATE_WIDTH))
     states[:, : t.TWIST] = (q[:, :2] / body.counts[:, None])[body.owners]
     states[:, t.LENGTH] = arcs[:, t.REST_LENGTH]
-    if displacements is None:
+    if displacements is None and len(body.lines.actuators):
         displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
     lines = _line_table(body, q, displacements)
-    slopes = int((lines[:, t.LAST_ARC] - lines[:, t.FIRST_ARC] + 1.0).sum())
-    return Tables(arcs, _load_table(robot, body, loads), lines, slopes, states, np.zeros(len(lines)))
+    slopes = int((lines[:, t.LAST_ARC] - lines[:, t.FIRST_ARC] + 1.0).sum()) if len(lines) else 0
+    pulls = body.carried if len(loads) == 0 else _load_table(robot, body.ends, loads)
+    return Tables(arcs, pulls, lines, slopes, states, np.zeros(len(lines)))
 
 
-def _line_table(body: Body, q: Floats, displacements: Floats) -> Floats:
+def _line_table(body: Body, q: Floats, displacements: Floats | None) -> Floats:
     own = body.lines
     table = np.zeros((len(own.actuators), t.LINE_WIDTH))
-    if not len(table):
+    if displacements is None:
         return table
     first, last = own.sections.T
     table[:, t.FIRST_ARC], table[:, t.LAST_ARC] = body.ends[first] - body.counts[first] + 1, body.ends[last]
@@ -204,12 +212,12 @@ def _chords(body: Body, q: Floats) -> Floats:
     return np.where(own.straight, np.where(through, along, 0.0).sum(axis=1), 0.0)
 
 
-def _load_table(robot: "Robot", body: Body, loads: Sequence[Load]) -> Floats:
+def _load_table(robot: "Robot", ends: NDArray[np.intp], loads: Sequence[Load]) -> Floats:
     """The rows of loads, and of what the robot carries, in the order of their arcs."""
     listed = [*robot.payload, *loads]
     table = np.zeros((len(listed), t.LOAD_WIDTH))
     for row, load in zip(table, listed, strict=True):
-        row[t.LOAD_ARC] = body.ends[len(body.ends) - 1 if load.segment is None else load.segment - 1]
+        row[t.LOAD_ARC] = ends[len(ends) - 1 if load.segment is None else load.segment - 1]
         row[t.OFFSET :] = load.position
         if isinstance(load, Force):
             row[t.FORCE : t.MOMENT], row[t.MOMENT : t.OFFSET] = load.force, load.moment

@@ -35,7 +35,7 @@ def shoot(
     def run(wrench: Floats) -> tuple[Floats, list[Floats]]:
         y, ends = np.concatenate([base[:3, 3], base[:3, :3].ravel(), wrench]), []
         for k, length in enumerate(lengths):
-            y = solve_ivp(rates, (0.0, length), y, args=(k,), rtol=1e-9, atol=1e-11, method="DOP853").y[:, -1].copy()
+            y = solve_ivp(rates, (0.0, length), y, args=(k,), rtol=1e-8, atol=1e-10, method="DOP853").y[:, -1].copy()
             pose = np.eye(4)
             pose[:3, 3], pose[:3, :3] = y[:3], y[3:12].reshape(3, 3)
             ends.append(pose)
@@ -46,6 +46,6 @@ def shoot(
     start = np.concatenate([force, np.zeros(3)]) if guess is None else guess
     scale = max(1e-9, float(np.abs(start).max()))
     own: Any = lambda x: run(x * scale)[0] / scale  # noqa: E731
-    found = root(own, start / scale, tol=1e-11)
-    assert np.abs(found.fun).max() < 1e-7, "the shooting did not end"
+    found = root(own, start / scale, tol=1e-9)
+    assert np.abs(found.fun).max() < 1e-6, "the shooting did not end"
     return run(found.x * scale)[1]

@@ -1,5 +1,6 @@
 """A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,8 +15,8 @@ from sinuous.errors import InputError, warn_of
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
+from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.prepared import Call
-from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -613,10 +614,11 @@ class SolvesAgain:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
 
-    @property
-    def prefer(self) -> Preferences:
-        """What is liked better among solutions."""
-        return self.options.prefer
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""
+        if self.options.prefer:
+            return not self.options.prefer.satisfied(clearance)
+        return clearance < math.inf and self.method == "newton" and clearance < NEARLY_GRAZING * thinnest(robot)
 
     def solve(
         self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any

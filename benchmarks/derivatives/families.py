@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.packing import MARGIN
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.actuators import Chambers, Tendons
 from sinuous.robot.robot import Robot
@@ -203,8 +204,11 @@ OBSTACLES: dict[str, Callable[[Floats, Floats, float, float, Generator], Obstacl
 }
 
 
-def touching(kind: str, rng: Generator, beside: float = 0.0) -> Solution:
-    """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more."""
+def touching(kind: str, rng: Generator, beside: float = 0.0) -> tuple[Problem, Floats]:
+    """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more.
+
+    Returns a problem, and the configuration (n, 3) that answers it.
+    """
     robot = random_robot(rng, thick=0.02)
     q = random_shape(robot, rng)
     k, s = int(rng.integers(len(robot))), rng.uniform(0.3, 0.7)
@@ -215,17 +219,22 @@ def touching(kind: str, rng: Generator, beside: float = 0.0) -> Solution:
     away = robot.radii[k] + (MARGIN + beside) * robot.mean_length
     size = float(rng.uniform(0.1, 0.4)) * q[k, 2]
     obstacle = OBSTACLES[kind](here[:3, 3], normal, away, size, rng)
-    return solver_for(robot, [obstacle]).solve(targets_at(robot, q, rng), q)
+    return Problem(robot, targets_at(robot, q, rng), [obstacle]), q
+
+
+def _answer(asked: tuple[Problem, Floats]) -> Solution:
+    problem, q = asked
+    return solver_for(problem.robot, list(problem.scene.obstacles)).solve(list(problem.targets), q)
 
 
 def beside_obstacles(rng: Generator) -> Solution:
     """The body is near obstacles of any kind, and touches none."""
-    return touching(str(rng.choice(list(OBSTACLES))), rng, beside=float(10.0 ** rng.uniform(-4.0, -1.0)))
+    return _answer(touching(str(rng.choice(list(OBSTACLES))), rng, beside=float(10.0 ** rng.uniform(-4.0, -1.0))))
 
 
 def at_obstacles(rng: Generator) -> Solution:
-    """The body touches an obstacle of any kind."""
-    return touching(str(rng.choice(list(OBSTACLES))), rng)
+    """The body touches an obstacle of any kind, unless the solve moves it away from there."""
+    return _answer(touching(str(rng.choice(list(OBSTACLES))), rng))
 
 
 def curled(rng: Generator) -> Solution:

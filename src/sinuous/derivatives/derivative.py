@@ -67,7 +67,7 @@ class Derivative:
         Whether there is a derivative. There is none at a singular shape, and none at a kink: an active limit or contact
         is in the way of some changes, and not of the opposite ones. The arrays below then keep whatever is active as it
         is, and `one_sided` and `jvp` tell what happens in a direction. Nor is an answer regular that preferences have
-        chosen: its derivatives are those of the nearest answer.
+        chosen, or that was moved out of contact: its derivatives are those of the nearest answer.
     singular : bool
         Whether the rows of the targets depend on each other: not every small change of the targets can be followed.
     active : tuple of Active
@@ -252,7 +252,7 @@ class Derivative:
 
 
 def derivative_of(problem: Problem, q: Floats, wrt: Parameter | Sequence[Parameter], liked: bool = False) -> Derivative:
-    """Derive an answer `q` (n, 3) by groups of parameters; `liked`: it was chosen by preferences."""
+    """Derive an answer `q` (n, 3) by groups of parameters; `liked`: it was not chosen as the nearest."""
     plan = plan_for(problem, read_wrt(wrt))
     answer = np.empty(plan.answer)
     group = problem.scene._kernel_group if plan.obstacles else None

@@ -27,8 +27,16 @@ where it costs nothing; in radii of the thinnest part of the body that has one, 
 THIN = 0.01
 """What counts as the radius of a body that has none, in mean lengths of the robot."""
 
+NEARLY_GRAZING = 1.2 * GRAZING
+"""Clearance up to which an answer beside it may be in contact: what is proved is less by up to a tenth."""
+
 STEPS = 6
 """Most steps out of contact."""
+
+
+def thinnest(robot: Robot) -> float:
+    """Radius of the thinnest part of a body that has one."""
+    return min((each for each in robot.radii if each > 0.0), default=THIN * robot.mean_length)
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,7 +77,7 @@ class PreparedNewton(Prepared):
         self._shape = self._segments, 3
         self._away, self._loaded = self._settings, False
         if not self._preferences:
-            radius = min((each for each in robot.radii if each > 0.0), default=THIN * robot.mean_length)
+            radius = thinnest(robot)
             self.grazing, room = GRAZING * radius, Preferences(clearance=ROOM * radius + robot.least_demanded[0])
             self._away = settings_group(robot, tolerance, room)
             self._away[MAX_ITERATIONS] = STEPS

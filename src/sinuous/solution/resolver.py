@@ -1,12 +1,12 @@
 """How a solution solves again: what it keeps of the solver that found it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
+from sinuous.robot.robot import Robot
 
 
 class Found(Protocol):
@@ -46,9 +46,11 @@ class ReSolver(Protocol):
         """Most starts of a solve; `None`: as many as the time allows."""
         ...
 
-    @property
-    def prefer(self) -> Preferences:
-        """What is liked better among solutions."""
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """Whether answers with this proved clearance are not merely the nearest.
+
+        They are chosen by preferences, or moved out of contact.
+        """
         ...
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
@@ -67,7 +69,10 @@ class LoadedResult:
     seed: int
     seconds: float = 0.0
     max_starts: int | None = 0
-    prefer: Preferences = field(default_factory=Preferences)
+
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """It is not known how; see the class."""
+        return False
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Refuse: see the class."""

@@ -382,8 +382,8 @@ class Solution(NotebookMixin):
         """Derive the answer by what it depends on: targets, the robot, where it stands, obstacles.
 
         Of all configurations near this one that meet changed targets, within the limits and clear of obstacles, the
-        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen is not called
-        regular.
+        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen, or that was
+        moved out of contact with an obstacle, is not called regular.
 
         Parameters
         ----------
@@ -406,7 +406,7 @@ class Solution(NotebookMixin):
 
         if self._outcome.code != SOLVED:
             self.raise_for_status()
-        liked = bool(self._resolver.prefer) and not self._resolver.prefer.satisfied(self._outcome.clearance)
+        liked = self._resolver.chooses(self._problem.robot, self._outcome.clearance)
         return derivative_of(self._problem, self._outcome.q, wrt, liked)
 
     def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":

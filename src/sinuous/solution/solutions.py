@@ -268,9 +268,8 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         from sinuous.derivatives.many import derivatives_of  # noqa: PLC0415
         from sinuous.derivatives.parameters import read_wrt  # noqa: PLC0415
 
-        liked = self.solved & bool(self._resolver.prefer)
-        for i in np.flatnonzero(liked):
-            liked[i] = not self._resolver.prefer.satisfied(float(self._answers[i, CLEARANCE]))
+        chooses, robot = self._resolver.chooses, self._problems.robot
+        liked = np.array([chooses(robot, each) for each in self._answers[:, CLEARANCE].tolist()], np.bool_)
         return derivatives_of(self._problems, self.q, self.solved, liked, read_wrt(wrt))
 
     def raise_for_status(self) -> "Solutions":

@@ -1,5 +1,6 @@
 """A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -8,14 +9,14 @@ from typing import Any, Self, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
+from sinuous.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
 from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
+from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.prepared import Call
-from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -26,6 +27,7 @@ from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.observed import GAIN
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import ManyProblems, Solutions
@@ -401,6 +403,10 @@ class Solver:
         rates: Rates | None = None,
         clearance: Number | None = None,
         velocity: Rows | None = None,
+        measured: Stack | None = None,
+        places: Vector | None = None,
+        gain: Number = GAIN,
+        delay: Whole = 0,
     ) -> Step:
         """Go on from a configuration with a twist of the tip, or towards a target, for one tick of a control loop.
 
@@ -428,6 +434,18 @@ class Solver:
         velocity : array_like (n, 3), optional
             Of the tick before: what an acceleration starts from. Limits, rates and obstacles come first.
 
+        measured : array_like (3,), (4, 4), (n, 2) or (k, 3), optional
+            Where the real robot is: the position or pose of its tool, the bends of its segments (from a fibre), or
+            points of its body at `places`, in the world; NaN was not seen. What the model misses is taken for a
+            disturbance that varies slowly, and the target is met by the real robot. `q` then has to be the step before,
+            which carries what is known of it. Proofs are of the model: see `uncertainty` of the robot.
+        places : array_like (k,), optional
+            Shares of the length of the body, increasing, 1 = its end.
+        gain : float
+            Of the observer: share of what is new that a tick takes over; less of it is slower, and less moved by noise.
+        delay : int
+            Ticks by which the measurement is late.
+
         Returns
         -------
         Step
@@ -438,7 +456,9 @@ class Solver:
             When an argument is not what it should be.
         """
         self._refuse_load("step")
-        own: Step = self._control.step(q, twist, dt, target=target, rates=rates, clearance=clearance, velocity=velocity)
+        limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
+        seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
+        own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)
         return own
 
     def __repr__(self) -> str:
@@ -594,10 +614,11 @@ class SolvesAgain:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
 
-    @property
-    def prefer(self) -> Preferences:
-        """What is liked better among solutions."""
-        return self.options.prefer
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""
+        if self.options.prefer:
+            return not self.options.prefer.satisfied(clearance)
+        return clearance < math.inf and self.method == "newton" and clearance < NEARLY_GRAZING * thinnest(robot)
 
     def solve(
         self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any

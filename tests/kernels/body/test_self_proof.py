@@ -25,7 +25,7 @@ SLACK = 0.1
 
 def table_of(radii: Floats | Sequence[float]) -> Floats:
     """Rows of segments with these radii, and no other limits."""
-    return np.array([segment_row((0.0, 10.0), 6.0, math.inf, radius) for radius in radii])
+    return np.array([segment_row((0.0, 10.0), 6.0, math.inf, radius, radius) for radius in radii])
 
 
 def prove(

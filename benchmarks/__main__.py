@@ -18,6 +18,8 @@ from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
 from sinuous.errors import InputError
 
+os.environ.setdefault("SINUOUS_KERNELS", "compiled")  # nothing is measured, or judged, interpreted
+
 if TYPE_CHECKING:
     from benchmarks.harness.conduct import Output
     from benchmarks.harness.experiment import Experiment
@@ -28,6 +30,9 @@ ABOUT = {
     "wild": "anything that can be built, each problem with a hidden solution, every claim judged",
     "many": "batches through files, engines, a batch that is killed, and a map of the workspace",
     "motion": "motions that are planned, tracked, led and stepped: what is found, how quickly, and whether it is clear",
+    "derivatives": "derivatives of answers: what they cost, and whether differences agree with them",
+    "real": "robots as they are, beside what others published: calibrated from motion capture, and shapes under load",
+    "design": "robots for sets of tasks, against random ones and a template",
     "worlds": "100,000 small worlds with doors, each known to be possible: false claims that are rare",
     "view": "pages: from an event of the mouse to a new shape, what a browser gets, and pages in files",
     "table1": "the paper's four poses, every method, beside what the paper publishes",
@@ -37,7 +42,7 @@ ABOUT = {
 }
 """What each one measures."""
 
-OF_LINES = ("speed", "clutter", "wild", "many", "motion")
+OF_LINES = ("speed", "clutter", "wild", "many", "motion", "derivatives", "design", "real")
 """Those made of figures that a baseline can hold, and that may be measured in several rounds."""
 
 OF_PARTS = (*OF_LINES, "view")
@@ -54,6 +59,9 @@ HOMES = {
     "wild": ("wild.experiment", "Wild"),
     "many": ("many.experiment", "Many"),
     "motion": ("motion.experiment", "Motions"),
+    "real": ("real.experiment", "Real"),
+    "derivatives": ("derivatives.experiment", "OfDerivatives"),
+    "design": ("design.experiment", "OfDesigns"),
     "view": ("view.experiment", "View"),
     "worlds": ("clutter.worlds", "Worlds"),
 }

@@ -4,12 +4,11 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
-
-from tests import callable_kernels
 
 # Matrices are tiny here: threads of a linear algebra library only wait for each other, on a busy machine a thousand
 # times as long as the work takes. Read when NumPy is first imported, which is later.
@@ -25,7 +24,7 @@ os.environ.setdefault("SINUOUS_KERNELS", "compiled")
 
 # Before any kernel is made: tests call every one of them from Python.
 if os.environ["SINUOUS_KERNELS"] != "interpreted":
-    callable_kernels.install()
+    import_module("tests.callable_kernels").install()
 
 # The first example of a law may compile a kernel, so that time says nothing; the same examples every time.
 settings.register_profile(

@@ -20,6 +20,7 @@ from sinuous.problem.problem import ProblemArguments
 from sinuous.problem.target import TargetArguments
 from sinuous.robot.robot import RobotArguments
 from sinuous.robot.segment import SegmentArguments
+from sinuous.signatures import Shown
 from sinuous.solving.options import SolveArguments, SolveOptions
 
 ROOT = Path(__file__).parent.parent
@@ -73,6 +74,7 @@ def callables() -> Iterator[tuple[str, Any]]:
 
 
 def says_nothing(annotation: Any) -> bool:
+    annotation = annotation.value if isinstance(annotation, Shown) else annotation
     if isinstance(annotation, str):
         return "Any" in re.split(r"\s*\|\s*", annotation)
     one_of = get_args(annotation) if isinstance(annotation, UnionType) else ()
@@ -85,7 +87,7 @@ def says_nothing(annotation: Any) -> bool:
 def test_no_argument_takes_anything(name: str, function: Any) -> None:
     signature = inspect.signature(function)
     for key, parameter in signature.parameters.items():
-        variadic = parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL)
+        variadic = parameter.kind in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL) or parameter.default == ...
         assert key in ("self", "cls") or variadic or not says_nothing(parameter.annotation), key
     returned = signature.return_annotation
     assert name.rpartition(".")[2] in RETURN_ANYTHING or returned is signature.empty or not says_nothing(returned)

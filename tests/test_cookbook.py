@@ -60,6 +60,13 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "In MuJoCo, moved by its motors":
             reached = names["robot"].tip(solution.q)[:3, 3]
             np.testing.assert_allclose(names["data"].site("tip").xpos, reached, atol=1.0)
+        case "From encoders to the shape":
+            left = names["arm"].to_actuators(names["q"]) - list(names["measured"].values())
+            assert 0.1 < abs(left).max() < 3.0
+        case "A plan in the time that its motors need, for a controller":
+            assert names["motion"].solved
+            assert sn.load(tmp_path / "motion.json").equals(names["motion"])
+            assert (tmp_path / "motors.csv").read_text(encoding="utf-8").count("\n") > 100 * names["timed"].duration
         case "Motors that count":
             np.testing.assert_allclose(names["q"], names["motion"].q, atol=1e-9)
         case "Through poses, at times" | "Into a hole, along a curve" | "In RViz, MuJoCo and PyBullet":
@@ -85,6 +92,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
         case "Ten million targets, through files":
             assert names["q"].shape == (FEWER, 5, 3)
             assert names["batch"].counts["solved"] > 0.9 * FEWER
+        case "Ask again in the same place":
+            assert names["second"].start == "remembered"
         case "What can it reach?":
             assert 0.0 < names["workspace"].volume().found < names["workspace"].volume(free=True).at_most
             assert sn.Reach.load(tmp_path / "map.npz").equals(names["workspace"])
@@ -98,6 +107,8 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["motion"].solved
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
+        case "Calibrate an arm from motion capture":
+            assert names["found"].expected.mean < 0.03 * names["drawn"].mean_length
         case "Pictures and films":
             assert {"shape.pdf", "motion.gif", "clearance.png"} <= {file.name for file in tmp_path.iterdir()}
         case "In a notebook":

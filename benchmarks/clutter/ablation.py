@@ -33,8 +33,8 @@ from sinuous.solving.strategy import OPENING
 EVERYTHING = "everything"
 """What is called where nothing is switched off."""
 
-OFF = tuple(name for name in ATTEMPTS if name != "passages")
-"""What is switched off in turn: `solve` knows no passages."""
+OFF = tuple(name for name in ATTEMPTS if name not in ("passages", "remembered"))
+"""What is switched off in turn: `solve` knows no passages, and there is no memory."""
 
 LIMIT = 1.0
 """Seconds of CPU time in which a place has to be solved."""

@@ -18,8 +18,14 @@ if TYPE_CHECKING:
     from sinuous.assessing.assessment import Assessment as Assessment
     from sinuous.assessing.moves import Move as Move
     from sinuous.assessing.sweep import sweep as sweep
+    from sinuous.assessing.tasks import Cover as Cover
     from sinuous.assessing.tasks import Follow as Follow
     from sinuous.batch.solve import solve_batch as solve_batch
+    from sinuous.calibration.calibrate import calibrate as calibrate
+    from sinuous.calibration.calibrate import suggest as suggest
+    from sinuous.calibration.calibration import Calibration as Calibration
+    from sinuous.designing.design import Design as Design
+    from sinuous.designing.find import design as design
     from sinuous.errors import InputError as InputError
     from sinuous.errors import NotSolvedError as NotSolvedError
     from sinuous.errors import SuspiciousInput as SuspiciousInput
@@ -35,6 +41,8 @@ if TYPE_CHECKING:
     from sinuous.motion.trajectory import Trajectory as Trajectory
     from sinuous.pictures.animate import animate as animate
     from sinuous.pictures.assessment import plot_assessment as plot_assessment
+    from sinuous.pictures.calibration import plot_calibration as plot_calibration
+    from sinuous.pictures.design import plot_design as plot_design
     from sinuous.pictures.diagrams import diagram as diagram
     from sinuous.pictures.plot import plot as plot
     from sinuous.pictures.workspace import plot_reach as plot_reach
@@ -49,12 +57,15 @@ if TYPE_CHECKING:
     from sinuous.robot.actuators import Chambers as Chambers
     from sinuous.robot.actuators import Stage as Stage
     from sinuous.robot.actuators import Tendons as Tendons
+    from sinuous.robot.loads import Force as Force
+    from sinuous.robot.loads import Payload as Payload
     from sinuous.robot.rates import Rates as Rates
     from sinuous.robot.robot import Robot as Robot
     from sinuous.robot.segment import Segment as Segment
     from sinuous.robot.segment import arc_parameters as arc_parameters
     from sinuous.robot.segment import from_arc_parameters as from_arc_parameters
     from sinuous.robot.stiffness import Stiffness as Stiffness
+    from sinuous.robot.uncertainty import Uncertainty as Uncertainty
     from sinuous.scene.grids import Field as Field
     from sinuous.scene.grids import Grid as Grid
     from sinuous.scene.meshes.mesh import Mesh as Mesh
@@ -73,9 +84,11 @@ if TYPE_CHECKING:
     from sinuous.solution.step import Step as Step
     from sinuous.solution.verification import Verification as Verification
     from sinuous.solution.verification import check as check
+    from sinuous.solving.memory import Memory as Memory
     from sinuous.solving.solver import Solver as Solver
     from sinuous.solving.solver import solve as solve
     from sinuous.solving.solver import solve_all as solve_all
+    from sinuous.statics.equilibrium import Equilibrium as Equilibrium
     from sinuous.viewer.show import show as show
     from sinuous.workspace.find import reach as reach
     from sinuous.workspace.reach import Reach as Reach
@@ -85,8 +98,12 @@ _HOMES = {
     "assessing.assessment": ("Assessment",),
     "assessing.moves": ("Move",),
     "assessing.sweep": ("sweep",),
-    "assessing.tasks": ("Follow",),
+    "assessing.tasks": ("Cover", "Follow"),
     "batch.solve": ("solve_batch",),
+    "calibration.calibrate": ("calibrate", "suggest"),
+    "calibration.calibration": ("Calibration",),
+    "designing.design": ("Design",),
+    "designing.find": ("design",),
     "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
@@ -95,6 +112,8 @@ _HOMES = {
     "motion.track": ("track",),
     "motion.trajectory": ("Trajectory",),
     "pictures.animate": ("animate",),
+    "pictures.calibration": ("plot_calibration",),
+    "pictures.design": ("plot_design",),
     "pictures.diagrams": ("diagram",),
     "pictures.plot": ("plot",),
     "pictures.assessment": ("plot_assessment",),
@@ -106,10 +125,13 @@ _HOMES = {
     "problem.problem": ("Problem",),
     "problem.target": ("Target", "Tolerance"),
     "robot.actuators": ("Actuators", "Chambers", "Stage", "Tendons"),
+    "robot.loads": ("Force", "Payload"),
     "robot.rates": ("Rates",),
     "robot.robot": ("Robot",),
     "robot.segment": ("Segment", "arc_parameters", "from_arc_parameters"),
     "robot.stiffness": ("Stiffness",),
+    "robot.uncertainty": ("Uncertainty",),
+    "statics.equilibrium": ("Equilibrium",),
     "scene.grids": ("Field", "Grid"),
     "scene.meshes.mesh": ("Mesh",),
     "scene.moving": ("Moving",),
@@ -122,6 +144,7 @@ _HOMES = {
     "solution.status": ("Status",),
     "solution.step": ("Step",),
     "solution.verification": ("Verification", "check"),
+    "solving.memory": ("Memory",),
     "solving.solver": ("Solver", "solve", "solve_all"),
     "viewer.show": ("show",),
     "workspace.find": ("reach",),
@@ -140,6 +163,7 @@ if not TYPE_CHECKING:  # a checker would take every name for one that is there
         if name not in _HOME:
             raise AttributeError(f"module 'sinuous' has no attribute {name!r}")
         value = getattr(import_module(f"sinuous.{_HOME[name]}"), name)
+        import_module("sinuous.signatures").make_readable(value)
         globals()[name] = value
         return value
 

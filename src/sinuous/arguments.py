@@ -75,7 +75,7 @@ MethodName = Literal["newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx
 SelfCollision = Literal["avoid", "allow"]
 """What may be said of a body that runs through itself."""
 
-StartKind = Literal["given", "arc", "random", "route"]
+StartKind = Literal["given", "arc", "random", "route", "remembered"]
 """Where a start comes from."""
 
 Shortest = Literal["configuration", "actuators"]
@@ -87,6 +87,21 @@ RateKind = Literal["length_rate", "bend_rate", "actuator_rate"]
 
 Constraint = Literal[LimitKind, RateKind, "clearance", "self_clearance"]
 """What may hold a configuration back."""
+
+Parameter = Literal[
+    "target",
+    "base",
+    "tool",
+    "lengths",
+    "bends",
+    "curvatures",
+    "radii",
+    "tendons",
+    "actuators",
+    "obstacles",
+    "initial",
+]
+"""What an answer can be derived by."""
 
 StepConstraint = Literal[
     "length",

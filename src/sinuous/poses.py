@@ -200,6 +200,13 @@ def pose(
     return result
 
 
+def is_pose(value: Any) -> bool:
+    """Whether a value has the shape of a pose (4, 4), whatever is in it."""
+    if isinstance(value, (list, tuple)):
+        return len(value) == 4 and all(isinstance(row, (list, tuple, np.ndarray)) and len(row) == 4 for row in value)
+    return getattr(value, "shape", None) == (4, 4)
+
+
 def as_pose(key: str, value: Any) -> Floats:
     """Check a 4x4 matrix that stands for a pose; `None` is the identity."""
     with checks.inside(key):

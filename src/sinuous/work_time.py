@@ -5,6 +5,7 @@ counted on the wall would find less, the first time, than they find ever after. 
 and each is worth what it takes in machine code. Every thread has a time of its own.
 """
 
+import math
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -25,11 +26,18 @@ class _Thread(threading.local):
         When the interpreted call that is under way began, by the time of work; `None` where there is none.
     looks : int
         Of that call, until now.
+    until : float
+        When it has taken too long, by `time.perf_counter`.
     """
 
     left_out = 0.0
     since: float | None = None
     looks = 0
+    until = math.inf
+
+
+class TooLongError(BaseException):
+    """Raised within an interpreted call that takes longer than it may."""
 
 
 _thread = _Thread()
@@ -37,9 +45,11 @@ _thread = _Thread()
 
 def work_time() -> float:
     """Seconds of work; differences count, within one thread."""
-    if _thread.since is not None:
-        return _thread.since + LOOK * _thread.looks
-    return perf_counter() - _thread.left_out
+    if _thread.since is None:
+        return perf_counter() - _thread.left_out
+    if perf_counter() > _thread.until:
+        raise TooLongError
+    return _thread.since + LOOK * _thread.looks
 
 
 def interpreting() -> bool:
@@ -53,17 +63,26 @@ def looked(looks: int) -> None:
 
 
 @contextmanager
-def counting_looks() -> Iterator[None]:
-    """Let time be what looks are worth: kernels are interpreted within."""
+def counting_looks(most: float = math.inf) -> Iterator[None]:
+    """Let time be what looks are worth: kernels are interpreted within.
+
+    Raises
+    ------
+    TooLongError
+        Where it is asked for the time after so many seconds on the wall.
+    """
     if _thread.since is not None:  # an entry that an entry calls
         yield
         return
-    _thread.since, _thread.looks = work_time(), 0
+    began = work_time()
+    _thread.since, _thread.looks, _thread.until = began, 0, perf_counter() + most
     try:
         yield
+    except TooLongError:
+        _thread.looks = 0  # it is done again
+        raise
     finally:
-        end, _thread.since = work_time(), None
-        _thread.left_out = perf_counter() - end
+        _thread.since, _thread.left_out = None, perf_counter() - began - LOOK * _thread.looks
 
 
 @contextmanager

@@ -105,3 +105,49 @@ def test_check_says_whether_the_start_is_clear(capsys: pytest.CaptureFixture[str
     assert "start is clear: outside its limits by" in capsys.readouterr().out
     assert main(["check", asked("start: [[0, 0, 1], [0, 0, 1], [0, 0, 1]]\n" + SCENE + GOAL)]) == 1
     assert "start is blocked" in capsys.readouterr().out
+
+
+RATES = "rates: {bend: 0.1, length: 0.05}\n"
+PATH = "path: [{position: [1, 0, 2]}, {position: [1, 0.1, 2]}, {position: [1, 0.2, 2]}]\n"
+
+
+@pytest.mark.parametrize(("command", "text"), [("plan", START + SCENE + GOAL), ("track", START + PATH)])
+def test_tables_keep_the_rates_of_the_file(
+    command: str, text: str, asked: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A plan with `rates: {bend: 0.1}` bent by 0.91 rad in a second."""
+    table, out = tmp_path / "rows.csv", tmp_path / "found.jsonl"
+    accelerated = "rates: {bend: 0.1, length: 0.05, acceleration: {bend: 0.2, length: 0.1}}\n"
+    for rates, options in ((RATES, []), (RATES, ["--rate", "20"]), (accelerated, ["--timed"])):
+        assert main([command, asked(text + rates), *options, "--csv", str(table), "--out", str(out)]) == 0
+        rows = np.genfromtxt(table, delimiter=",", skip_header=1)
+        dt, moves = np.diff(rows[:, 0])[:, None], np.diff(rows[:, 1:10], axis=0).reshape(-1, 3, 3)
+        assert (np.hypot(moves[..., 0], moves[..., 1]) / dt).max() <= 0.1 * (1.0 + 1e-6)
+        assert (np.abs(moves[..., 2]) / dt).max() <= 0.05 * (1.0 + 1e-6)
+        assert (
+            main([command, asked(text + rates), "--duration", "0.5"] if "--timed" not in options else ["--version"]) < 2
+        )
+    said = capsys.readouterr().out
+    assert "too short for the rates" in said
+
+
+def test_times_that_cannot_be_meant_are_refused(asked: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = START + SCENE + GOAL
+    for text, options, word in (
+        (plan, ["--timed"], "rates: "),
+        (plan + RATES, ["--blend", "1"], "--timed beside it"),
+        (plan + RATES, ["--timed", "--duration", "3"], "--duration"),
+        (plan + RATES, ["--duration", "0"], "--duration"),
+    ):
+        assert main(["plan", asked(text), *options]) == 2
+        assert word in capsys.readouterr().err
+
+
+def test_a_table_for_motors_without_rates_says_so_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot = sn.Robot.uniform(3, (0.8, 1.2), 2.0, radius=0.05, tendons=sn.Tendons(3, radius=0.04))
+    start = np.array([[0.0, 0.0, 1.0]] * 3)
+    file, table = tmp_path / "motors.yaml", str(tmp_path / "rows.csv")
+    for rates in (None, sn.Rates(bend=0.5)):
+        sn.Job(robot, sn.Target((1.0, 0.0, 2.0)), start=start, rates=rates).save(file)
+        assert main(["plan", str(file), "--csv", table]) == 0
+        assert capsys.readouterr().err.count("times of --csv are nominal") == int(rates is None)

@@ -22,7 +22,10 @@ KEYS = [
     "angle_error",
     "clearance",
     "self_clearance",
+    "demanded_clearance",
+    "demanded_self_clearance",
     "actuators",
+    "tensions",
     "worst",
     "reason",
     "binding",
@@ -311,3 +314,35 @@ def test_an_interrupt_of_the_explanation_leaves_the_answer(
     monkeypatch.setattr(Solution, "explain", interrupted)
     assert main(["solve", problem("far.yaml"), "--why", "--json"]) == 130
     assert strict(capsys.readouterr().out)["status"] == "out_of_reach"
+
+
+def test_shapes_are_remembered_from_one_command_to_the_next(
+    capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path
+) -> None:
+    file, memory = problem("scene.yaml"), str(tmp_path / "arm.npz")
+    found = []
+    for _ in range(2):
+        assert main(["solve", file, "--json", "--memory", memory]) == 0
+        found.append(strict(capsys.readouterr().out))
+    assert [each["start"] for each in found] == [found[0]["start"], "remembered"]
+    assert found[0]["start"] != "remembered"
+    assert main(["plan", file, "--memory", memory]) == 2  # it has no start
+    assert main(["track", problem("path.yaml"), "--memory", memory]) == 0
+    assert not list(tmp_path.glob(".*"))
+
+
+def test_shapes_of_another_robot_and_what_is_no_memory_are_refused(
+    capsys: pytest.CaptureFixture[str], problem: Write, tmp_path: Path
+) -> None:
+    other, memory = tmp_path / "other.yaml", tmp_path / "arm.npz"
+    other.write_text("robot: {segments: {count: 2, length: 1, max_bend: 2}}\ntarget: {position: [1, 0, 1]}\n")
+    assert main(["solve", problem("easy.yaml"), "--memory", str(memory)]) == 0
+    capsys.readouterr()
+    assert main(["solve", str(other), "--memory", str(memory)]) == 2
+    assert "--memory: " in (said := capsys.readouterr().err)
+    assert "of another robot" in said
+    memory.write_text("no shapes")
+    assert main(["solve", problem("easy.yaml"), "--memory", str(memory)]) == 2
+    assert "--memory: " in (said := capsys.readouterr().err)
+    assert len(said.splitlines()) == 1
+    assert memory.read_text() == "no shapes"

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterable
+from pathlib import Path
 
 import pytest
 
@@ -87,3 +88,30 @@ def test_an_error_in_a_process_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(warm, "steps", lambda methods: [Step("one", lambda: None)] * 99)
     with pytest.raises(IndexError):
         warm._use_in_processes(2, ("dls",), warm._Lines(99))
+
+
+def test_the_store_is_shown_and_emptied(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    for name in ("a.1.code", "b.2.code", "0.begun", "lock"):
+        (tmp_path / name).write_bytes(b"x" * 1000)
+    monkeypatch.setattr(warm, "CACHE", tmp_path)
+    assert main(["warm", "--where"]) == 0
+    assert capsys.readouterr().out == f"{tmp_path}: 3 files, 0.0 MB\n"
+    assert main(["warm", "--clear"]) == 0
+    assert capsys.readouterr().out == f"2 compiled kernels removed from {tmp_path}\n"
+    assert [file.name for file in tmp_path.iterdir()] == ["lock"]
+    assert main(["warm", "--clear", "--where"]) == 2
+    assert "--where, --clear or --profile alone" in capsys.readouterr().err
+
+
+def test_what_takes_longest_is_shown_first(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    took: list[tuple[str, float]] = []
+    steps = [Step("one", lambda: took.extend([("a", 1.0), ("b", 2.5)]))]
+    monkeypatch.setattr(warm, "TOOK", took)
+    monkeypatch.setattr(warm, "steps", lambda methods: steps)
+    assert main(["warm", "--profile"]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[:2] == ["   2.50 s  b", "   1.00 s  a"]
+    assert said[2].startswith("   3.50 s  2 entries")
+    assert main(["warm", "--profile", "--method", "magic"]) == 2

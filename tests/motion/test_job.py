@@ -166,8 +166,8 @@ def test_results_that_do_not_fit_are_refused(tmp_path: Path) -> None:
 
 
 BAD = {
-    "3": "file: expected a problem, a robot, or a list of obstacles, got 3",
-    "": "file: expected a problem, a robot, or a list of obstacles, got None",
+    "3": "file: expected a problem, a robot, a list of obstacles, or a motion, got 3",
+    "": "file: expected a problem, a robot, a list of obstacles, or a motion, got None",
     "a: 1": "a: expected one of robot, scene",
     "segments: {length: 1, lenght: 2}": "segments.lenght: expected perhaps length",
     "[{spere: {}}]": "[0].spere: expected perhaps sphere",
@@ -215,7 +215,7 @@ def test_arguments_are_checked() -> None:
     refused("robot", lambda: sn.Job(3, TARGET))  # type: ignore[arg-type]
     refused("target", lambda: sn.Job(ROBOT), "missing")
     refused("target", lambda: sn.Job(ROBOT, TARGET, path=[TARGET]), "stands beside path")
-    refused("target[1]", lambda: sn.Job(ROBOT, [TARGET, 3]))  # type: ignore[list-item]
+    refused("target[1]", lambda: sn.Job(ROBOT, [TARGET, 3]))  # type: ignore[arg-type]
     refused("path[1]", lambda: sn.Job(ROBOT, path=[TARGET, 3]))  # type: ignore[list-item]
     refused("path", lambda: sn.Job(ROBOT, path=[]))
     refused("path", lambda: sn.Job(ROBOT, path=TARGET))  # type: ignore[arg-type]

@@ -116,7 +116,11 @@ def test_among_obstacles_that_stand_still_a_plan_may_have_times() -> None:
     ball = sn.Sphere((0, 3, 2.0), 0.3)
     motion = sn.plan(ROBOT, LEFT, RIGHT, [ball], begin=2.0, duration=3.0)
     assert motion.times[[0, -1]].tolist() == [2.0, 5.0]
-    refused("rates", lambda: sn.plan(ROBOT, LEFT, RIGHT, [ball], rates=RATES))
+    paced = sn.plan(ROBOT, LEFT, RIGHT, [ball], begin=2.0, rates=RATES)
+    assert paced.solved
+    assert paced.times[0] == 2.0
+    speeds = np.diff(paced.q, axis=0) / np.diff(paced.times)[:, None, None]
+    assert np.hypot(speeds[..., 0], speeds[..., 1]).max() == pytest.approx(RATES.bend)
 
 
 def test_what_is_wrong_is_refused() -> None:

@@ -142,7 +142,7 @@ def test_a_path_of_arrays_is_one_of_targets() -> None:
         np.testing.assert_array_equal(sn.track(ROBOT, scene=[BALL], **arrays).q, sn.track(ROBOT, targets, [BALL]).q)
     refused("directions", lambda: sn.track(ROBOT, positions=places, directions=up[:3]), "positions: 8")
     refused("positions[2]", lambda: sn.track(ROBOT, positions=[*places[:2], [0, 0, np.nan]]))
-    refused("targets[1]", lambda: sn.track(ROBOT, [CIRCLE[0], (0, 0, 1)]), "for positions use positions=")  # type: ignore[list-item]
+    refused("targets[1]", lambda: sn.track(ROBOT, [CIRCLE[0], (0, 1)]), "for positions use positions=")
     refused("positions", lambda: sn.track(ROBOT, CIRCLE, positions=places), "stands beside targets")
     refused("len(targets)", lambda: sn.track(ROBOT, positions=np.empty((0, 3))))
 

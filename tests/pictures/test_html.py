@@ -4,6 +4,7 @@ import base64
 import io
 import re
 import sys
+from html import escape as html_of
 
 import numpy as np
 import pytest
@@ -19,13 +20,17 @@ ROWS = {
     "Scene": ["obstacles", "sphere"],
     "Solution: solved": ["position error", "clearance", "effort"],
     "Motion: solved": ["waypoints", "between", "time", "effort"],
+    "Solutions": ["solved", "least clearance", "time of each"],
+    "Trajectory": ["duration", "phases", "between"],
 }
 
 
 @pytest.fixture(scope="module")
 def nouns() -> list[object]:
     track = sn.track(ROBOT, PATH, BALL)
-    return [ROBOT.changed(name="arm"), sn.Scene(BALL), track.solutions[0], track]
+    many = sn.Solver(ROBOT, BALL).solve_many(PATH)
+    timed = track.timed(sn.Rates(bend=1.0, length=1.0))
+    return [ROBOT.changed(name="arm"), sn.Scene(BALL), track.solutions[0], track, many, timed]
 
 
 def test_a_picture_and_a_table(nouns: list[object]) -> None:
@@ -62,6 +67,20 @@ def test_what_is_not_solved_says_why() -> None:
     text = html(sn.solve(ROBOT, sn.Target((0, 0, 9))))
     assert "out_of_reach" in text
     assert "because" in text
+
+
+def test_what_prints_itself_is_shown_so() -> None:
+    explanation = sn.solve(ROBOT, sn.Target((0, 0, 9))).explain()
+    text = explanation._repr_html_()
+    assert text is not None
+    assert "<img" not in text
+    assert html_of(str(explanation)) in text
+    found = sn.reach(ROBOT, spacing=0.5 * ROBOT.mean_length, directions=1)
+    text = found._repr_html_()
+    assert text is not None
+    assert html_of(str(found)) in text
+    assert "data:image/png" in text
+    assert len(text) < 200_000
 
 
 def test_an_empty_scene() -> None:

@@ -18,6 +18,7 @@ WRONG: dict[str, tuple[Any, ...]] = {
     "seed": (-1, 2**31, 0.5, "0", False, None),
     "routes": (0, 1, "yes", None),
     "without": ("hops", ("grown", "hops"), 7, None),
+    "memory": ("arm.npz", 7),
 }
 
 
@@ -38,6 +39,7 @@ def test_every_field_is_kept() -> None:
         "seed": 3,
         "routes": False,
         "without": ("gates",),
+        "memory": sn.Memory(ROBOT),
         "clearance": 0.5,
         "self_clearance": 0.25,
     }

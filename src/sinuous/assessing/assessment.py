@@ -99,7 +99,7 @@ class Assessment(ShortRepr):
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values."""
-        rows = [{"robot": row.robot, "task": row.task, "kind": row.kind, **row.done._asdict()} for row in self.rows]
+        rows = [{"robot": row.robot, "task": row.task, "kind": row.kind, **row.done.told()} for row in self.rows]
         return {"totals": [total._asdict() for total in self.totals], "rows": rows}
 
     def _shown(self) -> Iterator[str]:

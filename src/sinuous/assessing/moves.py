@@ -55,7 +55,8 @@ class Move(Frozen):
         duration = float(motion.times[-1] - motion.times[0]) if motion.solved else None
         worst = None if motion.worst is None else motion.worst.obstacle or motion.worst.constraint
         binds = binds_of(motion.solutions) or worst
-        return Done(str(motion.status), float(motion.solved), *proved, motion.seconds, duration, binds)
+        shapes = motion.q if motion.solved else None
+        return Done(str(motion.status), float(motion.solved), *proved, motion.seconds, duration, binds, shapes)
 
 
 def straight(robot: Robot) -> Floats:

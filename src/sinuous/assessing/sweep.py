@@ -6,11 +6,15 @@ from collections.abc import Iterable, Mapping
 from itertools import product
 from typing import Any
 
+from sinuous import checks
 from sinuous.errors import InputError, shown
 from sinuous.files.nouns import read_robot
 from sinuous.robot.robot import Robot
 
 MOST_ROBOTS = 100_000
+
+PLACES = ("base", "tool")
+"""Poses, which a robot file need not say."""
 
 
 def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]:
@@ -41,7 +45,7 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
     listed = {}
     for field, values in fields.items():
         if isinstance(values, str) or not isinstance(values, Iterable):
-            raise InputError(f"fields[{field!r}]", "", values, "a list of values")
+            raise InputError(f"[{field!r}]", "", values, "a list of values")
         listed[field] = list(values)
     count = 1
     for values in listed.values():
@@ -51,18 +55,26 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
     found = {}
     for values in product(*listed.values()):
         chosen = dict(zip(listed, values, strict=True))
-        found[", ".join(f"{field}={shown(value)}" for field, value in chosen.items())] = _changed(robot, chosen)
+        name = ", ".join(f"{field}={shown(value)}" for field, value in chosen.items())
+        found[name] = with_fields(robot, chosen, "fields")
     return found
 
 
-def _changed(robot: Robot, chosen: Mapping[str, Any]) -> Robot:
+def with_fields(robot: Robot, chosen: Mapping[str, Any], where: str) -> Robot:
+    """Return a robot with other values of some fields; `where` is what a refusal calls the mapping of them.
+
+    A field may be an element of a list: `base.position[2]`.
+
+    Raises
+    ------
+    InputError
+        When there is no such field, or a value is not what it should be.
+    """
     values = robot.to_dict()
-    for field, value in chosen.items():
-        _put(values, field, value)
-    try:
+    with checks.inside(where):
+        for field, value in chosen.items():
+            _put(values, field, value)
         return read_robot(values)
-    except InputError as error:
-        raise error.within("fields") from None
 
 
 def _put(values: dict[str, Any], field: str, value: Any) -> None:
@@ -76,7 +88,7 @@ def _put(values: dict[str, Any], field: str, value: Any) -> None:
         _set(values, [first, *rest], value, field)
         return
     if not rest:
-        raise InputError(f"fields[{field!r}]", "names no field", field, "segments.KEY")
+        raise InputError(f"[{field!r}]", "names no field", field, "segments.KEY")
     for entry in _entries(values) if match[1] is None else [_one(values, int(match[1]), field)]:
         _set(entry, rest, value, field)
 
@@ -94,17 +106,40 @@ def _one(values: dict[str, Any], index: int, field: str) -> dict[str, Any]:
         for _ in range(entry.get("count", 1))
     ]
     if index >= len(apart):
-        raise InputError(f"fields[{field!r}]", "there is no such segment", index, f"0 to {len(apart) - 1}")
+        raise InputError(f"[{field!r}]", "there is no such segment", index, f"0 to {len(apart) - 1}")
     values["segments"] = apart
     return apart[index]
 
 
 def _set(entry: dict[str, Any], path: list[str], value: Any, field: str) -> None:
     *outer, last = path
+    match = re.fullmatch(r"(\w+)\[(\d+)\]", last)
+    if match is not None:
+        _set_element(entry, outer, (match[1], int(match[2])), value, field)
+        return
     if last == "count" and not outer and "length" not in entry:
-        raise InputError(f"fields[{field!r}]", "is no field of it", value, "segments.count")
+        raise InputError(f"[{field!r}]", "is no field of it", value, "segments.count")
+    _inner(entry, outer, value, field)[last] = value
+
+
+def _inner(entry: dict[str, Any], outer: list[str], value: Any, field: str) -> dict[str, Any]:
+    """The mapping that a field stands in; a robot that stands or carries its tool nowhere special has those, too."""
     for key in outer:
+        if key in PLACES and key not in entry:
+            entry[key] = {}
         if not isinstance(entry.get(key), dict):
-            raise InputError(f"fields[{field!r}]", f"this robot has no {key}", value, "a field that is there")
+            raise InputError(f"[{field!r}]", f"this robot has no {key}", value, "a field that is there")
         entry = entry[key]
-    entry[last] = value
+    return entry
+
+
+def _set_element(entry: dict[str, Any], outer: list[str], last: tuple[str, int], value: Any, field: str) -> None:
+    """Set an element of a list: of a length that is one number, both ends are that."""
+    key, i = last
+    inner = _inner(entry, outer, value, field)
+    listed = inner.get(key, [0.0, 0.0, 0.0] if key == "position" else None)
+    if key == "length" and isinstance(listed, int | float):
+        listed = [listed, listed]
+    if not isinstance(listed, list) or i >= len(listed):
+        raise InputError(f"[{field!r}]", "is no element of it", value, "an element of a list that is there")
+    inner[key] = [*listed[:i], value, *listed[i + 1 :]]

@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
 from sinuous import checks
-from sinuous.arguments import Rows
+from sinuous.arguments import Number, Rows
+from sinuous.checks import Floats
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.frozen import Frozen
 from sinuous.motion.motion import Motion
@@ -34,6 +35,8 @@ class Done(NamedTuple):
         How long the motion takes; of a target nothing.
     binds : str or None
         What holds it back, or, where it is done, the limit of which least is left.
+    shapes : ndarray (k, n, 3) or None
+        The configurations of its answers, where it is done.
     """
 
     status: str
@@ -43,6 +46,11 @@ class Done(NamedTuple):
     seconds: float
     duration: float | None
     binds: str | None
+    shapes: Floats | None = None
+
+    def told(self) -> dict[str, Any]:
+        """All but the shapes, by name."""
+        return {key: value for key, value in self._asdict().items() if key != "shapes"}
 
 
 class Task(Protocol):
@@ -76,7 +84,8 @@ class Meet(Frozen):
         """Solve it."""
         found = solver.solve(self.targets)
         proved = found.clearance, found.self_clearance
-        return Done(str(found.status), float(found.solved), *proved, found.seconds, None, binds_of([found]))
+        shapes = found.q[None] if found.solved else None
+        return Done(str(found.status), float(found.solved), *proved, found.seconds, None, binds_of([found]), shapes)
 
 
 class Follow(Frozen):
@@ -95,11 +104,7 @@ class Follow(Frozen):
     start: Any
 
     def __init__(self, targets: Iterable[Targets], start: Rows | None = None) -> None:
-        if isinstance(targets, Target | str | bytes | Mapping) or not isinstance(targets, Iterable):
-            raise InputError("targets", "", targets, "a list of targets")
-        listed = tuple(target_list(f"targets[{i}]", each) for i, each in enumerate(targets))
-        if not listed:
-            raise InputError("targets", "", targets, "at least one target")
+        listed = waypoints(targets)
         self._set(targets=listed, start=None if start is None else checks.array("start", start, (None, 3)))
 
     def check(self, robot: Robot) -> None:
@@ -118,12 +123,66 @@ class Follow(Frozen):
         return done_of(motion, len(self.targets))
 
 
+class Cover(Frozen):
+    """Targets of which a share is to be met, each by itself.
+
+    Parameters
+    ----------
+    targets : iterable of Target or list of Target
+        The targets of a list are met at once.
+    share : float
+        How many of them have to be met for the task to be done, as a share.
+    """
+
+    kind = "set"
+    targets: tuple[tuple[Target, ...], ...]
+    share: float
+
+    def __init__(self, targets: Iterable[Targets], share: Number = 1.0) -> None:
+        listed = waypoints(targets)
+        self._set(targets=listed, share=checks.number("share", share, above=0.0, high=1.0))
+
+    def check(self, robot: Robot) -> None:
+        """Refuse a segment that the robot does not have."""
+        for i, targets in enumerate(self.targets):
+            with checks.inside(f"targets[{i}]"):
+                target_table(robot, targets)
+
+    def do(self, solver: Solver) -> Done:
+        """Solve each."""
+        found = solver.solve_many([list(targets) for targets in self.targets], workers=1)
+        solved = found[found.solved]
+        share = len(solved) / len(found)
+        status = "solved" if share >= self.share else str(found[~found.solved][0].status)
+        proved = (
+            _least(solved.clearance) if len(solver.scene) else None,
+            _least(solved.self_clearance) if solver.robot.avoids_itself else None,
+        )
+        shapes = solved.q if status == "solved" else None
+        return Done(status, share, *proved, float(found.seconds.sum()), None, binds_of(found), shapes)
+
+
+def _least(values: Floats) -> float | None:
+    return float(values.min()) if len(values) else None
+
+
+def waypoints(targets: Any) -> tuple[tuple[Target, ...], ...]:
+    """Check a list of targets, or of lists of targets that are to be met at once."""
+    if isinstance(targets, Target | str | bytes | Mapping) or not isinstance(targets, Iterable):
+        raise InputError("targets", "", targets, "a list of targets")
+    listed = tuple(target_list(f"targets[{i}]", each) for i, each in enumerate(targets))
+    if not listed:
+        raise InputError("targets", "", targets, "at least one target")
+    return listed
+
+
 def done_of(motion: Motion, count: int) -> Done:
     """What became of a motion with so many waypoints."""
     share = sum(solution.solved for solution in motion.solutions) / count
     duration = float(motion.times[-1] - motion.times[0]) if len(motion.times) > 1 else 0.0
     proved = motion.clearance, motion.self_clearance
-    return Done(str(motion.status), share, *proved, motion.seconds, duration, binds_of(motion.solutions))
+    shapes = motion.q if motion.solved else None
+    return Done(str(motion.status), share, *proved, motion.seconds, duration, binds_of(motion.solutions), shapes)
 
 
 def binds_of(solutions: Iterable[Solution]) -> str | None:
@@ -175,7 +234,10 @@ def _task(name: str, task: Any) -> Task:
         return own
     if type(task) not in OF_TYPES:
         raise InputError(
-            f"tasks[{name!r}]", "", task, "a Target, a list of them to be met at once, Follow(path), or Move(goal)"
+            f"tasks[{name!r}]",
+            "",
+            task,
+            "a Target, a list of them to be met at once, Follow(path), Cover(targets), or Move(goal)",
         )
     with checks.inside(f"tasks[{name!r}]"):
         return OF_TYPES[type(task)](task)

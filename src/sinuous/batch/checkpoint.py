@@ -158,7 +158,8 @@ def problem_record(robot: Robot, scene: Snapshot, options: SolveOptions) -> dict
         "version": f"{sinuous.__version__}, kernels {sources_hash()[:12]}",
         "robot": hash_of(json.dumps(robot.to_dict(), sort_keys=True).encode()),
         "scene": f"{len(scene)} obstacles, {hash_of(scene.group.tobytes(), repr(names).encode())}",
-        **{name: str(value) for name, value in vars(options).items()},
+        **{name: str(value) for name, value in vars(options).items() if name != "memory"},
+        "memory": "None" if options.memory is None else f"{len(options.memory)} shapes, {options.memory.fingerprint}",
     }
 
 

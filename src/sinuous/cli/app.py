@@ -15,6 +15,7 @@ from sinuous.cli.options import (
     UNSOLVED,
     BatchSolving,
     Clearance,
+    DesignSolving,
     Files,
     Json,
     MapSolving,
@@ -22,8 +23,9 @@ from sinuous.cli.options import (
     Output,
     Place,
     PlanSolving,
+    Remembering,
     SelfClearance,
-    Solving,
+    Timed,
     Workers,
     methods_like,
     read_demands,
@@ -44,7 +46,7 @@ app = typer.Typer(
 @with_groups
 def solve(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: Output,
     why: Annotated[
         bool, typer.Option("--why", help="Say why it ended so, and what would help; all of that is tried.")
@@ -69,8 +71,9 @@ def solve(
 @with_groups
 def track(
     files: Files,
-    solving: Solving,
+    solving: Remembering,
     output: MotionOutput,
+    timed: Timed,
     deviation: Annotated[
         float | None,
         typer.Option(metavar="LENGTH", help="How far the tip may be from the straight line between waypoints."),
@@ -79,7 +82,7 @@ def track(
     """Follow a path, each target from the last."""
     from sinuous.cli.work import track_files  # noqa: PLC0415
 
-    return track_files(files, solving, output, deviation)
+    return track_files(files, solving, output, timed, deviation)
 
 
 @app.command()
@@ -88,22 +91,17 @@ def plan(
     files: Files,
     solving: PlanSolving,
     output: MotionOutput,
+    timed: Timed,
     shortcuts: Annotated[
         int,
         typer.Option(metavar="COUNT", help="How many random places of the motion are tried to be joined directly."),
     ] = 0,
     begin: Annotated[float, typer.Option(metavar="TIME", help="When the motion begins, where obstacles move.")] = 0.0,
-    duration: Annotated[
-        float | None,
-        typer.Option(
-            metavar="TIME", help="How long the motion takes; by default 1 or, with rates, as short as is found."
-        ),
-    ] = None,
 ) -> int:
     """Plan a motion from a start to a target or goal, clear all the way."""
     from sinuous.cli.work import plan_files  # noqa: PLC0415
 
-    return plan_files(files, solving, output, shortcuts=shortcuts, begin=begin, duration=duration)
+    return plan_files(files, solving, output, timed, shortcuts=shortcuts, begin=begin)
 
 
 @app.command()
@@ -167,6 +165,22 @@ def check(files: Files, json: Json = False) -> int:
 
 
 @app.command()
+def calibrate(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, or a file with a robot.")],
+    measured: Annotated[str, typer.Argument(metavar="MEASURED.csv", help="Columns: actuators, and x,y,z.")],
+    fit: Annotated[str | None, typer.Option(help="What to fit, as base,offsets,stiffness; else it is chosen.")] = None,
+    unit: Annotated[float, typer.Option(help="Length units of the robot in one of the measurements.")] = 1.0,
+    out: Annotated[Path | None, typer.Option(metavar="ROBOT.yaml", help="Write the calibrated robot.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.png", help="Draw errors over rows and patterns.")] = None,
+    json: Json = False,
+) -> int:
+    """Fit a robot to measurements."""
+    from sinuous.cli.calibrate import calibrate_file  # noqa: PLC0415
+
+    return calibrate_file(file, measured, fit, unit, out, plot, json=json)
+
+
+@app.command()
 @with_groups
 def view(
     file: Annotated[str, typer.Argument(metavar="FILE", help="A problem file, YAML or JSON.", show_default=False)],
@@ -226,11 +240,50 @@ def warm(
         list[str] | None,
         typer.Option(help="Only what this method needs; may be repeated.", autocompletion=methods_like),
     ] = None,
+    where: Annotated[bool, typer.Option("--where", help="Say where compiled kernels are kept.")] = False,
+    clear: Annotated[bool, typer.Option("--clear", help="Remove what is compiled.")] = False,
+    profile: Annotated[bool, typer.Option("--profile", help="Print the seconds of what is compiled.")] = False,
 ) -> int:
     """Compile everything now, once on this machine."""
-    from sinuous.cli.warm import warm_up  # noqa: PLC0415
+    from sinuous.cli import warm as command  # noqa: PLC0415
 
-    return warm_up(method or ())
+    if where + clear + profile > 1 or (method and (where or clear)):
+        raise InputError("warm", "", "several options", "--where, --clear or --profile alone")
+    if where:
+        return command.show_store()
+    if clear:
+        return command.clear_store()
+    return command.profile(method or ()) if profile else command.warm_up(method or ())
+
+
+@app.command()
+@with_groups
+def design(
+    file: Annotated[str, typer.Argument(metavar="FILE", help="Robot, scene, tasks, and what is varied.")],
+    solving: DesignSolving,
+    minimise: Annotated[
+        str | None,
+        typer.Option(metavar="NAME[,NAME]", help="Instead of what the file says: actuators, length, bend, ..."),
+    ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(metavar="FIELD=LOW:HIGH", help="Or FIELD=VALUE,VALUE; beside those of the file; may be repeated."),
+    ] = None,
+    robots: Annotated[int | None, typer.Option(metavar="COUNT", help="Robots that are judged.")] = None,
+    budget: Annotated[float | None, typer.Option(metavar="SECONDS", help="Time for all of them.")] = None,
+    workers: Workers = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the best robot, as YAML or JSON; goes on if interrupted.")
+    ] = None,
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the front as a table.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE", help="Draw the front: .png, .svg, .pdf.")] = None,
+    json: Json = False,
+) -> int:
+    """Find the robot that does all tasks of a file and has the least of something."""
+    from sinuous.cli.design import Wishes, design_file  # noqa: PLC0415
+
+    wishes = Wishes(minimise, tuple(vary or ()), robots, budget, workers)
+    return design_file(file, solving, wishes, out, csv, plot, json=json)
 
 
 @app.callback(invoke_without_command=True)

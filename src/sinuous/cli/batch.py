@@ -6,20 +6,24 @@ from typing import Any
 import typer
 
 from sinuous.batch.solve import solve_batch
-from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, Solving, as_typed
+from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, BatchSolving, as_typed
 from sinuous.cli.reading import setting_of
 from sinuous.errors import InputError, UnfinishedError
 from sinuous.files.results import json_line
+from sinuous.solving.memory import Memory
 
 ENGINES = ("threads", "processes")
 
 
-def batch_file(file: str, targets: Path, out: Path, solving: Solving, run: dict[str, Any], *, json: bool) -> int:
+def batch_file(file: str, targets: Path, out: Path, solving: BatchSolving, run: dict[str, Any], *, json: bool) -> int:
     """Solve all rows of a table; return the exit code. `run` are arguments of `solve_batch` about the run."""
     solving.arguments()
     try:
-        with setting_of(file) as setting, as_typed("targets", "out", *run, *solving.demands):
+        with setting_of(file) as setting, as_typed("targets", "out", "memory", *run, *solving.demands):
             given = {**solving.arguments(setting.tolerance, setting.prefer), "initial": setting.start}
+            if solving.memory is not None:
+                with as_typed("memory"):
+                    given["memory"] = Memory.load(solving.memory).reading()
             found = solve_batch(setting.robot, targets, setting.scene, out, **given, **run, progress=True)
     except UnfinishedError as error:
         typer.echo(f"sinuous: {error}", err=True)

@@ -113,7 +113,20 @@ class Solving:
 
 
 @dataclass(frozen=True)
-class PlanSolving(Solving):
+class Remembering(Solving):
+    """How solves are done that begin from shapes of earlier ones."""
+
+    memory: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Shapes to begin from, of earlier commands; what is solved is added.",
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class PlanSolving(Remembering):
     """How a plan is solved."""
 
     time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one plan.")] = 5.0
@@ -124,6 +137,16 @@ class BatchSolving(Solving):
     """How each target of a batch is solved."""
 
     max_starts: MostStarts = 1000
+    memory: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; it is only read.")
+    ] = None
+
+
+@dataclass(frozen=True)
+class DesignSolving(Solving):
+    """How each target of a task is solved."""
+
+    max_starts: MostStarts = 24
 
 
 @dataclass(frozen=True)
@@ -195,6 +218,42 @@ class MotionOutput(Output):
             if self.csv is None:
                 raise InputError("--rate", "is for --csv", self.rate, "--csv FILE beside it")
         super().check(files)
+
+
+@dataclass(frozen=True)
+class Timed:
+    """In which times a motion is passed."""
+
+    duration: Annotated[
+        float | None,
+        typer.Option(metavar="TIME", help="How long the motion takes; by default 1, or as short as rates allow."),
+    ] = None
+    timed: Annotated[
+        bool, typer.Option("--timed", help="Pass the way as fast as rates and accelerations of the file allow.")
+    ] = False
+    blend: Annotated[
+        float | None,
+        typer.Option(metavar="LENGTH", help="With --timed: round corners by that much, instead of stopping in each."),
+    ] = None
+
+    def check(self) -> None:
+        """Refuse what cannot be meant.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        from sinuous import checks  # noqa: PLC0415
+
+        if self.duration is not None:
+            checks.number("--duration", self.duration, above=0.0)
+            if self.timed:
+                raise InputError("--duration", "stands beside --timed", self.duration, "one of --duration, --timed")
+        if self.blend is not None:
+            checks.number("--blend", self.blend, above=0.0)
+            if not self.timed:
+                raise InputError("--blend", "is for --timed", self.blend, "--timed beside it")
 
 
 def with_groups(command: Callable[..., int]) -> Callable[..., None]:

@@ -15,6 +15,9 @@ from sinuous.cli.options import INTERRUPTED, SOLVED
 from sinuous.cli.warm_steps import Step, steps
 from sinuous.errors import InputError
 from sinuous.kernels.compiling.pieces import Piece, told_to
+from sinuous.kernels.compiling.store import CACHE, clear, size_of
+from sinuous.kernels.compiling.targets import shipped
+from sinuous.kernels.compiling.tiers import TOOK, code_first
 from sinuous.methods.registry import METHODS
 from sinuous.progress import rich_progress
 from sinuous.solving.crew import cores
@@ -28,9 +31,7 @@ def warm_up(methods: Sequence[str]) -> int:
     InputError
         When there is no such method.
     """
-    for name in methods:
-        if name not in METHODS:
-            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
+    _check(methods)
     listed = steps(methods or METHODS)
     began = clock.perf_counter()
     shared = min(cores(), len(listed))
@@ -48,9 +49,43 @@ def warm_up(methods: Sequence[str]) -> int:
     return SOLVED
 
 
+def _check(methods: Sequence[str]) -> None:
+    for name in methods:
+        if name not in METHODS:
+            raise InputError("--method", "", name, "one of " + ", ".join(METHODS))
+
+
+def show_store() -> int:
+    """Say where compiled kernels are kept, how many they are, and what is shipped; return the exit code."""
+    count, size = size_of(CACHE)
+    typer.echo(f"{CACHE}: {count} files, {size / 1e6:.1f} MB")
+    for folder, _ in shipped():
+        typer.echo(f"{folder}: {size_of(folder)[0]} files, shipped")
+    return SOLVED
+
+
+def clear_store() -> int:
+    """Remove what is compiled; return the exit code."""
+    typer.echo(f"{clear(CACHE)} compiled kernels removed from {CACHE}")
+    return SOLVED
+
+
+def profile(methods: Sequence[str]) -> int:
+    """Compile what is missing, one after the other, and print how long each entry took; return the exit code."""
+    _check(methods)
+    with _shown(len(steps(methods or METHODS))) as shown:
+        _use_here(steps(methods or METHODS), shown)
+    for name, seconds in sorted(TOOK, key=lambda one: -one[1]):
+        typer.echo(f"{seconds:7.2f} s  {name}")
+    typer.echo(
+        f"{sum(seconds for _, seconds in TOOK):7.2f} s  {len(TOOK)} entries; kernels count where they came first"
+    )
+    return SOLVED
+
+
 def _use_here(listed: list[Step], shown: "_Lines") -> None:
     """Take one step after the other."""
-    with told_to(shown.compiling):
+    with code_first(), told_to(shown.compiling):
         for step in listed:
             shown.begin(step)
             step.use()
@@ -91,7 +126,7 @@ def _begin(said: Any) -> None:
 
 def _use(methods: tuple[str, ...], i: int) -> None:
     """Take a step in a process of the pool."""
-    with told_to(_tell[-1]):
+    with code_first(), told_to(_tell[-1]):
         steps(methods)[i].use()
 
 

@@ -2,29 +2,43 @@
 
 import time as clock
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import typer
 
 from sinuous import checks
+from sinuous.checks import Floats
 from sinuous.cli.answers import Alternatives, Answer, Answers, read_solution, write_solution
 from sinuous.cli.journal import Journal, record_of
-from sinuous.cli.options import INTERRUPTED, SOLVED, UNSOLVED, MotionOutput, Output, Solving
+from sinuous.cli.options import (
+    INTERRUPTED,
+    SOLVED,
+    UNSOLVED,
+    MotionOutput,
+    Output,
+    Remembering,
+    Timed,
+    as_typed,
+    check_writable,
+)
 from sinuous.cli.reading import Read, read_all, say_notes
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
-from sinuous.motion.job import motion_of, rates_in_time
+from sinuous.motion.job import motion_of
 from sinuous.motion.knots import Entry, read_entry, write_entry
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import MOST_SHORTCUTS, Planner
-from sinuous.motion.track import tracker_of
+from sinuous.motion.track import Pace, tracker_of
 from sinuous.motion.tracker import Tracker
 from sinuous.progress import ProgressBar
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
+from sinuous.solving.memory import Memory
 from sinuous.solving.several import KINDS, Kind
 from sinuous.solving.solver import Solver
 
@@ -39,7 +53,7 @@ Find = Callable[[Any, ProblemFile, Journal, Callable[[], None]], Answer]
 
 
 def solve_files(
-    files: list[str], solving: Solving, output: Output, why: bool, count: int | None, by: str | None
+    files: list[str], solving: Remembering, output: Output, why: bool, count: int | None, by: str | None
 ) -> int:
     """Solve the target of every file, or find up to `count` solutions by route or shape; return the exit code."""
     solving.arguments()
@@ -63,49 +77,82 @@ def solve_files(
     return _answer_all(read, solving, output, prepare, find, {"all": count, "by": by}, why)
 
 
-def track_files(files: list[str], solving: Solving, output: MotionOutput, deviation: float | None) -> int:
+def track_files(
+    files: list[str], solving: Remembering, output: MotionOutput, timed: Timed, deviation: float | None
+) -> int:
     """Follow the path of every file; a single target is a path of one waypoint. Return the exit code."""
     solving.arguments()
     output.check(files)
     if deviation is not None:
         checks.number("--deviation", deviation, above=0.0)
+    timed.check()
     read = read_all(files, solving.demands)
     for one in read:
         _refuse(one.problem, "goal")
+        _check_timed(one.problem, timed)
+        if timed.duration is not None and one.problem.times is not None:
+            raise InputError("--duration", "stands beside times", timed.duration, "one of both", one.problem.file)
 
     def prepare(problem: ProblemFile, **options: Any) -> Tracker:
         options["prefer"] = problem.prefer or None  # without any, those of `track`
-        own: dict[str, Any] = {"start": problem.start, "times": problem.times, "deviation": deviation}
+        times = _paces(problem, timed)[1]
+        own: dict[str, Any] = {"start": problem.start, "times": times, "deviation": deviation}
         return tracker_of(problem.robot, len(problem.waypoints), problem.scene, **own, **options)
 
-    return _answer_all(read, solving, output, prepare, _track, {"deviation": deviation})
+    _say_nominal(read, output)
+    find = partial(_track, timed)
+    return _answer_all(read, solving, output, prepare, find, {"deviation": deviation, **vars(timed)})
 
 
 def plan_files(
-    files: list[str], solving: Solving, output: MotionOutput, *, shortcuts: int, begin: float, duration: float | None
+    files: list[str], solving: Remembering, output: MotionOutput, timed: Timed, *, shortcuts: int, begin: float
 ) -> int:
     """Plan the motion that every file asks for; return the exit code."""
     solving.arguments()
     output.check(files)
     checks.integer("--shortcuts", shortcuts, 0, MOST_SHORTCUTS)
     checks.number("--begin", begin)
-    if duration is not None:
-        checks.number("--duration", duration, above=0.0)
+    timed.check()
     read = read_all(files, solving.demands)
     for problem in (one.problem for one in read):
         _refuse(problem, "path")
+        _check_timed(problem, timed)
         if problem.start is None:
             raise InputError("start", "missing", None, "where the motion begins", problem.file)
         if problem.goal is not None:
             with checks.in_file(problem.file):
                 check_limits(problem.robot, "goal", problem.goal)
-    typed: dict[str, Any] = {"shortcuts": shortcuts, "begin": begin, "duration": duration}
+    typed: dict[str, Any] = {"shortcuts": shortcuts, "begin": begin, "duration": timed.duration}
 
     def prepare(problem: ProblemFile, **options: Any) -> Planner:
         with checks.in_file(problem.file):
-            return Planner(problem.robot, problem.scene, rates=rates_in_time(problem), **typed, **options)
+            return Planner(problem.robot, problem.scene, rates=problem.rates or None, **typed, **options)
 
-    return _answer_all(read, solving, output, prepare, _plan, typed)
+    _say_nominal(read, output)
+    find = partial(_plan, timed)
+    return _answer_all(read, solving, output, prepare, find, typed | vars(timed))
+
+
+def _check_timed(problem: ProblemFile, timed: Timed) -> None:
+    """Refuse `--timed` where nothing says how fast the robot may be, or obstacles move."""
+    if timed.timed and not problem.rates:
+        raise InputError("rates", "missing, beside --timed", None, "how fast the robot may be", problem.file)
+    if timed.timed and problem.scene.snapshot().moves:
+        raise InputError("--timed", "obstacles move", True, "rates alone, which are kept in any case", problem.file)
+
+
+def _paces(problem: ProblemFile, timed: Timed) -> tuple[Pace, Floats | None]:
+    """How fast the path of a file is followed, and the times of its waypoints where they have any."""
+    pace = Pace.of(problem.robot, problem.rates, timed.duration, problem.times)
+    own = pace.waypoints(len(problem.waypoints), problem.start is not None)
+    return pace, own if problem.times is None else problem.times
+
+
+def _say_nominal(read: list[Read], output: MotionOutput) -> None:
+    """Say of tables for motors that nothing says how fast these are, so that times in them are nominal."""
+    for problem in (one.problem for one in read if output.csv is not None):
+        if problem.robot.actuators and not problem.rates and problem.times is None:
+            say_notes({problem.file: ("no rates: the times of --csv are nominal, not those that motors need",)})
 
 
 def _refuse(problem: ProblemFile, *kinds: str) -> None:
@@ -123,7 +170,7 @@ def _refuse(problem: ProblemFile, *kinds: str) -> None:
 
 def _answer_all(
     read: list[Read],
-    solving: Solving,
+    solving: Remembering,
     output: Output,
     prepare: Prepare,
     find: Find,
@@ -138,14 +185,14 @@ def _answer_all(
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     record = {} if output.file is None else record_of(problems, solving, typed)
-    with Journal(output.file, record) as journal:
+    with Journal(output.file, record) as journal, _remembered(solving.memory, problems) as memory:
         say_notes({problem.file: problem.notes for problem in problems})
         try:
-            ahead = 0.0 if len(read) == 1 else _compile(problems, solving, prepare)
+            ahead = 0.0 if len(read) == 1 else _compile(problems, solving, prepare, memory)
             with Answers(output, len(read)) as answers, ProgressBar(total) as bar:
                 for one in read:
                     with bar.hidden():
-                        prepared, seconds = _prepare(one.problem, solving, prepare)
+                        prepared, seconds = _prepare(one.problem, solving, prepare, memory)
                     found = find(prepared, one.problem, journal, bar.advance)
                     with bar.hidden():
                         answers.write(one.problem.file, found, one.seconds + seconds + ahead, why)
@@ -164,17 +211,34 @@ def _answer_all(
     return SOLVED if solved == len(read) else UNSOLVED
 
 
-def _compile(problems: list[ProblemFile], solving: Solving, prepare: Prepare) -> float:
+@contextmanager
+def _remembered(file: Path | None, problems: list[ProblemFile]) -> Iterator[Memory | None]:
+    """Yield the shapes of a file, or a new memory where it is not there; in the end, write what is kept then."""
+    if file is None:
+        yield None
+        return
+    with as_typed("memory"):
+        memory = Memory.load(file) if file.exists() else Memory(problems[0].robot)
+        for problem in problems:
+            memory.check(problem.robot)
+    check_writable("--memory", file, [problem.file for problem in problems])
+    try:
+        yield memory
+    finally:
+        memory.save(file)
+
+
+def _compile(problems: list[ProblemFile], solving: Remembering, prepare: Prepare, memory: Memory | None) -> float:
     """Compile what any of several problems needs, before the first is answered; return the seconds that it took."""
     kinds = {(len(problem.scene) > 0, bool(problem.prefer)): problem for problem in problems}
-    return sum(_prepare(problem, solving, prepare)[1] for problem in kinds.values())
+    return sum(_prepare(problem, solving, prepare, memory)[1] for problem in kinds.values())
 
 
-def _prepare(problem: ProblemFile, solving: Solving, prepare: Prepare) -> tuple[Any, float]:
+def _prepare(problem: ProblemFile, solving: Remembering, prepare: Prepare, memory: Memory | None) -> tuple[Any, float]:
     began = clock.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SuspiciousInput)  # the notes say it
-        prepared = prepare(problem, **solving.arguments(problem.tolerance, problem.prefer))
+        prepared = prepare(problem, **{**solving.arguments(problem.tolerance, problem.prefer), "memory": memory})
     return prepared, clock.perf_counter() - began
 
 
@@ -221,7 +285,9 @@ def _solve_all(
     return answer
 
 
-def _plan(planner: Planner, problem: ProblemFile, journal: Journal, advance: Callable[[], None]) -> Motion:
+def _plan(
+    timed: Timed, planner: Planner, problem: ProblemFile, journal: Journal, advance: Callable[[], None]
+) -> Motion:
     """Plan the motion, or return the one that is in the journal."""
     assert problem.start is not None
     kept: list[Motion] = _read(journal, partial(motion_of, problem))
@@ -229,10 +295,12 @@ def _plan(planner: Planner, problem: ProblemFile, journal: Journal, advance: Cal
     if not kept:
         journal.add(motion.to_dict)
     advance()
-    return motion
+    return _in_time(motion, problem, timed)
 
 
-def _track(tracker: Tracker, problem: ProblemFile, journal: Journal, advance: Callable[[], None]) -> Motion:
+def _track(
+    timed: Timed, tracker: Tracker, problem: ProblemFile, journal: Journal, advance: Callable[[], None]
+) -> Motion:
     """Follow the path, on from where the journal ends; when interrupted, return what is there."""
     count = len(problem.waypoints)
     kept: list[Entry] = _read(journal, lambda values: read_entry(values, len(problem.robot)))
@@ -248,7 +316,16 @@ def _track(tracker: Tracker, problem: ProblemFile, journal: Journal, advance: Ca
     except KeyboardInterrupt:
         if tracker.tried in (0, count):
             raise
-    return tracker.motion(count - tracker.tried, problem.times)
+    pace, times = _paces(problem, timed)
+    return _in_time(pace.kept(tracker.motion(count - tracker.tried, times)), problem, timed)
+
+
+def _in_time(motion: Motion, problem: ProblemFile, timed: Timed) -> Motion:
+    """Pass a motion as fast as rates and accelerations allow, where that is asked for."""
+    if not timed.timed or len(motion.q) < 2:
+        return motion
+    with checks.in_file(problem.file):
+        return motion.timed(problem.rates, timed.blend or 0.0).as_motion()
 
 
 def _read(journal: Journal, read: Callable[[dict[str, Any]], Any]) -> list[Any]:

@@ -20,6 +20,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
+from sinuous.statics.equilibrium import Equilibrium
 
 Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | ProblemFile | Solution | Motion | Floats
 Things = Thing | Sequence[Thing | Sequence[Thing]]
@@ -28,7 +29,10 @@ Things = Thing | Sequence[Thing | Sequence[Thing]]
 MOST_ARMS = 100
 """Robots in a picture."""
 
-EXPECTED = "a robot, scene, obstacle, target, problem, solution or motion, or a list of them"
+FORCE_LENGTH = 0.25
+"""Length of the line of the largest force, in lengths of the robot."""
+
+EXPECTED = "a robot, scene, obstacle, target, problem, solution, equilibrium or motion, or a list of them"
 
 
 class Arm(NamedTuple):
@@ -205,6 +209,8 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
         contents.add_obstacles(thing.obstacles)
     elif isinstance(thing, Solution):
         _add_solution(contents, thing)
+    elif isinstance(thing, Equilibrium):
+        _add_shape(contents, thing)
     elif isinstance(thing, Motion):
         _add_motion(contents, thing)
     elif isinstance(thing, Problem):
@@ -228,13 +234,26 @@ def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: It
 
 def _add_solution(contents: Contents, solution: Solution) -> None:
     arm = Arm(solution.problem.robot, solution.q, solution.solved)
-    contents.arms.append(arm)
+    if arm.robot.hangs:
+        _add_shape(contents, arm.robot.shape(arm.q), solution.solved)
+    else:
+        contents.arms.append(arm)
     contents.answers.append(solution)
     contents.add_obstacles(solution.problem.scene.obstacles)
     if solution.route is not None:
         contents.routes.append(solution.route)
     for target in solution.problem.targets:
         contents.add_target(target, arm)
+
+
+def _add_shape(contents: Contents, shape: Equilibrium, solved: bool = True) -> None:
+    """Take the body under load, the one without, and the forces as lines that end where they act."""
+    contents.arms += [Arm(shape.body, shape.arcs, solved), Arm(shape.robot, shape.q, solved)]
+    forces = list(shape.forces())
+    largest = max((float(np.linalg.norm(force)) for _, force in forces), default=0.0)
+    for place, force in forces:
+        if largest > 0.0:
+            contents.paths.append(np.stack([place - force * (FORCE_LENGTH * shape.robot.mean_length / largest), place]))
 
 
 def _add_motion(contents: Contents, motion: Motion) -> None:

@@ -18,9 +18,11 @@ from sinuous.files.text import read_text
 from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
+from sinuous.robot.loads import Payload
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 from sinuous.robot.segment import Segment
 from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.grids import Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.moving import Course, Moving
@@ -58,35 +60,55 @@ MOVING = "moving"
 TRAJECTORY_COLUMNS = "t,x,y,z or t,x,y,z,qw,qx,qy,qz or t,x,y,z,qx,qy,qz,qw"
 """Columns that the table of a trajectory may have."""
 
+SHARED = ("radius", "stiffness", "mass", "arcs")
+"""Keys of a robot that stand for those of its segments."""
+
 VECTORS = {"position", "direction", "rotation", "xyzw"}
 """Keys of a target that hold numbers in a list."""
 
 
 def read_robot(value: Any) -> Robot:
-    """Read the mapping of a robot; its `radius` is that of every segment that has none of its own."""
+    """Read the mapping of a robot; what is in `SHARED` is that of every segment that has none of its own."""
     entries = known_entries(value, keys_of(Robot)[0], ["segments"])
-    radius = checks.number("radius", entries.pop("radius", 0.0), low=0.0)
+    shared = {key: entries.pop(key) for key in SHARED if entries.get(key) is not None}
+    checks.number("radius", shared.setdefault("radius", 0.0), low=0.0)
     with checks.inside("segments"):
-        entries["segments"] = _read_segments(entries["segments"], radius)
+        entries["segments"] = _read_segments(entries["segments"], shared)
     read_pose = partial(make, pose)
-    return make(Robot, entries, {"base": read_pose, "tool": read_pose, "actuators": partial(make, Actuators)})
+    parts: dict[str, Callable[[Any], Any]] = {
+        "base": read_pose,
+        "tool": read_pose,
+        "actuators": partial(make, Actuators),
+        "payload": _read_payload,
+        "uncertainty": partial(make, Uncertainty),
+    }
+    return make(Robot, entries, parts)
 
 
-def _read_segments(value: Any, radius: float) -> list[Segment]:
+def _read_payload(value: Any) -> list[Payload]:
+    listed = value if isinstance(value, list) else [value]
+    result = []
+    for i, entry in enumerate(listed):
+        with checks.inside(f"[{i}]" if isinstance(value, list) else ""):
+            result.append(make(Payload, entry))
+    return result
+
+
+def _read_segments(value: Any, shared: dict[str, Any]) -> list[Segment]:
     if isinstance(value, dict):
-        return _read_equal_segments(value, radius)
+        return _read_equal_segments(value, shared)
     segments: list[Segment] = []
     for i, entry in enumerate(_list_of("segments", value)):
         with checks.inside(f"[{i}]"):
-            segments += _read_equal_segments(entry, radius)
+            segments += _read_equal_segments(entry, shared)
         if len(segments) > MOST_SEGMENTS:
             raise InputError("", "", len(segments), f"at most {MOST_SEGMENTS} segments in all")
     return segments
 
 
-def _read_equal_segments(value: Any, radius: float) -> list[Segment]:
+def _read_equal_segments(value: Any, shared: dict[str, Any]) -> list[Segment]:
     keys, required = keys_of(Segment)
-    entries = {"radius": radius} | known_entries(value, ("count", *keys), required)
+    entries = shared | known_entries(value, ("count", *keys), required)
     count = checks.integer("count", entries.pop("count", 1), 1, MOST_SEGMENTS)
     parts: dict[str, Callable[[Any], Any]] = {key: partial(make, noun) for key, noun in DRIVES.items()}
     parts["stiffness"] = lambda own: make(Stiffness, own) if isinstance(own, dict) else own

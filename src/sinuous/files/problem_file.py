@@ -251,7 +251,7 @@ def problem_of(value: Any, file: str, kind: type[Kind]) -> Kind:
     entries = known_entries(value, KEYS, ["robot"])
     folder = Path(file).parent
     robot, scene = read_place(entries, folder)
-    question = _read_question(entries, robot, folder)
+    question = read_question(entries, robot, folder)
     return kind(
         robot,
         scene=scene,
@@ -293,7 +293,7 @@ def _listed(robot: Robot, path: Any, key: str) -> tuple[tuple[Target, ...], ...]
     return tuple(result)
 
 
-def _read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[str, Any]:
+def read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[str, Any]:
     """What is asked, as an argument of a problem."""
     expected = "one of " + ", ".join(QUESTIONS)
     asked = [key for key in QUESTIONS if key in entries]

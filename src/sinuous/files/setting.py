@@ -49,10 +49,11 @@ def read_setting(file: str | Path) -> Setting:
         As `read_problem`.
     """
     with checks.in_file(file):
-        return _setting_of(read_values(file), Path(file).parent)
+        return setting_of_values(read_values(file), Path(file).parent)
 
 
-def _setting_of(value: Any, folder: Path) -> Setting:
+def setting_of_values(value: Any, folder: Path) -> Setting:
+    """Make a setting of what its file says; names of files in it are relative to `folder`."""
     if not isinstance(value, dict):
         raise InputError("file", "", value, "a robot, or a mapping with " + ", ".join(KEYS))
     entries: dict[str, Any] = {}

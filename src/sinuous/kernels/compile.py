@@ -6,7 +6,7 @@ what is compiled for it when it meets it.
 """
 
 import functools
-import os
+import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from types import FunctionType
@@ -22,16 +22,11 @@ from numba.extending import typeof_impl
 from sinuous.gc_pause import gc_paused
 from sinuous.kernels.compiling import once
 from sinuous.kernels.compiling.interpreting import IN_PLACE_OF, interpret, plain, written
-from sinuous.kernels.compiling.pieces import telling
 from sinuous.kernels.compiling.store import KERNELS, Store
+from sinuous.kernels.compiling.tiers import MODE, tiered
 from sinuous.work_time import counting_looks, no_work
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-
-MODES = ("auto", "compiled", "interpreted")
-MODE = os.environ.get("SINUOUS_KERNELS", "auto")
-if MODE not in MODES:
-    raise ValueError(f"SINUOUS_KERNELS: expected one of {', '.join(MODES)}, got {MODE!r}")
 
 # Raise `VERSION` in `compiling/sources` with these: their text does not count for what is kept.
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}, "_nrt": False}
@@ -108,7 +103,7 @@ def _entry(function: Any, file: str | None = None) -> Any:
     compiled = _stored(_original(function), "entry", once.Whole, {"no_cfunc_wrapper": True}, file)
     compiled.interpreted = interpreted(function)
     _functions.append(function)
-    return telling(compiled)
+    return tiered(compiled, compiled.interpreted)
 
 
 def _inner(function: Any, original: Any, options: dict[str, Any]) -> Any:
@@ -122,13 +117,15 @@ def _inner(function: Any, original: Any, options: dict[str, Any]) -> Any:
 
 
 def interpreted(function: Any) -> Any:
-    """Let Python call a kernel as what it is."""
+    """Let Python call a kernel as what it is; `most` seconds on the wall, see `work_time.counting_looks`."""
 
     @functools.wraps(function)
-    def call(*arguments: Any) -> Any:
-        interpret(_functions)
-        _functions.clear()
-        with np.errstate(all="ignore"), counting_looks():
+    def call(*arguments: Any, most: float = math.inf) -> Any:
+        if _functions:
+            with no_work():
+                interpret(_functions)
+            _functions.clear()
+        with np.errstate(all="ignore"), counting_looks(most):
             return plain(function(*arguments))
 
     return call

@@ -191,10 +191,10 @@ there is none for any body of this radius, whatever its tangents."""
 SOLVED, UNPROVED, FAILED, LATE, OUT_OF_REACH, TARGET_BLOCKED, BASE_BLOCKED, NO_ROUTE, RATE_BOUND = range(9)
 """How a search ended. From OUT_OF_REACH to NO_ROUTE: proved impossible. RATE_BOUND: out of reach in one tick."""
 
-GIVEN, ARC, RANDOM, ROUTE = range(4)
+GIVEN, ARC, RANDOM, ROUTE, REMEMBERED = range(5)
 """Sources of starts."""
 
-SOURCES = ("given", "arc", "random", "route")
+SOURCES = ("given", "arc", "random", "route", "remembered")
 """Their names, in the same order."""
 
 CODE, ITERATIONS, STARTS, SOURCE, POSITION_ERROR, ANGLE_ERROR, CLEARANCE, SELF_CLEARANCE, BOUND, MERIT, SECONDS = range(

@@ -9,16 +9,34 @@ from sinuous.checks import Floats
 from sinuous.kernels.solve.preferences import prefer
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
+from sinuous.kernels.tables import CODE, FAILED, GIVEN, MAX_ITERATIONS, SOLVED, Budget, Outcome
 from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem
+from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
+
+GRAZING, ROOM = 0.02, 0.1
+"""Clearance below which an answer is in contact, although nobody wished for that, and the one that it is then given,
+where it costs nothing; in radii of the thinnest part of the body that has one, beyond what is demanded."""
+
+THIN = 0.01
+"""What counts as the radius of a body that has none, in mean lengths of the robot."""
+
+NEARLY_GRAZING = 1.2 * GRAZING
+"""Clearance up to which an answer beside it may be in contact: what is proved is less by up to a tenth."""
+
+STEPS = 6
+"""Most steps out of contact."""
+
+
+def thinnest(robot: Robot) -> float:
+    """Radius of the thinnest part of a body that has one."""
+    return min((each for each in robot.radii if each > 0.0), default=THIN * robot.mean_length)
 
 
 @dataclass(frozen=True, repr=False)
@@ -57,11 +75,29 @@ class PreparedNewton(Prepared):
     def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
         self._shape = self._segments, 3
+        self._away, self._loaded = self._settings, False
+        if not self._preferences:
+            radius = thinnest(robot)
+            self.grazing, room = GRAZING * radius, Preferences(clearance=ROOM * radius + robot.least_demanded[0])
+            self._away = settings_group(robot, tolerance, room)
+            self._away[MAX_ITERATIONS] = STEPS
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene, tolerance)
         outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
         if self._preferences:
             outcome.q[:] = 0.0
             self._prefer(outcome, nowhere.scene, nowhere._rows, None, 0.0)
+
+    def load_room(self, problem: Problem) -> None:
+        """Compile what leads out of contact; see `Prepared.load_room`."""
+        if self._loaded:
+            return
+        straight = Outcome(np.zeros(self._shape), FAILED, 0, 0, GIVEN, 0.0, 0.0, 0.0, 0.0, False, 0.0, 0.0)
+        self._prefer(straight, problem.scene, problem._rows, None, 0.0)
+        self._loaded = True
+
+    def take_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Move a solution away from what it touches; see `Prepared.take_room`."""
+        return self._prefer(outcome, problem.scene, problem._rows, None, seconds)
 
     def _scene_group(self, scene: Snapshot) -> Floats | None:
         """Nothing where there are no obstacles: entries of their own, which compile faster, look at none."""
@@ -81,20 +117,26 @@ class PreparedNewton(Prepared):
         arguments = self._arguments(problem, initial, budget)
         outcome = self._within_tensions(Outcome(arguments[-1], *search(*arguments)))
         if self._preferences and outcome.code == SOLVED and not self._preferences.satisfied(outcome.clearance):
-            if reference is None and len(initial):
-                reference = initial[0]
             left = budget[3] - outcome.seconds
             return self._within_tensions(self._prefer(outcome, problem.scene, problem._rows, reference, left))
         return outcome
 
-    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+    def run_many(
+        self,
+        scene: Snapshot,
+        rows: Floats,
+        initial: Floats,
+        budget: Budget,
+        answers: Floats,
+        references: Floats | None = None,
+    ) -> None:
         """Solve many problems; see `Prepared.run_many`."""
         super().run_many(scene, rows, initial, budget, answers)
         for i in np.flatnonzero(answers[:, CODE] == SOLVED).tolist() if self._preferences else ():
             outcome = as_outcomes(answers[i : i + 1])[0]
             if self._preferences.satisfied(outcome.clearance):
                 continue
-            reference = initial[i, 0] if initial.shape[1] else None
+            reference = None if references is None else references[i]
             better = self._prefer(outcome, scene, rows[i], reference, budget[3] - outcome.seconds)
             self._within_tensions(better).write(answers[i])
 
@@ -103,12 +145,12 @@ class PreparedNewton(Prepared):
     ) -> Outcome:
         """Improve a solved outcome, in place, by what is preferred.
 
-        `rows` (t, 15) are the targets; `reference` (n, 3) is what to stay close to; `seconds` are what the search left
-        of the budget.
+        What is preferred where nothing is, is room. `rows` (t, 15) are the targets; `reference` (n, 3) is what to stay
+        close to; `seconds` are what the search left of the budget.
         """
         near = outcome.q.copy() if reference is None else np.array(reference)
         proved = outcome.position_error, outcome.angle_error, outcome.clearance, outcome.self_clearance, seconds
-        groups = self._robot, self._scene_group(scene), self._settings, rows
+        groups = self._robot, self._scene_group(scene), self._away, rows
         used, *better = prefer(*groups, near, proved, self._workspace(len(rows)), outcome.q)
         position_error, angle_error, clearance, self_clearance, spent = better
         return outcome._replace(

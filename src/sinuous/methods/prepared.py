@@ -1,5 +1,6 @@
 """A method that is prepared for a robot: its whole solve is one compiled call, with a workspace for each thread."""
 
+import math
 import threading
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -63,7 +64,15 @@ class Prepared:
     scene : Scene
     tolerance : Tolerance
     preferences : Preferences
+
+    Attributes
+    ----------
+    grazing : float
+        Clearance, beyond what is demanded, below which a solution is in contact and should be moved away from it, see
+        `take_room`; a method that cannot do that has none.
     """
+
+    grazing = -math.inf
 
     def __init__(
         self,
@@ -98,8 +107,8 @@ class Prepared:
         """Solve a problem from the configurations `initial` (g, n, 3), then from own starts.
 
         `budget` holds the numbers of the own starts to try, from the first up to, without it, the last; a seed; and
-        seconds. `reference` (n, 3) is what preferences mean by the initial configuration; by default the first of
-        `initial`. The run ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
+        seconds. `reference` (n, 3) is what preferences mean by the initial configuration, where there is one. The run
+        ends at the first start that is solved; `Outcome.starts` is 0 when the method has no starts
         of these numbers.
         """
         call = self.build(problem, initial, budget)
@@ -112,11 +121,20 @@ class Prepared:
             return outcome._replace(code=FAILED)
         return outcome
 
-    def run_many(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
+    def run_many(
+        self,
+        scene: Snapshot,
+        rows: Floats,
+        initial: Floats,
+        budget: Budget,
+        answers: Floats,
+        references: Floats | None = None,
+    ) -> None:
         """Solve m problems in one scene as `run` does one; may run in many threads at once.
 
         `rows` (m, t, 15) are the targets of each and `initial` (m, g, n, 3) its initial configurations, as kernels take
-        them: writable, and in the order of C. Fills `answers` (m, 11 + 3 n).
+        them: writable, and in the order of C. `references` (m, n, 3) are what preferences mean by the initial
+        configurations. Fills `answers` (m, 11 + 3 n).
         """
         if not self._capabilities.any_target:
             for each in rows:
@@ -125,6 +143,13 @@ class Prepared:
         if self._bounded and len(answers):
             held = self._own_robot.within_tensions(answers[:, RECORD_WIDTH:].reshape(len(answers), -1, 3))
             answers[(answers[:, CODE] == SOLVED) & ~held, CODE] = FAILED
+
+    def load_room(self, problem: Problem) -> None:
+        """Compile what `take_room` needs, or load it, where that is not done yet."""
+
+    def take_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Move a solution away from what it touches, as far as that is cheap; it stays solved and proved."""
+        return outcome
 
     def _search(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
         call = self._call(scene, rows, initial, budget, answers)

@@ -5,16 +5,16 @@ from typing import Any, TypeVar, Unpack, overload
 
 from sinuous import checks
 from sinuous.errors import InputError
+from sinuous.files.build import known_entries
 from sinuous.files.documents import read_values
-from sinuous.files.nouns import read_robot, read_scene
+from sinuous.files.nouns import read_place, read_robot, read_scene
 from sinuous.files.problem_file import ProblemFile, problem_of
 from sinuous.files.results import read_results
 from sinuous.gc_pause import gc_paused
 from sinuous.motion import report
 from sinuous.motion.motion import Motion
 from sinuous.motion.plan import PlanArguments, plan
-from sinuous.motion.track import track
-from sinuous.robot.rates import Rates
+from sinuous.motion.track import TimedArguments, track
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
@@ -43,7 +43,7 @@ class Job(ProblemFile):
         self._refuse("path", "goal")
         return Solver.once(self.robot, self.scene, **self._options(options)).solve(self.waypoints[0], self.start)
 
-    def track(self, **options: Unpack[SolveArguments]) -> Motion:
+    def track(self, **options: Unpack[TimedArguments]) -> Motion:
         """Follow the path, each target from the last; a single target is a path of one. `options` as for `track`.
 
         Raises
@@ -52,9 +52,10 @@ class Job(ProblemFile):
             When it speaks of a goal, or an option is not what it should be.
         """
         self._refuse("goal")
-        given = self._options(options)
-        if not self.prefer and "prefer" not in options:
-            del given["prefer"]
+        asked: TimedArguments = {"tolerance": self.tolerance, "rates": self.rates or None}
+        if self.prefer:
+            asked["prefer"] = self.prefer
+        given: TimedArguments = {**asked, **options}
         return track(self.robot, self.waypoints, self.scene, start=self.start, times=self.times, **given)
 
     def plan(self, **options: Unpack[PlanArguments]) -> Motion:
@@ -68,7 +69,7 @@ class Job(ProblemFile):
         self._refuse("path")
         if self.start is None:
             raise InputError("start", "missing", None, "where the motion begins", self.file or None)
-        asked: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, "rates": rates_in_time(self)}
+        asked: PlanArguments = {"tolerance": self.tolerance, "prefer": self.prefer, "rates": self.rates or None}
         given: PlanArguments = {**asked, **options}
         return plan(self.robot, self.start, self.ends, self.scene, **given)
 
@@ -127,12 +128,28 @@ def motion_of(problem: ProblemFile, values: dict[str, Any]) -> Motion:
     return Motion.from_dict(values, map(problem.problem, range(len(problem.waypoints))), scene)
 
 
-def rates_in_time(problem: ProblemFile) -> Rates | None:
-    """How fast a plan may be: what the file says, where obstacles move."""
-    return problem.rates if problem.rates and problem.scene.snapshot().moves else None
+SAVED = ("robot", "scene", "path", "tolerance", "motion")
+"""Keys of the file of a motion."""
 
 
-Noun = TypeVar("Noun", Job, Robot, Scene)
+def _saved_motion(values: dict[str, Any], file: str) -> Motion:
+    """Make a motion of its file; see `Motion.save`."""
+    entries = known_entries(values, SAVED, ["robot", "motion"])
+    found = entries.pop("motion")
+    if "path" in entries:
+        job = problem_of(entries, file, Job)
+        robot, scene, problems = job.robot, job.scene, tuple(map(job.problem, range(len(job.waypoints))))
+    else:
+        robot, scene = read_place(entries, Path(file).parent)
+        problems = ()
+    around = scene.snapshot()
+    with checks.inside("motion"):
+        untried = found.get("remaining", 0) if isinstance(found, dict) else 0
+        asked = len(problems) + checks.integer("remaining", untried, 0, report.MOST_WAYPOINTS)
+        return report.read(Motion, found, problems, (robot, around), around if around.moves else None, asked)
+
+
+Noun = TypeVar("Noun", Job, Robot, Scene, Motion)
 
 
 @overload
@@ -140,7 +157,7 @@ def load(file: str | Path) -> Any: ...
 @overload
 def load(file: str | Path, kind: type[Noun]) -> Noun: ...
 def load(file: str | Path, kind: type[Any] | None = None) -> Any:
-    """Read a problem file, or a robot or the obstacles of a scene in a file of their own.
+    """Read a problem file, or a robot, the obstacles of a scene, or a motion in a file of its own.
 
     JSON when the file is called so, YAML otherwise; `docs/format.md` has the keys.
 
@@ -148,12 +165,12 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
     ----------
     file : path
     kind : type, optional
-        What it must be: Job, Robot or Scene.
+        What it must be: Job, Robot, Scene or Motion.
 
     Returns
     -------
-    Job, Robot or Scene
-        A Scene when it is a list, a Robot when there are `segments`, otherwise a Job.
+    Job, Robot, Scene or Motion
+        A Scene when it is a list, a Robot when there are `segments`, a Motion when there is a `motion`, else a Job.
 
     Raises
     ------
@@ -168,11 +185,13 @@ def load(file: str | Path, kind: type[Any] | None = None) -> Any:
         return found
 
 
-def _noun_of(values: Any, file: str) -> Job | Robot | Scene:
+def _noun_of(values: Any, file: str) -> Job | Robot | Scene | Motion:
     if isinstance(values, list):
         return read_scene(values, None, Path(file).parent)
     if isinstance(values, dict) and "segments" in values and "robot" not in values:
         return read_robot(values)
     if not isinstance(values, dict):
-        raise InputError("file", "", values, "a problem, a robot, or a list of obstacles")
+        raise InputError("file", "", values, "a problem, a robot, a list of obstacles, or a motion")
+    if "motion" in values:
+        return _saved_motion(values, file)
     return problem_of(values, file, Job)

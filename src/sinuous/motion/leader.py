@@ -1,7 +1,6 @@
 """Follow the leader: the body moves along the curve that its tip has made; and the insertion stage that it needs."""
 
 import math
-import time as clock
 from itertools import pairwise
 
 import numpy as np
@@ -26,6 +25,7 @@ from sinuous.solution.solutions import Solutions
 from sinuous.solving.between.steps import Prover, Steps, unproved
 from sinuous.solving.options import TIME, SolveOptions
 from sinuous.solving.solver import Solver
+from sinuous.work_time import work_time
 
 EXACT = 1e-10
 """How exactly the tip is on the curve at every knot, in lengths of the robot."""
@@ -147,7 +147,7 @@ def follow_the_leader(
         When the robot cannot change its length, the curve does not lead away from the base, or is shorter or longer
         than the robot can be.
     """
-    begin = clock.perf_counter()
+    begin = work_time()
     robot = SolveOptions(clearance=clearance, self_clearance=self_clearance).demanded_of(robot)
     path = curve_from_base(robot, curve)
     low, high = depths_of(robot)
@@ -221,7 +221,7 @@ class _Leader:
                 break
         else:
             steps = self._proved(prover)
-        return self._put_together(scene, steps, first, clock.perf_counter() - begin)
+        return self._put_together(scene, steps, first, work_time() - begin)
 
     def _solved(self, depths: Floats) -> tuple[Floats, Floats, Floats, Solutions]:
         """Put the tip on the curve at these depths; those from the first on that cannot be are left out.

@@ -1,6 +1,7 @@
 """A motion: configurations at times, linear in q between them, and what is proved of all of it."""
 
 from collections.abc import Iterator
+from dataclasses import fields
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -29,6 +30,7 @@ from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps, prove_steps
 from sinuous.words import duration
+from sinuous.writing.documents import write_document
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -197,6 +199,16 @@ class Motion(NotebookMixin, Frozen):
         return float(np.hypot(steps[..., 0], steps[..., 1]).max()), float(np.abs(steps[..., 2]).max())
 
     @property
+    def duration(self) -> float:
+        """Time from the first knot to the last; 0 without any."""
+        return float(self.times[-1] - self.times[0]) if len(self.times) else 0.0
+
+    @property
+    def tips(self) -> Floats:
+        """Poses (T, 4, 4) of the tool (of the tip, without one) at the knots, in the world."""
+        return self.robot.tip(self.q)
+
+    @property
     def actuators(self) -> Floats:
         """Values (T, m) of all actuators at the knots, in the order of `robot.actuators`."""
         return self.robot.to_actuators(self.q)
@@ -230,7 +242,8 @@ class Motion(NotebookMixin, Frozen):
         blend : float
             How far any place of the body may leave the way to round a corner, in the length unit. More than half of
             what is proved to be free is never used, so that a rounded corner is as clear as is proved; where nothing is
-            proved, or where the way turns by a right angle or more, it stops. Needs the extra `timing`.
+            proved, or where the way turns by a right angle or more, it stops. Needs the extra `timing`. By default it
+            stops in all corners (`Trajectory.stops`), which may take several times as long.
 
         Raises
         ------
@@ -252,18 +265,28 @@ class Motion(NotebookMixin, Frozen):
         if self.scene.moves and len(self.q) > 1:
             return type(self)(self.robot, self.q[::-1], self.scene, times)
         last, tried = len(self.q) - 1, len(self.solutions)
-        found = Report(
+        found = self._report(
             solutions=self.solutions[::-1],
             waypoint_knots=tuple(None if knot is None else last - knot for knot in self.waypoint_knots[::-1]),
             reconfigured=tuple(tried + 2 - number for number in self.reconfigured[::-1] if 1 < number <= tried),
-            remaining=self.remaining,
-            seconds=self.seconds,
-            method=self.method,
-            seed=self.seed,
-            ended=self._ended,
-            blocking=self._blocking,
         )
         return self.made(self.robot, self.scene, self.q[::-1].copy(), times, self.steps.reversed(), found)
+
+    def _report(self, **changed: Any) -> Report:
+        """How it was found, with other values of some fields."""
+        private = {"ended": "_ended", "blocking": "_blocking"}
+        own = {field.name: getattr(self, private.get(field.name, field.name)) for field in fields(Report)}
+        return Report(**{**own, **changed})
+
+    def with_waypoints(self, other: "Motion", waypoint_knots: tuple[int | None, ...]) -> Self:
+        """Return the same motion with the waypoints of another one, at these knots."""
+        found = other._report(waypoint_knots=waypoint_knots)
+        return self.made(self.robot, self.scene, self.q, self.times, self.steps, found)
+
+    def with_times(self, times: Floats, ended: Status | None = None) -> Self:
+        """Return the same motion at other times (T,), among obstacles that stand still; perhaps ended otherwise."""
+        found = self._report(ended=self._ended if ended is None else ended)
+        return self.made(self.robot, self.scene, self.q, times, self.steps, found)
 
     def resampled(self, rate: Number) -> Self:
         """Return the motion through configurations at an even rate (Hz), the last knot included.
@@ -419,6 +442,19 @@ class Motion(NotebookMixin, Frozen):
         """Return totals, knots and waypoints as plain values, in the order of the file format."""
         return report.write(self)
 
+    def save(self, file: str | Path) -> None:
+        """Write the motion with its robot, scene and waypoints, JSON when it is called so, YAML otherwise.
+
+        `sinuous.load` reads it, with all that is claimed of it; `Motion(robot, q, scene, times)` proves it again.
+        Obstacles that were read from files stay there; the new file names them.
+
+        Raises
+        ------
+        InputError
+            When an obstacle is neither exact nor from a file, or the file cannot be written.
+        """
+        write_document(file, report.saved(self, Path(file).parent))
+
     def to_npz(self, file: str | Path) -> None:
         """Write knots, times, actuators and what is proved of the steps as NumPy arrays; see `from_npz`.
 
@@ -502,6 +538,8 @@ def _sentence(motion: Motion) -> str:
         solution = motion.solutions[failed]
         return f"{_count_reached(motion)}; waypoint {failed + 1}: {solution.worst or solution.sentence}"
     begun = _count_reached(motion) if motion.solutions else motion.status.sentence
+    if motion.status is Status.RATE_BOUND and len(motion.q) > 1:
+        return f"{begun}; the times that were asked for are too short for the rates"
     if motion.worst is not None:
         return f"{begun}; {motion.worst}"
     if motion.solutions and motion.status is Status.TIME_LIMIT and not motion.remaining:

@@ -16,6 +16,7 @@ from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.methods.registry import name_of
 from sinuous.motion.configurations import blocked_by, check_limits, lever_metric, overlap_at, violated_by
 from sinuous.motion.motion import Motion
+from sinuous.motion.paced import paced
 from sinuous.motion.planning.find import find_path, find_timed_path, standing
 from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, Goals, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect
@@ -23,7 +24,7 @@ from sinuous.motion.report import Report
 from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
 from sinuous.problem.suspicions import suspicions
-from sinuous.problem.target import Target, Targets, target_list
+from sinuous.problem.target import Target, Targets, is_place, target_list
 from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
@@ -79,7 +80,7 @@ def plan(
         As for `Solver`, for solving the target; `time` is the budget of the plan, by default 5 s. `shortcuts`: how many
         random places of the way are tried to be joined directly, by default none. `begin`: the time at the start, by
         default 0. `duration`: how long the motion takes, by default 1 or, with `rates`, as short as is found. `rates`:
-        how fast the robot may be, where obstacles move; else `Motion.timed` knows how fast a motion may be passed. With
+        how fast the robot may be; `Motion.timed` passes the same way with accelerations on the way, and blends. With
         their `acceleration`, the motion is from rest to rest, and at a knot the speed changes by no more than that in
         the mean of the durations beside it; at both ends, in half of one. The same `seed` gives the same motion, unless
         the time runs out.
@@ -90,7 +91,8 @@ def plan(
         Always; look at its status. It is `start_blocked` where the start overlaps or violates a limit,
         `target_blocked` where a configuration as goal overlaps (where obstacles move: when the motion ends, or what
         stands still); with a target what `solve` says of it, where it is not solved; `rate_bound` where rates allow no
-        way of this duration to a configuration; `time_limit` where no motion was found, which does not mean that there
+        way of this duration to a configuration, or not so short a duration of the way that was found, whose times are
+        longer then; `time_limit` where no motion was found, which does not mean that there
         is none. Its knots are the start alone in all these cases.
 
     Raises
@@ -304,13 +306,13 @@ class Planner:
             fixed = np.unique([0, len(found.q) - 1])
             times = self._timing.spread(spread_times(robot, found.q, fixed, np.arange(float(len(fixed)))))
         told = replace(report, seconds=deadline.spent, method=name_of(self._options.method), seed=self._options.seed)
-        return Motion.made(robot, scene, found.q, times, Steps(found.answers, robot.least_demanded), told)
+        motion = Motion.made(robot, scene, found.q, times, Steps(found.answers, robot.least_demanded), told)
+        return motion if scene.moves else paced(motion, self._timing.rates, self._timing.duration)
 
     def _end(self, goal: Goal) -> Floats | list[Target]:
         """The configuration (n, 3) or the targets that are meant."""
-        if isinstance(goal, Target):
-            return [goal]
-        if isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal):
+        listed = isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal)
+        if listed or isinstance(goal, Target) or is_place(goal):
             return list(target_list("goal", goal))
         end = self._configuration("goal", cast(Initial, goal))
         check_limits(self._robot, "goal", end)

@@ -1,19 +1,24 @@
 """How a motion was found, and motions as plain values: what a result file says, and back."""
 
+import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sinuous import checks
 from sinuous.errors import InputError
+from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot, demanding
+from sinuous.scene.entries import entries_of
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution, finite_or_none
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Steps
+from sinuous.writing.plain import described
 
 if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
@@ -81,41 +86,75 @@ def write(motion: "Motion") -> dict[str, Any]:
     }
 
 
+def saved(motion: "Motion", folder: Path) -> dict[str, Any]:
+    """Return a motion with its robot, its scene and the questions of its waypoints; see `Motion.save`."""
+    asked = [[described(target) for target in solution.problem.targets] for solution in motion.solutions]
+    parts = {
+        "robot": motion.robot.to_dict(),
+        "scene": entries_of(motion.scene.obstacles, folder),
+        "path": asked,
+        "tolerance": described(motion.solutions[0].problem.tolerance) if asked else None,
+        "motion": {**write(motion), "steps": [list(map(_or_none, row)) for row in motion.steps.answers.tolist()]},
+    }
+    return {key: value for key, value in parts.items() if value}
+
+
 def read(
     kind: "type[Motion]",
     values: Any,
     problems: tuple[Problem, ...],
     place: tuple[Robot, Snapshot] | None = None,
     scene: Snapshot | None = None,
+    asked: int | None = None,
 ) -> "Motion":
     """Make a motion of plain values and the problems of its waypoints; see `Motion.from_dict`.
 
     A motion to a configuration has no waypoints, and no problems: its robot and scene are given in their `place`. The
-    `scene` is the one whose obstacles move, where they do.
+    `scene` is the one whose obstacles move, where they do. So many waypoints were `asked`; by default those of the
+    problems.
     """
     if not isinstance(values, dict):
         raise InputError("", "", values, "a result")
     if scene is not None and scene.moves:
         problems = _at_their_times(values, problems, scene)
-    solutions = _read_waypoints(values, problems, place is None)
+    count = len(problems) if asked is None else asked
+    solutions = _read_waypoints(values, problems, place is None, count)
     robot, around = place or (problems[0].robot, scene or problems[0].scene)
     robot = demanding(robot, *(values.get(key) for key in ("demanded_clearance", "demanded_self_clearance")))
     q = checks.rows("knots", _value(values, "knots"), len(robot), 3)
     times = checks.increasing("times", _value(values, "times"), len(q))
     clearance, own = (_optional(values, key) for key in ("clearance", "self_clearance"))
     wrong = _read_numbers(values, "unproved_steps", len(q) - 1)
-    steps = Steps.told(max(0, len(q) - 1), wrong, clearance, own, robot.least_demanded)
+    steps = _read_steps(values, len(q) - 1, robot)
+    steps = steps or Steps.told(max(0, len(q) - 1), wrong, clearance, own, robot.least_demanded)
     report = Report(
         solutions=tuple(solutions),
         waypoint_knots=_read_knots(values, len(solutions), len(q)),
-        reconfigured=tuple(_read_numbers(values, "reconfigured", len(problems))),
-        remaining=len(problems) - len(solutions),
+        reconfigured=tuple(_read_numbers(values, "reconfigured", count)),
+        remaining=count - len(solutions),
         seconds=checks.number("seconds", _value(values, "seconds"), low=0.0),
         method=checks.text("method", _value(values, "method")),
         seed=checks.integer("seed", _value(values, "seed"), 0, 2**31 - 1),
     )
     motion = kind.made(robot, around, q, times, steps, report)
     return _as_it_ended(motion, values, report)
+
+
+def _or_none(value: float) -> float | None:
+    return None if math.isinf(value) else value
+
+
+def _read_steps(values: dict[str, Any], count: int, robot: Robot) -> Steps | None:
+    """What a file of a motion says of each step; a result says it of all together."""
+    if values.get("steps") is None:
+        return None
+    given = _list(values, "steps")
+    rows = [[0.0 if value is None else value for value in row] if isinstance(row, list) else row for row in given]
+    known = checks.rows("steps", rows or np.zeros((0, ANSWER_WIDTH)), ANSWER_WIDTH).copy()
+    if len(known) != max(0, count):
+        raise InputError("steps", "", len(known), f"one for each step: {max(0, count)}")
+    known[np.array([[value is None for value in row] for row in given], np.bool_).reshape(known.shape)] = math.inf
+    return Steps(known, robot.least_demanded)
 
 
 def _at_their_times(values: dict[str, Any], problems: tuple[Problem, ...], scene: Snapshot) -> tuple[Problem, ...]:
@@ -136,13 +175,13 @@ def _as_it_ended(motion: "Motion", values: dict[str, Any], report: Report) -> "M
     return motion.made(motion.robot, motion.scene, motion.q, motion.times, motion.steps, ended)
 
 
-def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...], some: bool) -> list[Solution]:
+def _read_waypoints(values: dict[str, Any], problems: tuple[Problem, ...], some: bool, asked: int) -> list[Solution]:
     listed = values.get("waypoints")
     if not isinstance(listed, list) or (some and not problems):
         raise InputError("waypoints", "", listed, "a list of results")
     remaining = checks.integer("remaining", values.get("remaining", 0), 0, MOST_WAYPOINTS)
-    if len(listed) + remaining != len(problems):
-        raise InputError("waypoints", "", len(listed) + remaining, f"as many as in the problem: {len(problems)}")
+    if len(listed) + remaining != asked or len(listed) > len(problems):
+        raise InputError("waypoints", "", len(listed) + remaining, f"as many as in the problem: {asked}")
     solutions = []
     for i, (one, problem) in enumerate(zip(listed, problems, strict=False)):
         with checks.inside(f"waypoints[{i}]"):

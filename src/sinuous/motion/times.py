@@ -136,8 +136,6 @@ class Timing(NamedTuple):
         ------
         InputError
         """
-        if not scene.moves and self.rates is not None:
-            raise InputError("rates", "no obstacle moves", self.rates, "none; the motion's timed(rates) keeps them")
         if scene.moves and self.rates is None and self.duration is None:
             raise InputError("rates", "missing: obstacles move", None, "rates, or the duration of the motion")
 

@@ -1,7 +1,9 @@
 """Follow a path: targets solved one after the other, each from the last, and the motion between them proved."""
 
 from collections.abc import Callable, Iterable
-from typing import Any, Unpack
+from typing import Any, NamedTuple, Unpack
+
+import numpy as np
 
 from sinuous import checks
 from sinuous.arguments import Number, Shortest, Vector
@@ -9,6 +11,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.methods.registry import Choice, capabilities
 from sinuous.motion.motion import Motion
+from sinuous.motion.paced import paced
 from sinuous.motion.report import MOST_WAYPOINTS
 from sinuous.motion.times import Timetable
 from sinuous.motion.tracker import Tracker
@@ -16,6 +19,7 @@ from sinuous.problem.path import Path
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import KEYS, GoalArrays, Targets
 from sinuous.problem.target_sets import read_target_sets
+from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solution.solution import Solution
@@ -35,6 +39,13 @@ TOLERANCES = 10.0
 """How far the tip may be from the line between waypoints by default, in tolerances of positions."""
 
 
+class TimedArguments(SolveArguments, total=False):
+    """Options of `Solver`, and how fast a path is followed."""
+
+    rates: Rates | None
+    duration: Number | None
+
+
 class TrackArguments(SolveArguments, GoalArrays, total=False):
     """Options of `track` as keyword arguments, and arrays of goals."""
 
@@ -48,6 +59,8 @@ def track(
     deviation: Number | None = None,
     shortest: Shortest | None = None,
     times: Vector | None = None,
+    rates: Rates | None = None,
+    duration: Number | None = None,
     progress: Callable[[Solution], object] | None = None,
     **options: Unpack[TrackArguments],
 ) -> Motion:
@@ -72,6 +85,11 @@ def track(
     times : array_like (m,), optional
         When the tip is at each waypoint, increasing; by default those of a `Path`, or 0, 1, 2, ... A start that is
         given is as long before the first waypoint as the second is after it.
+    rates : Rates, optional
+        How fast the robot may be. Without `times` and `duration` it is as fast as that allows; where these are too
+        short the motion is `rate_bound`, and takes longer by one factor. Where obstacles move it keeps its times.
+    duration : float, optional
+        How long all of it takes, instead of `times`.
     progress : callable, optional
         Called with the solution of each waypoint as it is found.
     **options
@@ -97,11 +115,59 @@ def track(
     checks.integer("len(targets)", len(path), 1, MOST_WAYPOINTS)
     given_times = targets.times if times is None and isinstance(targets, Path) else times
     when = None if given_times is None else checks.increasing("times", given_times, len(path))
+    pace = Pace.of(robot, rates, duration, when)
+    when = pace.waypoints(len(path), start is not None) if when is None else when
     tracker = tracker_of(robot, len(path), scene, start=start, times=when, deviation=deviation, **given)
     tracker.follow(map(path.targets, range(len(path))), progress=progress)
     if wanted is not None:
         tracker.shorten(wanted)
-    return tracker.motion(len(path) - tracker.tried, when)
+    return pace.kept(tracker.motion(len(path) - tracker.tried, when))
+
+
+class Pace(NamedTuple):
+    """How fast a path is followed.
+
+    Attributes
+    ----------
+    rates : Rates or None
+    duration : float or None
+    timed : bool
+        Whether waypoints have times.
+    """
+
+    rates: Rates | None
+    duration: float | None
+    timed: bool
+
+    @classmethod
+    def of(cls, robot: Robot, rates: Rates | None, duration: Number | None, times: Floats | None) -> "Pace":
+        """Check what a user says.
+
+        Raises
+        ------
+        InputError
+        """
+        if not (rates is None or isinstance(rates, Rates)):
+            raise InputError("rates", "", rates, "Rates")
+        if rates:
+            with checks.inside("rates"):
+                rates.check(robot)
+        if duration is not None and times is not None:
+            raise InputError("duration", "stands beside times", duration, "one of duration, times")
+        long = None if duration is None else checks.number("duration", duration, above=0.0)
+        return cls(rates or None, long, times is not None)
+
+    def waypoints(self, count: int, started: bool) -> Floats | None:
+        """Times (m,) of waypoints where a duration is given: even ones."""
+        steps = count - 1 + started
+        if self.duration is None or steps == 0:
+            return None
+        whole: Floats = np.linspace(0.0, self.duration, steps + 1)[int(started) :]
+        return whole
+
+    def kept(self, motion: Motion) -> Motion:
+        """Return the motion in times that keep the rates."""
+        return paced(motion, self.rates, self.duration, asked=self.timed)
 
 
 def tracker_of(

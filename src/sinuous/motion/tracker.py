@@ -1,7 +1,6 @@
 """Goes from waypoint to waypoint, and proves the way."""
 
 import math
-import time as clock
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
@@ -27,6 +26,7 @@ from sinuous.solution.worst import Worst
 from sinuous.solving.between.steps import Prover, Steps, load_motions
 from sinuous.solving.between.tip import Tip
 from sinuous.solving.solver import Initial, Solver
+from sinuous.work_time import work_time
 
 SLACK = 0.5
 """How far below the true clearance its proved bound may be, as a share of it: close to obstacles more takes longer."""
@@ -72,7 +72,7 @@ class Tracker:
         scene = solver.scene.snapshot() if timetable is None else timetable.scene
         self._timetable = timetable
         load_motions(solver.robot, scene)
-        self._solver, self._began = solver, clock.perf_counter()
+        self._solver, self._began = solver, work_time()
         self._prover = Prover(solver.robot, scene)
         self._outdated = 0  # number of knots, from the first on, whose steps were proved before the last update
         self._knots: list[Knot] = []
@@ -150,7 +150,7 @@ class Tracker:
 
     def _now(self) -> tuple[int, bool, float]:
         """How many knots there are, whether the way from the start is a step of its own, and seconds so far."""
-        return len(self._knots), self._approaches, clock.perf_counter() - self._began
+        return len(self._knots), self._approaches, work_time() - self._began
 
     def entry(self, waypoint: int) -> Entry:
         """Return what a waypoint (0 = first) added; see `follow`."""
@@ -171,7 +171,7 @@ class Tracker:
             self._reconfigured.append(len(self._tried) + 1)
         if solution.solved:
             self._at = solution.problem.targets
-        self._began = clock.perf_counter() - entry.seconds
+        self._began = work_time() - entry.seconds
         self._keep(solution)
         return solution
 
@@ -286,9 +286,9 @@ class Tracker:
         """Plan a path from where the robot is to a waypoint, in the time that a solve may take."""
         robot, options, scene = self._solver.robot, self._solver.options, self._prover.scene
         if self._timetable is None:
-            began = clock.perf_counter()
+            began = work_time()
             load_trees(robot, scene)
-            self._began += clock.perf_counter() - began  # compiling is no planning
+            self._began += work_time() - began  # compiling is no planning
             return find_path(Query(robot, scene, last.q, goals, options.seed, SHORTCUTS, Deadline(options.time)))
         return find_timed_path(
             TimedQuery(
@@ -353,7 +353,7 @@ class Tracker:
             waypoint_knots=tuple(knot for _, knot in self._tried),
             reconfigured=tuple(self._reconfigured),
             remaining=remaining,
-            seconds=clock.perf_counter() - self._began,
+            seconds=work_time() - self._began,
             method=self._solver.method,
             seed=self._solver.options.seed,
             ended=None if self.blocked is None else Status.START_BLOCKED,

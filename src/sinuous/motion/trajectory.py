@@ -16,6 +16,7 @@ from sinuous.motion.blending import BlendedPath, blend_corners, legs_of, stop_at
 from sinuous.motion.report import Report
 from sinuous.motion.resampling import splines_between, warn_of_corners
 from sinuous.motion.timing import Scaling, scale_blended, scale_with_stops
+from sinuous.notebook import NotebookMixin
 from sinuous.reprs import call
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
@@ -24,7 +25,11 @@ if TYPE_CHECKING:
     from sinuous.motion.motion import Motion
 
 
-class Trajectory(Frozen):
+TOGETHER = 1e-9
+"""Share of the duration within which two times are one."""
+
+
+class Trajectory(NotebookMixin, Frozen):
     """A path through configuration space and a time scaling of it; `Motion.timed` makes one.
 
     Between two `times` the speed along the path changes evenly.
@@ -82,6 +87,46 @@ class Trajectory(Frozen):
         result: Floats = slope * gained + turn * (speed**2)[..., None, None]
         return result
 
+    @property
+    def stops(self) -> int:
+        """How many times the robot stops on its way: in corners that are not rounded, where accelerations are limited.
+
+        To stop in every corner can take several times as long as to round them a little, see `blend` of `Motion.timed`.
+        """
+        rest = self._scaling.phases[1:, 2] == 0.0
+        return int((rest & (np.diff(self._scaling.piece) > 0)).sum())
+
+    def as_motion(self) -> "Motion":
+        """Return the motion through the configurations at `times` and at the waypoints, linear in q between them.
+
+        All of it is proved anew. It has the solutions of the motion that is passed; where corners are rounded, its
+        waypoints are where it comes nearest to those.
+        """
+        knots = [knot for knot in self.motion.waypoint_knots if knot is not None]
+        passed = [self._passes(self.motion.q[knot]) for knot in knots]
+        times = np.unique(np.concatenate([self.times, passed]))
+        far = np.diff(times) > TOGETHER * self.duration
+        times = times[np.concatenate([[True], far[:-1] | np.isin(times[1:-1], self.times), [True]])]
+        found, own = self._through(times), iter(passed)
+        at = [None if knot is None else int(np.abs(times - next(own)).argmin()) for knot in self.motion.waypoint_knots]
+        return found.with_waypoints(self.motion, tuple(at))
+
+    def _passes(self, q: Floats) -> float:
+        """When the trajectory is at a configuration (n, 3), or comes nearest to it."""
+        pieces = self._path.pieces
+        slopes = pieces[:, 1].reshape(len(pieces), -1)
+        apart = (q - pieces[:, 0]).reshape(len(pieces), -1)
+        along = np.clip((apart * slopes).sum(axis=1) / (slopes**2).sum(axis=1), 0.0, self._path.lengths)
+        places = self._path.at(np.arange(len(pieces)), along)
+        piece = int(((places - q) ** 2).sum(axis=(1, 2)).argmin())
+        phases = np.flatnonzero(self._scaling.piece == piece)
+        phase = phases[np.searchsorted(self._scaling.phases[phases, 1], along[piece], side="right") - 1]
+        duration, begin, speed, gain = self._scaling.phases[phase]
+        ahead = max(0.0, along[piece] - begin)
+        top = np.sqrt(max(0.0, speed * speed + 2.0 * gain * ahead))
+        after = 2.0 * ahead / (speed + top) if speed + top > 0.0 else 0.0
+        return float(min(self.times[phase] + min(after, duration), self.duration))
+
     def resampled(self, rate: Number) -> "Motion":
         """Return the motion through configurations at an even rate (Hz), the last included; all is proved anew."""
         return self._through(self._samples(rate))
@@ -137,7 +182,8 @@ class Trajectory(Frozen):
         return written
 
     def __repr__(self) -> str:
-        return call("Trajectory", [f"{self.duration:.4g} s", f"{len(self.robot)} segments"])
+        stops = [f"{self.stops} stops in corners"] if self.stops else []
+        return call("Trajectory", [f"{self.duration:.4g} s", *stops, f"{len(self.robot)} segments"])
 
     def _through(self, times: Floats) -> "Motion":
         """Return the motion through configurations at these times, proved."""

@@ -23,6 +23,13 @@ def need_matplotlib(key: str, value: object = None) -> None:
         raise InputError(key, "needs Matplotlib", value, "it installed: pip install sinuous[plot]") from None
 
 
+def stills() -> tuple[str, ...]:
+    """Endings of still pictures."""
+    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
+
+    return tuple(sorted(FigureCanvasBase.filetypes))
+
+
 def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) -> None:
     """Refuse a picture that cannot be drawn, before anything is solved.
 
@@ -34,9 +41,7 @@ def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) ->
         When Matplotlib or ffmpeg is missing, or the kind of file is another.
     """
     need_matplotlib(key, str(file))
-    from matplotlib.backend_bases import FigureCanvasBase  # noqa: PLC0415
-
-    known = sorted({*FigureCanvasBase.filetypes, *MOVIES}) if kinds is None else list(kinds)
+    known = sorted({*stills(), *MOVIES}) if kinds is None else list(kinds)
     kind = file.suffix.lower().lstrip(".")
     if kind not in known:
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))

@@ -1,6 +1,7 @@
 """Pictures in space with Matplotlib: robots, scenes, targets, solutions and motions."""
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,10 +15,11 @@ from sinuous.display.contents import Contents, MovingArm, PlacedTarget, Things, 
 from sinuous.display.obstacles import Dotted, dots
 from sinuous.display.style import ARROW, DOTS, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, View, arrows_of
 from sinuous.errors import InputError
-from sinuous.pictures.files import need_matplotlib
+from sinuous.pictures.files import check_picture, need_matplotlib, stills
 from sinuous.pictures.paint import GHOST, add, paint_arm, paint_arms, paint_walls, places_of, walls_of
 from sinuous.pictures.space import AREA, HEAD, axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
 from sinuous.scene.obstacles import Obstacle
+from sinuous.writing.documents import written
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
@@ -29,7 +31,12 @@ ALONG_PATH = 400
 """Places of a motion that the path of its tip goes through."""
 
 
-def plot(*things: Things, ax: "Axes3D | None" = None, view: Sequence[Number] = (30, -60)) -> "Axes3D":
+def plot(
+    *things: Things,
+    ax: "Axes3D | None" = None,
+    view: Sequence[Number] = (30, -60),
+    path: str | Path | None = None,
+) -> "Axes3D":
     """Draw robots, scenes, targets, solutions and motions together.
 
     Parameters
@@ -44,18 +51,31 @@ def plot(*things: Things, ax: "Axes3D | None" = None, view: Sequence[Number] = (
         pyplot.
     view : (float, float)
         Where it is looked at from, in degrees: elevation above the xy plane, azimuth about z from x.
+    path : path, optional
+        Write the picture into this file, too: `.png`, `.pdf`, `.svg`, or what else Matplotlib knows. `animate` writes
+        what moves, and `show` pages that can be turned.
 
     Returns
     -------
     Axes3D
-        What was drawn on; `ax.figure.savefig("shape.png")` keeps it.
+        What was drawn on.
 
     Raises
     ------
     InputError
-        When Matplotlib is missing, or a thing cannot be drawn.
+        When Matplotlib is missing, a thing cannot be drawn, or the file cannot be written.
     """
     need_matplotlib("plot")
+    if path is not None:
+        check_picture("path", Path(path), stills())
+    drawn = _plot(things, ax, view)
+    if path is not None:
+        with written(path, "path"):
+            drawn.figure.savefig(path)
+    return drawn
+
+
+def _plot(things: tuple[Things, ...], ax: "Axes3D | None", view: Sequence[Number]) -> "Axes3D":
     seen = as_view(view)
     contents = gather(things)
     box = axes_box(contents)

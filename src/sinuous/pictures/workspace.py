@@ -57,14 +57,18 @@ def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None
     """
     target = Path(file)
     check_map("file", target)
-    index = _middle(found) if at is None else found._index(at)
-    figure = _draw(found, index)
+    figure = map_of(found, at)
     if target.suffix.lower() != ".html":
         figure.savefig(target, bbox_inches="tight", pad_inches=0.15)
         return
     data = io.BytesIO()
     figure.savefig(data, format="png", bbox_inches="tight", pad_inches=0.15)
     target.write_text(_page(found, data.getvalue()), encoding="utf-8")
+
+
+def map_of(found: Reach, at: Vector | None = None) -> Any:
+    """Return the figure of a map; see `plot_reach`."""
+    return _draw(found, _middle(found) if at is None else found._index(at))
 
 
 def _middle(found: Reach) -> tuple[int, int, int]:

@@ -20,7 +20,7 @@ FULL_TURN = 2.0 * math.pi
 
 def suspicions(robot: Robot, scene: Snapshot) -> list[str]:
     """What is suspicious of a robot in a scene; one line each."""
-    return [*_of_bends(robot), *robot.notes, *_of_obstacles(robot, scene)]
+    return [*_of_bends(robot), *_of_loads(robot), *robot.notes, *_of_obstacles(robot, scene)]
 
 
 def all_suspicions(robot: Robot, scene: Snapshot, waypoints: Sequence[Sequence[Target]]) -> list[str]:
@@ -33,6 +33,22 @@ def _of_bends(robot: Robot) -> Iterator[str]:
         if most > FULL_TURN * (1.0 + 1e-9):
             which = words.segments(numbers, len(robot))
             yield f"max_bend of {which} is {most:.4g} rad, more than a full turn; is it in degrees?"
+
+
+def _of_loads(robot: Robot) -> Iterator[str]:
+    """Compare what a robot carries with what bends it by a radian: a thousandth or thousandfold is another unit."""
+    soft = [segment.stiffness.bend for segment in robot.segments if segment.stiffness is not None]
+    if robot.gravity is None or not soft:
+        return
+    masses = [segment.mass * segment.length[1] for segment in robot.segments] + [each.mass for each in robot.payload]
+    length = sum(segment.length[1] for segment in robot.segments)
+    bent = sum(masses) * float(np.linalg.norm(robot.gravity)) * length**2 / min(soft)
+    if bent > ODD or 0.0 < bent < 1.0 / ODD**2:
+        much = "hangs like a thread" if bent > ODD else "is not bent at all"
+        yield (
+            f"weight x length^2 / stiffness is {bent:.3g}, the robot {much}; "
+            "are gravity, mass and stiffness in one set of units?"
+        )
 
 
 def _of_obstacles(robot: Robot, scene: Snapshot) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """Where the tip, or the end of any segment, must be, and how exactly; many targets of the tip as arrays."""
 
+import numbers
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, TypedDict, Unpack
@@ -12,8 +13,9 @@ from sinuous.arguments import Number, Orientation, Orientations, Rows, Vector, W
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.guesses import QUATERNION, answers_guesses
 from sinuous.packing import read_only, target_parts, target_row, target_rows
-from sinuous.poses import any_rotation, any_rotations
+from sinuous.poses import any_rotation, any_rotations, as_pose, is_pose
 from sinuous.robot.robot import MOST_SEGMENTS, Robot
 
 
@@ -130,7 +132,7 @@ MOST_TARGETS = 1000
 class TargetArguments(TypedDict, total=False):
     """Arguments of `Target`."""
 
-    position: Vector | None
+    position: Vector | Rows | None
     direction: Vector | None
     rotation: Orientation | None
     segment: Whole | None
@@ -143,8 +145,8 @@ class Target(Frozen):
 
     Parameters
     ----------
-    position : array_like (3,), optional
-        Where, in the world.
+    position : array_like (3,) or (4, 4), optional
+        Where, in the world; a pose says the rotation, too.
     direction : array_like (3,), optional
         Where the tangent of the backbone (the tool's z axis) points; any length but zero.
     rotation : array_like (3, 3) or (4,), or Rotation of SciPy, optional
@@ -173,9 +175,10 @@ class Target(Frozen):
 
     _tables: ClassVar[frozenset[str]] = frozenset({"_table"})
 
+    @answers_guesses(quaternion=QUATERNION)
     def __init__(
         self,
-        position: Vector | None = None,
+        position: Vector | Rows | None = None,
         *,
         direction: Vector | None = None,
         rotation: Orientation | None = None,
@@ -183,6 +186,11 @@ class Target(Frozen):
         xyzw: Vector | None = None,
     ) -> None:
         matrix = any_rotation(rotation, xyzw)
+        if is_pose(position):
+            if matrix is not None or direction is not None:
+                raise InputError("position", "stands beside a rotation or direction", position, "3 finite numbers")
+            whole = as_pose("position", position)
+            position, matrix = whole[:3, 3], whole[:3, :3]
         if position is None and direction is None and matrix is None:
             raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
         if direction is not None and matrix is not None:
@@ -244,20 +252,31 @@ class Target(Frozen):
         return table
 
 
-Targets = Target | Sequence[Target]
+Targets = Target | Vector | Rows | Sequence[Target]
+"""One target, or several that are to be met at once; a position (3,) or a pose (4, 4) is a target, too."""
 
 
 def target_list(key: str, targets: Any) -> tuple[Target, ...]:
     """Check one target or several that are to be met at once."""
+    if is_place(targets):
+        with checks.inside(key):
+            targets = Target(targets)
     listed = (targets,) if isinstance(targets, Target) else targets
     if isinstance(listed, (str, bytes, dict)) or not np.iterable(listed):
-        raise InputError(key, "", targets, "a Target or a list of them")
+        raise InputError(key, "", targets, "a Target, a position, a pose (4, 4), or a list of Targets")
     result = tuple(listed)
     checks.integer(f"len({key})", len(result), 1, MOST_TARGETS)
     for i, target in enumerate(result):
         if not isinstance(target, Target):
             raise InputError(f"{key}[{i}]", "", target, "a Target")
     return result
+
+
+def is_place(value: Any) -> bool:
+    """Whether a value is a position (3,) or a pose (4, 4) of numbers."""
+    if isinstance(value, (list, tuple)) and len(value) == 3:
+        return all(isinstance(each, numbers.Real) for each in value)
+    return (isinstance(value, np.ndarray) and value.dtype != object and value.shape == (3,)) or is_pose(value)
 
 
 def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:

@@ -10,7 +10,7 @@ from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
-from sinuous.problem.target import KEYS, Goals, Target, Targets, target_list, target_table
+from sinuous.problem.target import KEYS, Goals, Target, Targets, is_place, target_list, target_table
 from sinuous.robot.robot import Robot
 
 INSTEAD = "for positions use positions="
@@ -94,10 +94,7 @@ def listed_targets(robot: Robot, targets: Any) -> tuple[tuple[Target, ...], ...]
         raise InputError("targets", INSTEAD, targets, "a list of targets")
     sets = []
     for i, each in enumerate(targets):
-        if isinstance(each, Target):
-            own: tuple[Target, ...] = (each,)
-        else:
-            own = _together(f"targets[{i}]", each)
+        own = (each,) if isinstance(each, Target) else _together(f"targets[{i}]", each)
         if len(own) > 1 or own[0].segment is not None:
             with checks.inside(f"targets[{i}]"):
                 target_table(robot, own)
@@ -108,6 +105,6 @@ def listed_targets(robot: Robot, targets: Any) -> tuple[tuple[Target, ...], ...]
 def _together(key: str, targets: Any) -> tuple[Target, ...]:
     """Check targets that are to be met at once; say what to do with mere numbers."""
     numbers = isinstance(targets, (np.ndarray, list, tuple)) and not any(isinstance(t, Target) for t in targets)
-    if numbers and len(targets):
+    if numbers and len(targets) and not is_place(targets):
         raise InputError(key, INSTEAD, targets, "a Target or a list of them")
     return target_list(key, targets)

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Vector, Whole
+from sinuous.arguments import HasArray, Limits, Names, Number, Rows, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -22,6 +22,9 @@ from sinuous.robot.motors import Each, Motors, Units, checked_each, checked_gain
 from sinuous.robot.names import listed_names, optional_name
 
 MOST_LINES = 64
+
+HEAD = "    Parameters\n    ----------\n"
+"""What stands above the parameters in a docstring."""
 
 UNLIMITED = (-math.inf, math.inf)
 
@@ -120,7 +123,14 @@ class Lines(Frozen):
     @property
     def stiffnesses(self) -> Floats:
         """Stiffness (m,) of each line; infinite where it is rigid."""
-        return np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
+        result: Floats = np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
+        result.flags.writeable = False
+        return result
+
+    def __init_subclass__(cls) -> None:
+        """Put the parameters of all lines before those of a kind of them."""
+        common = (Lines.__doc__ or "").partition(HEAD)[2].rstrip(" ")
+        cls.__doc__ = (cls.__doc__ or "").replace(HEAD, HEAD + common, 1)
 
     @property
     def motors(self) -> Motors:
@@ -145,6 +155,7 @@ class Lines(Frozen):
         if self.stiffness is None:
             return self.displacements
         result: Floats = self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None]
+        result.flags.writeable = False
         return result
 
     @property
@@ -160,7 +171,7 @@ class Lines(Frozen):
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Tendons(Lines):
-    """Tendons that end at the end of one segment; parameters as `Lines`, and `displacement`.
+    """Tendons that end at the end of one segment.
 
     They pull and do not push. Elastic ones (`stiffness`) stretch under their tension, and go slack without one.
 
@@ -170,9 +181,13 @@ class Tendons(Lines):
         Least and largest displacement that the drive allows, in the length unit; 0, the straight robot, must lie
         between. Positive is pulled: the tendon is shorter than the backbone it runs along. Limits of what the motors
         count are `limits` instead.
+    straight : bool
+        Whether they run straight from disk to disk, which stand at the ends of the arcs of a segment (`arcs`), instead
+        of along the body. It matters under load.
     """
 
     displacement: tuple[float, float]
+    straight: bool
 
     own_limits: ClassVar[str] = "displacement"
     one_sided: ClassVar[bool] = True
@@ -192,15 +207,17 @@ class Tendons(Lines):
         limits: Limits | None = None,
         stiffness: Each | None = None,
         tension: TensionLimits | None = None,
+        straight: Truth = False,
     ) -> None:
         motors: dict[str, Any] = {"gain": gain, "offset": offset, "unit": unit, "limits": limits}
         motors |= {"stiffness": stiffness, "tension": tension}
         super().__init__(count, radius, angle, angles=angles, names=names, **motors)
         _refuse_both("displacement", displacement, limits)
+        self._set(straight=checks.truth("straight", straight))
         self._set(displacement=_limits_about_zero("displacement", displacement))
-        for straight, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
+        for upright, (low, high) in zip(self.motors.offset.tolist(), self.displacements.tolist(), strict=True):
             if not low <= 0.0 <= high:
-                wanted = f"[low, high] with low <= {straight:g} <= high"
+                wanted = f"[low, high] with low <= {upright:g} <= high"
                 raise InputError("limits", "excludes the straight robot", limits, wanted)
         if (self.unstretched[:, 1] < 0.0).any():
             wanted = f"a least one that stretches tendons by no more than {float(self.displacements[:, 1].min()):g}"
@@ -209,7 +226,7 @@ class Tendons(Lines):
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
 class Chambers(Lines):
-    """Pneumatic or bellows chambers along one segment; parameters as `Lines`, and `length`.
+    """Pneumatic or bellows chambers along one segment.
 
     Parameters
     ----------

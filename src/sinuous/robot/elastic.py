@@ -115,7 +115,7 @@ class Elastic(Frozen):
     _rod: Floats
     _lengths: Floats
     _varies: NDArray[np.bool_]
-    _springs: Springs
+    springs: Springs
     _columns: NDArray[np.intp]
     _groups: tuple[Group, ...]
 
@@ -140,10 +140,10 @@ class Elastic(Frozen):
             _lengths=lengths,
             _varies=(low < high) & ~determined[:, 2],
             _columns=columns,
-            _springs=springs,
+            springs=springs,
         )
-        self._set(_springs=self._springs_at(rest[None]))
-        _refuse_loose(segments, self._springs, columns)
+        self._set(springs=self._springs_at(rest[None]))
+        _refuse_loose(segments, self.springs, columns)
         ends = [int(np.flatnonzero(row)[-1]) // 3 for row in own]
         groups = tuple(_groups(springs, columns, ends))
         free = np.isneginf(self._bounds[:, 0]) & np.isposinf(self._bounds[:, 1]) & np.isposinf(self._limits[:, 1])
@@ -163,12 +163,12 @@ class Elastic(Frozen):
     def tensions(self, displacements: Floats, q: Floats) -> Floats:
         """Tensions (..., e) of elastic lines in configurations (..., n, 3), at displacements (..., m) of all."""
         elongation = displacements[..., self.places] - q.reshape(*q.shape[:-2], -1) @ self._jacobian.T
-        result: Floats = np.where(self._springs.pulls(elongation), self._springs.stiffness * elongation, 0.0)
+        result: Floats = np.where(self.springs.pulls(elongation), self.springs.stiffness * elongation, 0.0)
         return result
 
     def stretch(self, q: Floats) -> Floats:
         """By how much (..., e) lines are displaced more than rigid ones would be, in configurations (..., n, 3)."""
-        result: Floats = self.balance(q).tensions / self._springs.stiffness
+        result: Floats = self.balance(q).tensions / self.springs.stiffness
         return result
 
     def balance(self, q: Floats) -> Balance:
@@ -209,7 +209,7 @@ class Elastic(Frozen):
         lengths = np.where(self._varies, q[..., 2], self._lengths) if self._varies.any() else self._lengths
         least = np.maximum(lengths, SHORTEST * self._lengths.sum())
         resists = (self._rod / least[..., None]).reshape(*lengths.shape[:-1], -1)
-        return self._springs._replace(resistance=resists[..., self._columns])
+        return self.springs._replace(resistance=resists[..., self._columns])
 
 
 def _common(common: Floats, tension: Floats, low: Floats) -> Floats:

@@ -96,7 +96,7 @@ class Inverse(Frozen):
 
 
 def fitting(
-    values: Stack | Mapping[str, Number | Stack], initial: Batch | None, names: Sequence[str], segments: int
+    values: Stack | Mapping[str, Number | Stack] | None, initial: Batch | None, names: Sequence[str], segments: int
 ) -> tuple[Floats, Floats | None]:
     """Check values (..., m), or (...) for each name, and a reference (..., n, 3) or none.
 

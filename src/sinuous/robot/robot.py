@@ -22,14 +22,18 @@ from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.inverse import Inverse, answer_contradictions, fitting
 from sinuous.robot.limits import Violation, curvature_limits, held_back
+from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import optional_name
 from sinuous.robot.segment import Segment, segment_names
+from sinuous.robot.stiffness import Stiffness
+from sinuous.robot.uncertainty import Uncertainty
 from sinuous.writing.documents import write_document
 from sinuous.writing.plain import counted, described
 
 if TYPE_CHECKING:
     from sinuous.export.chain import JointChain
     from sinuous.export.drives import DrivenChain
+    from sinuous.statics.equilibrium import Equilibrium
 
 MOST_SEGMENTS = 10_000
 
@@ -48,6 +52,12 @@ class WholeArguments(TypedDict, total=False):
     name: str | None
     clearance: OneEach
     self_clearance: OneEach
+    uncertainty: Uncertainty | None
+    stiffness: Stiffness | Number | None
+    mass: Number | None
+    arcs: Whole | None
+    gravity: Vector | None
+    payload: Payload | Iterable[Payload] | None
 
 
 class RobotArguments(WholeArguments, total=False):
@@ -87,6 +97,15 @@ class Robot(NotebookMixin, Frozen):
     self_clearance : float or array_like (n,)
         The same of the body from itself: two places keep the mean of what is demanded of their segments. It counts as
         half as much thickness on either side: in `self_collision` for the radius stands the radius and half of it.
+    uncertainty : Uncertainty, optional
+        By how much the body may be elsewhere, as a calibration found: where nothing may be touched, the body is thicker
+        by it. Clearances that are reported are what is left then. It says nothing of the body against itself.
+    stiffness, mass, arcs : optional
+        For all segments, instead of each one's own.
+    gravity : array_like (3,), optional
+        In world axes. Masses times it are in the unit of force of `stiffness`: with N, kg and m (0, 0, -9.81).
+    payload : Payload or list of Payload, optional
+        What it carries.
 
     Attributes
     ----------
@@ -97,7 +116,7 @@ class Robot(NotebookMixin, Frozen):
         Radius of the body, per segment.
     needed_radii, self_radii : tuple of float
         Within which the backbone of a segment needs to be free of obstacles, and of other places of the body with
-        theirs: the radius, and what is demanded of clearance.
+        theirs: the radius, what is demanded of clearance and, of obstacles, the `uncertainty`.
     curvatures : tuple of float
         Largest curvature, per segment: its own limit, or 1 / radius (of `self_radii`).
     linear : Actuators or None
@@ -109,8 +128,8 @@ class Robot(NotebookMixin, Frozen):
     ------
     InputError
         When there is no segment, nothing has a length, a pose is none, `self_collision` is another word, two segments
-        or two actuators have the same name, `actuators` do not fit the robot, or a clearance from itself is demanded of
-        a body that may run through itself.
+        or two actuators have the same name, `actuators` do not fit the robot, a clearance from itself is demanded of a
+        body that may run through itself, or gravity pulls at nothing.
     """
 
     segments: tuple[Segment, ...]
@@ -127,6 +146,9 @@ class Robot(NotebookMixin, Frozen):
     name: str | None
     clearance: float | tuple[float, ...]
     self_clearance: float | tuple[float, ...]
+    uncertainty: Uncertainty | None
+    gravity: Floats | None
+    payload: tuple[Payload, ...]
     limits: Floats
     actuation: Floats
     drive: Actuation
@@ -146,6 +168,12 @@ class Robot(NotebookMixin, Frozen):
         name: str | None = None,
         clearance: OneEach = 0.0,
         self_clearance: OneEach = 0.0,
+        uncertainty: Uncertainty | None = None,
+        stiffness: Stiffness | Number | None = None,
+        mass: Number | None = None,
+        arcs: Whole | None = None,
+        gravity: Vector | None = None,
+        payload: Payload | Iterable[Payload] | None = None,
     ) -> None:
         if not isinstance(segments, Iterable):
             raise InputError("segments", "", segments, "a list of Segment")
@@ -156,8 +184,11 @@ class Robot(NotebookMixin, Frozen):
                 raise InputError(f"segments[{k}]", "", segment, "a Segment")
         if all(segment.length[1] == 0.0 for segment in listed):
             raise InputError("segments", "", listed, "at least one segment that can be longer than 0")
-        if radius is not None:
-            listed = tuple(segment.changed(radius=radius) for segment in listed)
+        shared = {"radius": radius, "stiffness": stiffness, "mass": mass, "arcs": arcs}
+        given: Any = {key: value for key, value in shared.items() if value is not None}
+        if given:
+            listed = tuple(segment.changed(**given) for segment in listed)
+        carried = payload_list(payload, len(listed))
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
         if not (actuators is None or isinstance(actuators, Actuators)):
             raise InputError("actuators", "", actuators, "Actuators or nothing")
@@ -166,7 +197,11 @@ class Robot(NotebookMixin, Frozen):
         apart = checks.one_each("self_clearance", self_clearance, len(listed), "segment")
         if self_collision == "allow" and np.any(apart):
             raise InputError("self_clearance", "stands beside self_collision: allow", self_clearance, "0")
-        needed = tuple(float(each) for each in np.add(radii, away))
+        if not (uncertainty is None or isinstance(uncertainty, Uncertainty)):
+            raise InputError("uncertainty", "", uncertainty, "Uncertainty or nothing")
+        with checks.inside("uncertainty"):
+            unsure = 0.0 if uncertainty is None else checks.one_each("bound", uncertainty.bound, len(listed), "segment")
+        needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
         own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
         curvatures = curvature_limits(listed, own, self_collision == "avoid")
         drive = Actuation(listed, actuators)
@@ -189,6 +224,9 @@ class Robot(NotebookMixin, Frozen):
             name=optional_name(name),
             clearance=away,
             self_clearance=apart,
+            uncertainty=uncertainty,
+            gravity=None if gravity is None else _gravity(gravity, listed, carried),
+            payload=carried,
             radii=radii,
             needed_radii=needed,
             self_radii=own,
@@ -250,6 +288,11 @@ class Robot(NotebookMixin, Frozen):
     def demands(self) -> bool:
         """Whether any clearance is demanded."""
         return bool(np.any(self.clearance) or np.any(self.self_clearance))
+
+    @property
+    def hangs(self) -> bool:
+        """Whether gravity bends it: `gravity` is given, and a segment has a stiffness."""
+        return self.gravity is not None and any(segment.stiffness is not None for segment in self.segments)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -371,6 +414,75 @@ class Robot(NotebookMixin, Frozen):
         batch.frames_of(flat, packing.pose_row(self.base), frames)
         return frames, lead
 
+    def shape(self, q: Batch, load: Loads = ()) -> "Equilibrium":
+        """Shape of the body under gravity, its payload and other loads, whose configuration without any would be `q`.
+
+        Tendons and chambers keep their lengths, or stretch where they have a stiffness, and tendons that would have to
+        push are slack. A segment without any keeps the moments that its drive exerts.
+
+        Parameters
+        ----------
+        q : array_like (n, 3)
+        load : Force, Payload, or list of these
+            Beside gravity and payload of the robot.
+
+        Returns
+        -------
+        Equilibrium
+
+        Raises
+        ------
+        InputError
+            When nothing has a stiffness, or no equilibrium was found for all of the load.
+        """
+        from sinuous.statics.equilibrium import find_equilibrium  # noqa: PLC0415
+
+        checked = checks.array("q", q, (len(self), 3))
+        return find_equilibrium(self, checked, load_list("load", load, len(self)))
+
+    def equilibrium(
+        self,
+        actuators: Vector | Mapping[str, Number] | None = None,
+        forces: Loads = (),
+        *,
+        tensions: Vector | None = None,
+        initial: Batch | None = None,
+    ) -> "Equilibrium":
+        """Shape of the body under load at these values of the actuators (m,), or at these tensions (m,).
+
+        Parameters
+        ----------
+        actuators : array_like (m,) or mapping, optional
+            As for `from_actuators`; what they hold, they keep.
+        forces : Force, Payload, or list of these
+            Beside gravity and payload of the robot.
+        tensions : array_like (m,), optional
+            Of tendons and chambers in the order of `actuators`, instead of values; positive pulls.
+        initial : array_like (n, 3), optional
+            Of what no actuator determines, its configuration without load.
+
+        Returns
+        -------
+        Equilibrium
+
+        Raises
+        ------
+        InputError
+            As for `shape`; or when neither or both of `actuators` and `tensions` are given.
+        """
+        from sinuous.statics.equilibrium import find_equilibrium, find_pulled  # noqa: PLC0415
+
+        loads = load_list("forces", forces, len(self))
+        if (actuators is None) == (tensions is None):
+            raise InputError("actuators", "", actuators, "either values of actuators, or tensions")
+        if tensions is not None:
+            q = None if initial is None else checks.array("initial", initial, (len(self), 3))
+            return find_pulled(self, checks.array("tensions", tensions, (len(self.drive),)), loads, q)
+        q = self.from_actuators(actuators, initial)
+        given: Any = actuators
+        values, _ = fitting(given, initial, [each.name for each in self.actuators], len(self))
+        return find_equilibrium(self, q, loads, self.drive.motors.displacements(values))
+
     def excess(self, q: Batch) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
 
@@ -413,7 +525,7 @@ class Robot(NotebookMixin, Frozen):
 
     def from_actuators(
         self,
-        actuators: Stack | Mapping[str, Number | Stack],
+        actuators: Stack | Mapping[str, Number | Stack] | None,
         initial: Batch | None = None,
         tolerance: Number | Vector | None = None,
     ) -> Floats:
@@ -484,8 +596,17 @@ class Robot(NotebookMixin, Frozen):
         return Inverse(self.drive, self.limits)
 
 
+def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payload, ...]) -> Floats:
+    if not any([*(each.mass for each in segments), *(each.mass for each in payload)]):
+        raise InputError("gravity", "nothing has a mass", value, "mass of the segments, or a payload")
+    return checks.array("gravity", value, (3,))
+
+
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
+    if robot.hangs:
+        wanted = "none: take robot.changed(gravity=None) for the robot without load"
+        raise InputError("gravity", "only solve and shape know loads", robot.gravity, wanted)
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

@@ -8,7 +8,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Limits, Number, Stack, Vector
+from sinuous.arguments import Limits, Number, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -17,6 +17,9 @@ from sinuous.robot.actuators import Chambers, Stage, Tendons
 from sinuous.robot.names import optional_name
 from sinuous.robot.stiffness import Stiffness
 from sinuous.writing.plain import described, plain
+
+MOST_ARCS = 1000
+"""Arcs of one segment under load."""
 
 
 class SegmentArguments(TypedDict, total=False):
@@ -32,6 +35,8 @@ class SegmentArguments(TypedDict, total=False):
     stage: Stage | None
     stiffness: Stiffness | Number | None
     rest: Vector
+    arcs: Whole
+    mass: Number
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -61,6 +66,10 @@ class Segment(Frozen):
         How hard it is to bend, which elastic tendons and chambers need; a number is EI, force x length^2.
     rest : array_like (2,)
         Bend that it has by itself, where elastic actuators leave it alone, rad.
+    arcs : int
+        Of how many arcs it is under load (`Robot.shape`); without a load all of them are alike.
+    mass : float
+        Per length; its weight is mass x gravity.
 
     Raises
     ------
@@ -79,6 +88,8 @@ class Segment(Frozen):
     stage: Stage | None
     stiffness: Stiffness | None
     rest: Floats
+    arcs: int
+    mass: float
 
     def __init__(
         self,
@@ -93,6 +104,8 @@ class Segment(Frozen):
         *,
         stiffness: Stiffness | Number | None = None,
         rest: Vector = (0.0, 0.0),
+        arcs: Whole = 1,
+        mass: Number = 0.0,
     ) -> None:
         low, high = checks.interval("length", length, low=0.0)
         curvature = math.inf if max_curvature is None else checks.number("max_curvature", max_curvature, low=0.0)
@@ -121,6 +134,8 @@ class Segment(Frozen):
             stage=stage,
             stiffness=stiffness if stiffness is None or isinstance(stiffness, Stiffness) else _bent(stiffness),
             rest=checks.array("rest", rest, (2,)),
+            arcs=checks.integer("arcs", arcs, 1, MOST_ARCS),
+            mass=checks.number("mass", mass, low=0.0),
         )
 
     def changed(self, **values: Unpack[SegmentArguments]) -> "Segment":

@@ -21,6 +21,9 @@ from sinuous.scene.prepared.parts import unsampled
 from sinuous.scene.snapshot import Snapshot
 from sinuous.writing.documents import write_document
 
+GROWING = ("add", "append", "extend", "insert", "remove")
+"""What a list has, and a scene has not."""
+
 
 class Scene(NotebookMixin):
     """A union of obstacles. Distances are positive outside, negative inside, in the length unit.
@@ -36,7 +39,7 @@ class Scene(NotebookMixin):
 
     Parameters
     ----------
-    obstacles : iterable of Obstacle or Scene
+    obstacles : Obstacle, or iterable of Obstacle or Scene
         A scene among them gives all its obstacles.
 
     Raises
@@ -45,7 +48,9 @@ class Scene(NotebookMixin):
         When something among them is neither.
     """
 
-    def __init__(self, obstacles: Iterable["Obstacle | Scene"] = ()) -> None:
+    def __init__(self, obstacles: "Obstacle | Iterable[Obstacle | Scene]" = ()) -> None:
+        if isinstance(obstacles, Obstacle):
+            obstacles = (obstacles,)
         if not isinstance(obstacles, Iterable):
             raise InputError("scene", "", obstacles, "a list of obstacles")
         flat: list[Obstacle] = []
@@ -66,6 +71,12 @@ class Scene(NotebookMixin):
         scene = cls()
         scene._snapshot = snapshot
         return scene
+
+    def __getattr__(self, name: str) -> Any:
+        if name in GROWING:
+            wanted = "sn.Scene([scene, obstacle]) is a new scene with one more, for a new Solver"
+            raise AttributeError(f"a Scene has no {name!r}, {wanted}; `update` and `move` change what is in it")
+        raise AttributeError(f"'Scene' object has no attribute {name!r}", name=name, obj=self)
 
     def snapshot(self) -> Snapshot:
         """Return the obstacles as they are now, frozen; the same object until the next update."""
@@ -275,12 +286,12 @@ def _find_cloud(snapshot: Snapshot, name: str | None) -> tuple[int, PointCloud]:
     return found[0]
 
 
-SceneLike = Scene | Iterable[Obstacle | Scene]
+SceneLike = Scene | Obstacle | Iterable[Obstacle | Scene]
 """What may be given for a scene."""
 
 
 def as_scene(scene: SceneLike | None) -> Scene:
-    """Check a scene; `None` is the empty one, a list of obstacles their union."""
+    """Check a scene; `None` is the empty one, an obstacle one of it alone, a list of obstacles their union."""
     if scene is None:
         return Scene()
     return scene if isinstance(scene, Scene) else Scene(scene)

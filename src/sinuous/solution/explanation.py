@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from sinuous.notebook import NotebookMixin
 from sinuous.reprs import call
 from sinuous.solution.binding import Binding, in_words, nearest_limits
 from sinuous.solution.reasons import Reason
@@ -21,8 +22,8 @@ MOST_LINES = 6
 """Most lines about what holds a configuration back."""
 
 
-@dataclass(frozen=True)
-class Explanation:
+@dataclass(frozen=True, repr=False)
+class Explanation(NotebookMixin):
     """Why a solve ended as it did, and what would help; prints itself.
 
     Attributes
@@ -99,7 +100,7 @@ def _labelled(label: str, texts: list[str]) -> list[str]:
 
 
 def explain(case: Case, sentence: str, end: float) -> Explanation:
-    """Explain a solve, until the time is `end` (by `time.perf_counter`); `sentence` is what its status means here."""
+    """Explain a solve, until the time is `end` (by `work_time`); `sentence` is what its status means here."""
     own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
     if case.status is Status.SOLVED:
         return Explanation(*own, nearest_limits(case.problem, case.q), (), "", count)

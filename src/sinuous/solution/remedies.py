@@ -92,7 +92,7 @@ Kind = Callable[[Trials, Case], Iterator[Remedy]]
 
 
 def find_remedies(case: Case, end: float) -> tuple[tuple[Remedy, ...], bool]:
-    """Return changes that work, and whether all were tried before `end` (by `time.perf_counter`)."""
+    """Return changes that work, and whether all were tried before `end` (by `work_time`)."""
     trials = Trials(case, end)
     kinds = _kinds(case)
     found: list[Remedy] = []

@@ -6,6 +6,7 @@ from typing import Any, Protocol
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.problem import Problem
+from sinuous.robot.robot import Robot
 
 
 class Found(Protocol):
@@ -45,6 +46,13 @@ class ReSolver(Protocol):
         """Most starts of a solve; `None`: as many as the time allows."""
         ...
 
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """Whether answers with this proved clearance are not merely the nearest.
+
+        They are chosen by preferences, or moved out of contact.
+        """
+        ...
+
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Solve a problem from the configuration `initial` (n, 3); `options` replace those of the earlier solve.
 
@@ -61,6 +69,10 @@ class LoadedResult:
     seed: int
     seconds: float = 0.0
     max_starts: int | None = 0
+
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """It is not known how; see the class."""
+        return False
 
     def solve(self, problem: Problem, initial: Floats | None = None, **options: Any) -> Found:
         """Refuse: see the class."""

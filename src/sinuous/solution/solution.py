@@ -1,21 +1,25 @@
 """The answer to a solve: a status that says what was proved, the configuration, and what was worst."""
 
+import math
 import textwrap
-from collections.abc import Mapping
-from time import perf_counter
-from typing import Any, cast
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, StartKind
+from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
-from sinuous.errors import NotSolvedError
-from sinuous.kernels.tables import SOURCES, Outcome
+from sinuous.errors import InputError, NotSolvedError
+from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
+from sinuous.packing import read_only
+from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
 from sinuous.robot.rates import Changes
+from sinuous.robot.robot import Robot
 from sinuous.solution.binding import Binding, find_binding, in_words, rate_binding
 from sinuous.solution.explanation import Explanation, explain
 from sinuous.solution.reading import as_demanded, read_result
@@ -27,6 +31,12 @@ from sinuous.solution.trials import Case
 from sinuous.solution.verification import Verification, verify
 from sinuous.solution.worst import Worst, find_worst
 from sinuous.words import duration, listed
+from sinuous.work_time import work_time
+from sinuous.writing.plain import plain
+
+if TYPE_CHECKING:
+    from sinuous.derivatives.derivative import Derivative
+    from sinuous.statics.equilibrium import Equilibrium
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
 """Statuses of which clearance is the reason."""
@@ -169,7 +179,7 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random or route."""
+        """Which kind of start won: given, arc, random, route or remembered."""
         return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
@@ -226,6 +236,17 @@ class Solution(NotebookMixin):
         return _demanded(self.problem.robot.self_clearance)
 
     @property
+    def robot(self) -> Robot:
+        """The robot."""
+        return self.problem.robot
+
+    @property
+    def tip(self) -> Floats:
+        """Pose (4, 4) of the tool (of the tip, without one) in the world."""
+        pose: Floats = read_only(self.problem.robot.tip(self.q))
+        return pose
+
+    @property
     def base(self) -> Floats:
         """Pose (4, 4) of the robot's base."""
         return self.problem.robot.base
@@ -239,8 +260,14 @@ class Solution(NotebookMixin):
 
     @property
     def tensions(self) -> dict[str, float] | None:
-        """Tensions of the elastic actuators by name, positive where they pull; `None` without any."""
-        drive = self.problem.robot.drive
+        """Tensions of the elastic actuators by name, positive where they pull; `None` without any.
+
+        Of a robot that gravity bends, those of all tendons and chambers under load.
+        """
+        drive, shape = self.problem.robot.drive, self.shape
+        if shape is not None:
+            pairs = zip(drive.actuators, shape.tensions.tolist(), strict=True)
+            return {each.name: tension for each, tension in pairs if not math.isnan(tension)} or None
         if drive.elastic is None:
             return None
         names = [drive.actuators[place].name for place in drive.elastic.places]
@@ -257,8 +284,30 @@ class Solution(NotebookMixin):
     def worst(self) -> Worst | None:
         """The constraint farthest from being met; `None` when solved."""
         if not hasattr(self, "_worst"):
-            self._worst = None if self.solved else find_worst(self.problem, self.q, self.status in _OVERLAPS)
+            self._worst = None if self.solved else self._find_worst()
         return self._worst
+
+    def _find_worst(self) -> Worst:
+        """Of a robot under load what its body misses, by segments of the robot."""
+        problem = self.problem
+        if not problem.robot.hangs or self.shape is None:
+            return find_worst(problem, self.q, self.status in _OVERLAPS)
+        asked = ask_body(problem.robot, self.q, problem.targets)
+        body = Problem(asked.body, asked.targets, problem.scene, problem.tolerance)
+        found = find_worst(body, asked.arcs, self.status in _OVERLAPS)
+        own = asked.segment(found.segment), asked.segment(found.other_segment)
+        return replace(found, segment=own[0], other_segment=own[1])
+
+    @property
+    def shape(self) -> "Equilibrium | None":
+        """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
+        robot = self.problem.robot
+        if not robot.hangs:
+            return None
+        try:
+            return robot.shape(self.q)
+        except InputError:
+            return None
 
     @property
     def binding(self) -> tuple[Binding, ...]:
@@ -298,7 +347,7 @@ class Solution(NotebookMixin):
         InputError
             When `time` is no number of at least 0.
         """
-        end = perf_counter() + checks.number("time", time, low=0.0)
+        end = work_time() + checks.number("time", time, low=0.0)
         given = self._given.reshape(-1, *self.q.shape)
         own = self.problem, self.status, self.q, given[0] if len(given) else None
         case = Case(*own, self.binding, self.reason, self._resolver, self.starts, self._within)
@@ -306,6 +355,8 @@ class Solution(NotebookMixin):
 
     def _find_binding(self) -> tuple[Binding, ...]:
         """What the forces at the best configuration say; first the obstacle that proves that there is no solution."""
+        if self.problem.robot.hangs:
+            return ()
         if self._within is not None:
             return rate_binding(self.problem, self.q, self._given[0], self._within)
         found = find_binding(self.problem, self.q, any_limit=self.status is Status.LIMIT_BOUND)
@@ -326,6 +377,62 @@ class Solution(NotebookMixin):
         if self.status is Status.NO_ROUTE:
             return closed_in(self.problem, self._outcome.cell)
         return None
+
+    def derivative(self, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "Derivative":
+        """Derive the answer by what it depends on: targets, the robot, where it stands, obstacles.
+
+        Of all configurations near this one that meet changed targets, within the limits and clear of obstacles, the
+        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen, or that was
+        moved out of contact with an obstacle, is not called regular.
+
+        Parameters
+        ----------
+        wrt : str or sequence of str
+            Groups of parameters: `target`, `base`, `tool`, `lengths`, `bends`, `curvatures`, `radii`, `tendons`,
+            `actuators`, `obstacles`, `initial`; see `sinuous.derivatives.parameters`.
+
+        Returns
+        -------
+        Derivative
+
+        Raises
+        ------
+        InputError
+            When there is no such group.
+        NotSolvedError
+            When it is not solved.
+        """
+        from sinuous.derivatives.derivative import derivative_of  # noqa: PLC0415
+
+        if self._outcome.code != SOLVED:
+            self.raise_for_status()
+        liked = self._resolver.chooses(self._problem.robot, self._outcome.clearance)
+        return derivative_of(self._problem, self._outcome.q, wrt, liked)
+
+    def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":
+        """Derivatives (p,) of `sum(cotangent * q)` by each group of parameters, for a cotangent (n, 3).
+
+        Raises
+        ------
+        InputError, NotSolvedError
+            As for `derivative`, or when the cotangent has another shape.
+        """
+        return self.derivative(wrt).vjp(cotangent)
+
+    def jvp(self, tangent: Vector | Mapping[Parameter, Vector]) -> Floats:
+        """Motion (n, 3) of the configuration when parameters begin to move along `tangent`; see `Derivative.jvp`.
+
+        Parameters
+        ----------
+        tangent : array_like (p,), or mapping of str to array_like (p,)
+            Of the target, or of groups of parameters by their names.
+
+        Raises
+        ------
+        InputError, NotSolvedError
+            As for `derivative`, or when a tangent has another shape.
+        """
+        return self.derivative(tuple(tangent) if isinstance(tangent, Mapping) else ("target",)).jvp(tangent)
 
     def verify(self) -> Verification:
         """Recompute everything by an independent, slow path; see `sinuous.solution.verification`."""
@@ -361,7 +468,8 @@ class Solution(NotebookMixin):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the result as plain values, in the order of the file format."""
-        worst, reason = self.worst, self.reason
+        worst, reason, shape = self.worst, self.reason, self.shape
+        load = {} if shape is None else {"load": "gravity", "loaded": shape.arcs.tolist()}
         return {
             "status": str(self.status),
             "q": self.q.tolist(),
@@ -372,8 +480,10 @@ class Solution(NotebookMixin):
             "self_clearance": finite_or_none(self.self_clearance),
             "demanded_clearance": self.demanded_clearance,
             "demanded_self_clearance": self.demanded_self_clearance,
+            "uncertainty": plain(self.problem.robot.uncertainty),
             "actuators": self.actuators,
             "tensions": self.tensions,
+            **load,
             "worst": None if worst is None else worst.to_dict(),
             "reason": None
             if reason is None
@@ -411,7 +521,8 @@ class Solution(NotebookMixin):
             ("from self", self.self_clearance),
         ):
             if value is not None:
-                parts.append(f"  {label:<10} {value:.3g}")
+                unsure = self.problem.robot.uncertainty if label == "clearance" else None
+                parts.append(f"  {label:<10} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
             parts.append(f"  route      {self.route_class}")
         parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")

@@ -3,11 +3,12 @@
 import operator
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sinuous.arguments import Parameter
 from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.frozen import Frozen
@@ -26,6 +27,7 @@ from sinuous.kernels.tables import (
     STARTS,
     Outcome,
 )
+from sinuous.notebook import NotebookMixin
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Tolerance
 from sinuous.problem.target_sets import TargetSets
@@ -34,6 +36,9 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.resolver import ReSolver
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import statuses_of
+
+if TYPE_CHECKING:
+    from sinuous.derivatives.many import Derivatives
 
 Whole = NDArray[np.int64]
 Objects = NDArray[np.object_]
@@ -76,7 +81,7 @@ class Beyond(NamedTuple):
     route: Floats | None
 
 
-class Solutions(Frozen, Sequence[Solution]):
+class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
     """What solving many targets found, in their order; frozen.
 
     A sequence of `Solution`, each made when it is asked for. An index that is a slice, or an array of numbers or of
@@ -240,6 +245,32 @@ class Solutions(Frozen, Sequence[Solution]):
     def seed(self) -> int:
         """Of the scattered starts."""
         return self._resolver.seed
+
+    def derivative(self, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "Derivatives":
+        """Derive all answers that are solved, as `Solution.derivative` does one; derivatives of others are NaN.
+
+        Parameters
+        ----------
+        wrt : str or sequence of str
+            Groups of parameters.
+
+        Returns
+        -------
+        Derivatives
+            Arrays over all answers. Columns of what is not asked of a target are left out where that is so for all
+            answers; otherwise they are zero.
+
+        Raises
+        ------
+        InputError
+            When there is no such group, or when it is `target` and not all answers have equally many targets.
+        """
+        from sinuous.derivatives.many import derivatives_of  # noqa: PLC0415
+        from sinuous.derivatives.parameters import read_wrt  # noqa: PLC0415
+
+        chooses, robot = self._resolver.chooses, self._problems.robot
+        liked = np.array([chooses(robot, each) for each in self._answers[:, CLEARANCE].tolist()], np.bool_)
+        return derivatives_of(self._problems, self.q, self.solved, liked, read_wrt(wrt))
 
     def raise_for_status(self) -> "Solutions":
         """Return these solutions when all are solved.

@@ -1,7 +1,6 @@
 """Trying changes of a problem that was not solved, within a time that is kept."""
 
 from collections.abc import Callable, Iterable
-from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +14,7 @@ from sinuous.solution.reasons import Reason
 from sinuous.solution.resolver import Found, ReSolver
 from sinuous.solution.status import Status
 from sinuous.words import rounded_up
+from sinuous.work_time import work_time
 
 TRIAL_STARTS = 1000
 """Most starts of a trial, where the user gave no bound."""
@@ -97,7 +97,7 @@ class Trials:
     ----------
     case : Case
     end : float
-        When the time is up, by `time.perf_counter`.
+        When the time is up, by `work_time`.
 
     Attributes
     ----------
@@ -112,20 +112,20 @@ class Trials:
 
     def share(self, part: float) -> None:
         """Give what comes next this part of the time that is left."""
-        now = perf_counter()
+        now = work_time()
         self._deadline = now + max(0.0, self._end - now) * part
         self._refined = now + REFINING * (self._deadline - now)
 
     def may_refine(self) -> bool:
         """Whether a change may still be made smaller; later, there would be no time left to confirm it."""
-        early = perf_counter() < self._refined
+        early = work_time() < self._refined
         self.complete &= early
         return early
 
     @property
     def left(self) -> float:
         """Seconds that are left of this part."""
-        return max(0.0, self._deadline - perf_counter())
+        return max(0.0, self._deadline - work_time())
 
     def quick(self, problem: Problem, initial: Floats | None = None) -> Found | None:
         """Return a solution from a configuration, by default the best of the case, or from a few starts."""

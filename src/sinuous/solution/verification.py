@@ -13,6 +13,7 @@ from sinuous.errors import InputError
 from sinuous.measures.between import least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
 from sinuous.measures.reach import target_errors
+from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
 from sinuous.reprs import ShortRepr, call
@@ -102,14 +103,16 @@ def verify(problem: Problem, q: Floats) -> Verification:
 
 def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target], tolerance: Tolerance) -> Verification:
     """Recompute errors, limits and clearances of a configuration `q` (n, 3); there may be no targets."""
-    ends = segment_ends(robot, q)
-    errors = [target_errors(robot, target, ends) for target in targets]
+    asked = ask_body(robot, q, targets)
+    body, arcs = asked.body, asked.arcs
+    ends = segment_ends(body, arcs)
+    errors = [target_errors(body, target, ends) for target in asked.targets]
     off, turn = (max((error[i] for error in errors), default=0.0) for i in (0, 1))
-    clearance, segment, obstacle = least_clearance(robot, scene, q, ends)
-    itself = nearest_meeting(robot, q, ends)
+    clearance, segment, obstacle = least_clearance(body, scene, arcs, ends)
+    itself = nearest_meeting(body, arcs, ends)
     spare = clearance - robot.least_demanded[0]
     if isinstance(robot.clearance, tuple):
-        spare = least_clearance(robot, scene, q, ends, beyond=True).distance
+        spare = least_clearance(body, scene, arcs, ends, beyond=True).distance
     slack = ROUNDING * robot.mean_length
     ok = (
         off <= (tolerance.position or 0.0) + slack
@@ -119,7 +122,9 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
         and itself.gap >= -slack
     )
     gap = itself.gap + robot.least_demanded[1]
-    return Verification(ok, off, turn, robot.excess(q), clearance, segment, obstacle, gap, itself.segments)
+    where, pair = asked.segment(segment), itself.segments
+    both = None if pair is None else (asked.owners[pair[0] - 1], asked.owners[pair[1] - 1])
+    return Verification(ok, off, turn, robot.excess(q), clearance, where, obstacle, gap, both)
 
 
 def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> list[Verification]:

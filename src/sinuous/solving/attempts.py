@@ -9,10 +9,11 @@ from typing import NamedTuple
 from sinuous.errors import InputError
 from sinuous.solving.starts import Batch, Question, Scattered
 
-SCATTERED, EDGES, SIDE_TUBES = "scattered", "edges", "side_tubes"
+REMEMBERED, SCATTERED, EDGES, SIDE_TUBES = "remembered", "scattered", "edges", "side_tubes"
 """Names of attempts that others have to know."""
 
 ATTEMPTS = {
+    REMEMBERED: "shapes of a memory whose poses are nearest to the targets",
     SCATTERED: "starts scattered over all shapes, beyond those of the first call",
     "base_tube": "chains laid along the tube that the base lies in",
     EDGES: "a route around edges",
@@ -110,7 +111,7 @@ class Attempts:
 
     def batches(self) -> Iterator[Batch]:
         """Yield starts; an attempt works only when its next batch is asked for."""
-        while self._queue and self._question.seconds_left() > 0.0:
+        while self._queue and self._question.deadline() > 0.0:
             attempt = self._next()
             for number, batch in enumerate(attempt.make()):
                 yield batch

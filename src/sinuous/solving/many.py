@@ -8,7 +8,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import CODE, TARGET_WIDTH, Budget, Outcome, answer_size
+from sinuous.kernels.tables import CLEARANCE, CODE, RECORD_WIDTH, SOLVED, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
@@ -17,6 +17,7 @@ from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Beyond, ManyProblems, Solutions
 from sinuous.solving.crew import Crew, cores
 from sinuous.solving.search import UNDECIDED
+from sinuous.solving.strategy import Strategy
 
 TOGETHER = 1024
 """Most problems that are handed over in one call."""
@@ -46,15 +47,19 @@ class Many:
     ----------
     questions : ManyProblems
     method : Prepared
+    strategy : Strategy
     workers : int
         Most threads.
     advance : callable
     """
 
-    def __init__(self, questions: ManyProblems, method: Prepared, workers: int, advance: Advance) -> None:
-        self._questions, self._method = questions, method
+    def __init__(
+        self, questions: ManyProblems, method: Prepared, strategy: Strategy, workers: int, advance: Advance
+    ) -> None:
+        self._questions, self._method, self._strategy = questions, method, strategy
         self._workers, self._advance = workers, advance
         self._answers = np.empty((len(questions.target_sets), answer_size(len(questions.robot))))
+        self._repeats = np.zeros(len(self._answers), np.bool_)  # answers that hardly differ from what is remembered
         self._beyond: dict[int, Beyond] = {}
 
     def begin(self, budget: Budget) -> None:
@@ -68,7 +73,12 @@ class Many:
             rows = self._questions.target_sets.chunk(first, last)
             initial = np.array(self._questions.initial[first:last], order="C")
             answers = self._answers[first:last]
-            self._method.run_many(self._questions.scene, rows, initial, budget, answers)
+            if initial.shape[1]:
+                self._method.run_many(self._questions.scene, rows, initial, budget, answers, initial[:, 0])
+            else:
+                starts = self._strategy.remembered(rows)
+                self._method.run_many(self._questions.scene, rows, starts, budget, answers)
+                self._repeats[first:last] = self._strategy.recalled(starts, answers)
             self._advance(last - first - len(_undecided(answers)))
 
         least = AMONG_OBSTACLES if len(self._questions.scene) else FREE
@@ -92,6 +102,27 @@ class Many:
             self._advance(1)
 
         Crew(one, self._workers).share(_undecided(self._answers), alone=0.0)
+
+    def take_room(self, seconds: float) -> None:
+        """Move what is solved in contact away from it, see `Prepared.take_room`; `seconds` are those of each solve."""
+        touching = (self._answers[:, CODE] == SOLVED) & (self._answers[:, CLEARANCE] < self._method.grazing)
+        numbers = np.flatnonzero(touching).tolist()
+        if numbers:
+            self._method.load_room(self._questions.problem(numbers[0]))
+
+        def one(i: int) -> None:
+            outcome = as_outcomes(self._answers[i : i + 1])[0]
+            left = seconds - outcome.seconds
+            self._method.take_room(outcome, self._questions.problem(i), left).write(self._answers[i])
+
+        Crew(one, self._workers).share(numbers)
+
+    def learn(self) -> None:
+        """Keep what is solved for later questions, in the order of the targets, where there is a memory."""
+        if not self._strategy.remembers:
+            return
+        new = self._answers[(self._answers[:, CODE] == SOLVED) & ~self._repeats, RECORD_WIDTH:]
+        self._strategy.learn(new.reshape(-1, len(self._questions.robot), 3))
 
     def solutions(self, resolver: ReSolver) -> Solutions:
         """Return what was found."""

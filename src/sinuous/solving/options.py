@@ -12,6 +12,7 @@ from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot, demanding
 from sinuous.solving.attempts import read_without
+from sinuous.solving.memory import Memory
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -31,6 +32,7 @@ class SolveArguments(TypedDict, total=False):
     seed: Whole
     routes: Truth
     without: str | Sequence[str]
+    memory: Memory | None
     clearance: OneEach | None
     self_clearance: OneEach | None
 
@@ -58,6 +60,8 @@ class SolveOptions:
         (see `Capabilities.routes`).
     without : str or sequence of str
         Attempts that are switched off, by the names in `sinuous.solving.attempts.ATTEMPTS`: to see what they bring.
+    memory : Memory, optional
+        Shapes that are tried before anything is searched, and where what is solved is kept.
     clearance, self_clearance : float or array_like (n,), optional
         Least distance of the body from obstacles, and from itself, that a solution has to keep, instead of what the
         robot demands: of all segments, or one each. See `Robot`.
@@ -76,6 +80,7 @@ class SolveOptions:
     seed: int = 0
     routes: bool = True
     without: tuple[str, ...] = ()
+    memory: Memory | None = None
     clearance: OneEach | None = None
     self_clearance: OneEach | None = None
 
@@ -84,6 +89,8 @@ class SolveOptions:
         if not isinstance(prefer, Preferences):
             raise InputError("prefer", "", prefer, "Preferences")
         registry.name_of(self.method)
+        if not isinstance(self.memory, Memory | None):
+            raise InputError("memory", "", self.memory, "a Memory")
         values = {
             "tolerance": as_tolerance(self.tolerance),
             "prefer": prefer,

@@ -2,11 +2,11 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
-from time import monotonic
 
-from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
+from sinuous.kernels.tables import FAILED, LATE, NO_ROUTE, SOLVED, SOURCES, UNPROVED, Outcome
 from sinuous.solving.options import UNBOUNDED
 from sinuous.solving.starts import Batch
+from sinuous.work_time import work_time
 
 ENOUGH = 1000
 """Starts of a search that the user does not bound, after which its end says what the best found lacks: before that it
@@ -36,7 +36,7 @@ class Search(ABC):
     clock : callable
     """
 
-    def __init__(self, max_starts: int, seconds: float, clock: Clock = monotonic) -> None:
+    def __init__(self, max_starts: int, seconds: float, clock: Clock = work_time) -> None:
         self._max_starts, self._budget, self._clock = max_starts, seconds, clock
         self._starts = self._iterations = 0
         self._began = clock()
@@ -91,9 +91,10 @@ class Search(ABC):
                 if not self.open:
                     return
                 found = follow(part, self.seconds_left)
-                if batch.source == SOURCES[ROUTE]:
+                if len(part.initial):
                     solved = found.code == SOLVED and len(part.routes) > 0
-                    found = found._replace(source=ROUTE, route=part.routes[found.starts - 1] if solved else None)
+                    route = part.routes[found.starts - 1] if solved else None
+                    found = found._replace(source=SOURCES.index(batch.source), route=route)
                 self.take(found)
                 if found.starts == 0:  # the method has no more of its own
                     return
@@ -112,7 +113,7 @@ class FirstSolved(Search):
         See `Search`.
     """
 
-    def __init__(self, first: Outcome, max_starts: int | None, seconds: float, clock: Clock = monotonic) -> None:
+    def __init__(self, first: Outcome, max_starts: int | None, seconds: float, clock: Clock = work_time) -> None:
         super().__init__(UNBOUNDED if max_starts is None else max_starts, seconds, clock)
         self._began -= first.seconds
         self._best, self._late, self._enough = first, False, ENOUGH if max_starts is None else max_starts

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from time import monotonic
 from typing import Literal
 
 import numpy as np
@@ -18,8 +17,9 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.naming import name_classes, sort_out
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.search import Clock, Search
-from sinuous.solving.starts import Batch, Question, Scattered
+from sinuous.solving.starts import Batch, Deadline, Question, Scattered
 from sinuous.solving.strategy import Strategy
+from sinuous.work_time import work_time
 
 Kind = Literal["route", "shape"]
 """What may be asked for."""
@@ -115,7 +115,7 @@ class Classes:
         """Whether there is a solution of the class of a curve (N, 3)."""
         return self._curves.alike_one(curve, self._firsts) is not None
 
-    def add(self, found: Outcome, seconds_left: Callable[[], float]) -> bool:
+    def add(self, found: Outcome, deadline: Deadline) -> bool:
         """Put a solution among the best of its class; return whether the class is new."""
         curve = self._curves.of(found.q)
         number = self._curves.alike_one(curve, self._firsts)
@@ -124,7 +124,7 @@ class Classes:
             order = np.argsort(self._dislike([each.q for each in members]), kind="stable")
             self.members[number] = [members[i] for i in order[:CANDIDATES]]
             return False
-        if seconds_left() <= 0.0:  # comparing took too long to say that it is new
+        if deadline() <= 0.0:  # comparing took too long to say that it is new
             return False
         self._firsts.append(curve)
         self.members.append([found])
@@ -160,7 +160,7 @@ class Distinct(Search):
         shape: Callable[[Floats], Floats],
         max_starts: int,
         seconds: float,
-        clock: Clock = monotonic,
+        clock: Clock = work_time,
         classes: Classes | None = None,
     ) -> None:
         super().__init__(max_starts, seconds, clock)
@@ -228,7 +228,7 @@ class Several:
             return problem.robot.backbone(q, 8)
 
         shape(np.zeros((len(problem.robot), 3)))  # loads the kernel, before the time begins
-        self._end = monotonic() + wanted.seconds
+        self._end = work_time() + wanted.seconds
         seconds = wanted.seconds if self._curves is None else SEARCHING * wanted.seconds
         classes = None
         if self._curves is not None and wanted.by == BY_ROUTE:
@@ -255,12 +255,12 @@ class Several:
 
         What leads to one solution soonest is left out, or put off, where others are looked for beside it.
         """
-        seconds, starts = (1.0 - FIRST) * question.seconds_left(), (1.0 - FIRST) * self.search.starts_left
-        sooner = question._replace(seconds_left=lambda: question.seconds_left() - seconds)
+        seconds, starts = (1.0 - FIRST) * question.deadline(), (1.0 - FIRST) * self.search.starts_left
+        sooner = question._replace(deadline=lambda: question.deadline() - seconds)
         for batch in strategy.batches(sooner, scattered):
             for part in (batch,) if batch.closed is not None else batch.parts(lambda: 1):
                 yield part
-                if self.search.found or question.seconds_left() <= seconds or self.search.starts_left <= starts:
+                if self.search.found or question.deadline() <= seconds or self.search.starts_left <= starts:
                     if part.source == Scattered.name:
                         scattered.go_back(part.own[1])
                     return
@@ -291,4 +291,4 @@ class Several:
         return [found[i] for i in order]
 
     def _seconds_left(self) -> float:
-        return self._end - monotonic()
+        return self._end - work_time()

@@ -1,7 +1,7 @@
 """A robot in a scene, prepared once for many targets: one budget over all starts, and an honest status at the end."""
 
-import time as clock
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self, Unpack
@@ -9,11 +9,13 @@ from typing import Any, Self, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
+from sinuous.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
-from sinuous.kernels.tables import BASE_BLOCKED, SOLVED, Budget, Outcome
+from sinuous.kernels.compiling.tiers import code_first
+from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
+from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.prepared import Call
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
@@ -25,18 +27,26 @@ from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.observed import GAIN
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
+from sinuous.solving.classes.curves import Curves
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solving.starts import Batch, Question
 from sinuous.solving.strategy import Strategy
+from sinuous.solving.under_load import STARTS, UnderLoad, solve_under_load
+from sinuous.solving.under_load import given as start_at
 from sinuous.solving.velocity import ControlLoop
+from sinuous.work_time import no_work, work_time
+
+FEW = 10
+"""Starts under load where the robot without load is proved to have no solution, which says nothing of the other."""
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
@@ -53,6 +63,8 @@ class Solver:
     robot : Robot
     scene : Scene or list of obstacles, optional
         Live: after an update the next solve sees the new obstacles.
+    ready : str or sequence of str
+        Methods of the solver whose machine code is waited for now, see `warm`: before a control loop.
     **options
         The fields of `SolveOptions`: tolerance, method, prefer, time, max_starts, seed, routes, without, clearance,
         self_clearance.
@@ -70,9 +82,18 @@ class Solver:
         When an argument is not what it should be.
     """
 
-    def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        scene: SceneLike | None = None,
+        *,
+        ready: str | Sequence[str] = (),
+        **options: Unpack[SolveArguments],
+    ) -> None:
+        uses = _uses("ready", (ready,) if isinstance(ready, str) else ready)
         self._prepare(*_checked(robot, scene, options))
         self._strategy.load()
+        self._warm(uses)
 
     @classmethod
     def once(cls, robot: Robot, scene: SceneLike | None = None, **options: Unpack[SolveArguments]) -> Self:
@@ -91,6 +112,12 @@ class Solver:
         self.robot, self.scene, self.options = robot, scene, chosen
         self.tolerance = chosen.tolerance.for_robot(robot)
         self.method = registry.name_of(chosen.method)
+        self._load: UnderLoad | None = None
+        if robot.hangs:
+            self._load = UnderLoad(robot)
+            self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
+            self._borrow(self._free)
+            return
         self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = SolvesAgain(chosen)
@@ -99,6 +126,32 @@ class Solver:
         self._no_initial: Floats = np.empty((0, *self._shape))
         self._place: tuple[Snapshot, bool] = Snapshot(()), False  # the scene, and whether the base is blocked in it
         self._look_at_base()
+
+    def _borrow(self, free: "Solver") -> None:
+        """Share what a solver of the robot without load has prepared."""
+        self._resolver, self._shape = SolvesAgain(self.options), free._shape
+        self._no_initial, self._strategy = free._no_initial, free._strategy
+
+    def warm(self, *uses: str) -> None:
+        """Wait until what these methods need is compiled, so that none of their calls waits, or is interpreted.
+
+        Parameters
+        ----------
+        *uses : str
+            `solve`, `solve_many`, `solve_all`, `step`; by default all of them.
+
+        Raises
+        ------
+        InputError
+            When there is no such method.
+        """
+        self._warm(_uses("warm", uses or tuple(READY)))
+
+    def _warm(self, uses: Iterable[str]) -> None:
+        """Use each of these methods once, in a way that is soon done."""
+        with code_first():
+            for use in uses:
+                READY[use](self)
 
     def solve(
         self,
@@ -131,7 +184,9 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        began = clock.perf_counter()
+        if self._load is not None:
+            return self._solve_under_load(self._load, target, initial, within, time)
+        began = work_time()
         scene, blocked = self._place
         looked = scene is not self.scene.snapshot()
         if looked:
@@ -143,22 +198,54 @@ class Solver:
         if within is not None:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
-            budget = *budget[:3], max(0.0, budget[3] + began - clock.perf_counter())
-        outcome = self._look(problem, given) if blocked else self._prepared.run(problem, given, budget)
+            budget = *budget[:3], max(0.0, budget[3] + began - work_time())
+        outcome = self._look(problem, given) if blocked else self._first(problem, given, budget)
         if outcome.code != SOLVED:
             if outcome.code in UNDECIDED:
-                began += self._strategy.load()  # compiling is no solving
+                with no_work():
+                    self._strategy.load()
             outcome = self._go_on(outcome, problem, given, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given)
+        outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def _solve_under_load(
+        self, load: UnderLoad, target: Targets, initial: Initial | None, within: Changes | None, time: Number | None
+    ) -> Solution:
+        """Correct solutions of the robot without load, one after the other."""
+        if within is not None:
+            raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
+        began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
+        given, free = self._given(initial), self._free
+        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        scene = self.scene.snapshot()
+        problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
+        unloaded = Problem.prepared(free.robot, targets, scene, self.tolerance)
+
+        def starts() -> Iterator[Outcome]:
+            yield from (start_at(q) for q in given)
+            first = free.solve(targets, time=0.5 * seconds)._outcome
+            yield first
+            for i in range(1, STARTS if first.code in (SOLVED, *UNDECIDED) else FEW):
+                budget = i, i + 1, self.options.seed, seconds
+                yield free._prepared.run(unloaded, self._no_initial, budget)
+
+        outcome = solve_under_load(load, problem, starts(), seconds, self.options.most_starts)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def _refuse_load(self, what: str) -> None:
+        """Refuse what knows no loads yet: an answer without them would be wrong."""
+        if self._load is not None:
+            wanted = f"none for {what}: take robot.changed(gravity=None), or solve target by target"
+            raise InputError("gravity", "only solve and shape know loads", self.robot.gravity, wanted)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
             raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
         if not len(given):
             raise InputError("initial", "missing", None, "where the changes begin")
-        began = clock.perf_counter()
+        began = work_time()
         outcome = self._control.within(problem, given[0], within, budget[3])
-        return Solution(problem, outcome, clock.perf_counter() - began, self._resolver, given, within=within)
+        return Solution(problem, outcome, work_time() - began, self._resolver, given, within=within)
 
     def loaded(
         self,
@@ -173,6 +260,7 @@ class Solver:
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
+        self._refuse_load("build")
         budget = self._first_budgets[int(initial is not None)]
         return self._prepared.build(self._problem(target)[0], self._given(initial), budget)
 
@@ -221,18 +309,21 @@ class Solver:
         InputError
             When an argument is not what it should be, or there is not one of each for every target.
         """
+        self._refuse_load("solve_many")
         asked = read_target_sets(self.robot, targets, arrays)
         threads, shown = read_workers(workers), checks.truth("progress", progress)
         given = read_initial(self.robot, len(asked), initial)
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
-        with ProgressBar(len(asked) if shown else 0) as bar:
-            many = Many(questions, self._prepared, threads, bar.advance)
+        with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
+            many = Many(questions, self._prepared, self._strategy, threads, bar.advance)
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
-            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
+            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
+            many.learn()
+            many.take_room(budget[3])
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -282,6 +373,7 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
+        self._refuse_load("solve_all")
         wanted = Wanted(
             checks.integer("count", count, 1, 10_000),
             checks.number("apart", apart, low=0.0) * self.robot.mean_length,
@@ -295,8 +387,9 @@ class Solver:
         several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
         question = Question(problem, given, lambda: several.search.seconds_left, several=True)
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
+        own = self._resolver, given
         return [
-            Solution(problem, outcome, outcome.seconds, self._resolver, given, route_class)
+            Solution(problem, self._with_room(outcome, problem, wanted.seconds), outcome.seconds, *own, route_class)
             for outcome, route_class in several.best()
         ]
 
@@ -310,6 +403,10 @@ class Solver:
         rates: Rates | None = None,
         clearance: Number | None = None,
         velocity: Rows | None = None,
+        measured: Stack | None = None,
+        places: Vector | None = None,
+        gain: Number = GAIN,
+        delay: Whole = 0,
     ) -> Step:
         """Go on from a configuration with a twist of the tip, or towards a target, for one tick of a control loop.
 
@@ -337,6 +434,18 @@ class Solver:
         velocity : array_like (n, 3), optional
             Of the tick before: what an acceleration starts from. Limits, rates and obstacles come first.
 
+        measured : array_like (3,), (4, 4), (n, 2) or (k, 3), optional
+            Where the real robot is: the position or pose of its tool, the bends of its segments (from a fibre), or
+            points of its body at `places`, in the world; NaN was not seen. What the model misses is taken for a
+            disturbance that varies slowly, and the target is met by the real robot. `q` then has to be the step before,
+            which carries what is known of it. Proofs are of the model: see `uncertainty` of the robot.
+        places : array_like (k,), optional
+            Shares of the length of the body, increasing, 1 = its end.
+        gain : float
+            Of the observer: share of what is new that a tick takes over; less of it is slower, and less moved by noise.
+        delay : int
+            Ticks by which the measurement is late.
+
         Returns
         -------
         Step
@@ -346,7 +455,10 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        own: Step = self._control.step(q, twist, dt, target=target, rates=rates, clearance=clearance, velocity=velocity)
+        self._refuse_load("step")
+        limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
+        seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
+        own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)
         return own
 
     def __repr__(self) -> str:
@@ -385,14 +497,42 @@ class Solver:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
 
-    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
+    def _first(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
+        """Make the first call: from the initial configuration, or else from remembered shapes; then from own starts."""
+        if self.options.memory is None:
+            return self._prepared.run(problem, given, budget, given[0] if len(given) else None)
+        if len(given):
+            first = self._prepared.run(problem, given, budget, given[0])
+        else:
+            starts = self._strategy.remembered(problem._rows[None])[0]
+            first = self._prepared.run(problem, starts, budget)
+            if first.source == GIVEN and len(starts):
+                first = first._replace(source=REMEMBERED)
+                if first.code == SOLVED:
+                    self._strategy.learn(first.q[None], starts[first.starts - 1][None])
+                return first
+        if first.code == SOLVED:
+            self._strategy.learn(first.q[None])
+        return first
+
+    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float, learn: bool = True) -> Outcome:
         """Ask the other start sources until something is decided."""
         if first.code in UNDECIDED:
             self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
+        if learn and search.outcome.code == SOLVED:
+            self._strategy.learn(search.outcome.q[None])
         return search.outcome
+
+    def _with_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Move a solution out of contact; see `Prepared.take_room`."""
+        if outcome.code != SOLVED or outcome.clearance >= self._prepared.grazing:
+            return outcome
+        with no_work():  # compiling is no solving
+            self._prepared.load_room(problem)
+        return self._prepared.take_room(outcome, problem, seconds)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""
@@ -474,6 +614,12 @@ class SolvesAgain:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
 
+    def chooses(self, robot: Robot, clearance: float) -> bool:
+        """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""
+        if self.options.prefer:
+            return not self.options.prefer.satisfied(clearance)
+        return clearance < math.inf and self.method == "newton" and clearance < NEARLY_GRAZING * thinnest(robot)
+
     def solve(
         self, problem: Problem, initial: Floats | None = None, within: Changes | None = None, **options: Any
     ) -> Solution:
@@ -483,11 +629,56 @@ class SolvesAgain:
         return solver.solve(problem.targets, initial, within=within)
 
 
+def _warm_solve(solver: Solver) -> None:
+    solver.solve(_beyond_reach(solver), _straight(solver), time=0.0)
+    solver._strategy.load(anew=True)
+
+
+def _warm_many(solver: Solver) -> None:
+    solver.solve_many([_beyond_reach(solver)], time=0.0)
+
+
+def _warm_all(solver: Solver) -> None:
+    _warm_solve(solver)
+    if len(solver.scene):
+        Curves(solver.robot, solver.scene.snapshot()).load()
+
+
+def _warm_step(solver: Solver) -> None:
+    solver.step(_straight(solver), (0.0,) * 6, 1.0)
+
+
+READY: dict[str, Callable[[Solver], None]] = {
+    "solve": _warm_solve,
+    "solve_many": _warm_many,
+    "solve_all": _warm_all,
+    "step": _warm_step,
+}
+"""Methods of a solver that can be waited for, and how each is used once."""
+
+
+def _uses(key: str, given: Sequence[str]) -> list[str]:
+    return [checks.choice(key, use, tuple(READY)) for use in given]
+
+
+def _straight(solver: Solver) -> Floats:
+    """Straight, with mean lengths."""
+    lengths = [sum(segment.length) / 2.0 for segment in solver.robot.segments]
+    return np.array([(0.0, 0.0, length) for length in lengths])
+
+
+def _beyond_reach(solver: Solver) -> Target:
+    """A target that is soon seen to be impossible."""
+    return Target((0.0, 0.0, 9.0 * len(solver.robot) * solver.robot.mean_length))
+
+
 def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) -> tuple[Robot, Scene, SolveOptions]:
     """Check what a solver is made of, and warn of what looks wrong."""
     if not isinstance(robot, Robot):
         raise InputError("robot", "", robot, "a Robot")
     place, chosen = as_scene(scene), SolveOptions.of(options)
     check_sizes(robot, place)
+    if chosen.memory is not None:
+        chosen.memory.check(robot)
     warn_of(suspicions(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

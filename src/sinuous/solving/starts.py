@@ -8,6 +8,9 @@ from sinuous.checks import Floats
 from sinuous.kernels.tables import RANDOM, SOURCES
 from sinuous.problem.problem import Problem
 
+Deadline = Callable[[], float]
+"""When a solve has to end: says how many seconds are left until then."""
+
 
 @dataclass(frozen=True)
 class Batch:
@@ -66,15 +69,15 @@ class Question(NamedTuple):
     problem : Problem
     initial : ndarray (g, n, 3)
         The initial configuration of the user: g is 0 or 1.
-    seconds_left : callable
-        Seconds until the deadline.
+    deadline : callable
+        See `Deadline`.
     several : bool
         Whether several distinct solutions are wanted, and not just the first.
     """
 
     problem: Problem
     initial: Floats
-    seconds_left: Callable[[], float]
+    deadline: Deadline
     several: bool = False
 
 

@@ -21,14 +21,19 @@ for most.
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
 
+import numpy as np
+from numpy.typing import NDArray
+
 from sinuous.checks import Floats
-from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, SOURCES
+from sinuous.kernels import tables
+from sinuous.kernels.tables import GIVEN, PROVED_CLOSED, RECORD_WIDTH, SOURCE, SOURCES, STARTS
 from sinuous.methods import registry
 from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
-from sinuous.solving.attempts import EDGES, SCATTERED, SIDE_TUBES, Attempts
+from sinuous.solving.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, Attempts
 from sinuous.solving.classes.passages import Passages
+from sinuous.solving.memory import NEAREST
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
@@ -99,6 +104,12 @@ GROWN_ROUTES = 2
 AT_ONCE = 0
 """Price of what comes first."""
 
+REMEMBERED_FIRST = -20
+"""Price of remembered shapes: before everything else."""
+
+REMEMBERED_SEVERAL = 16
+"""Remembered shapes that are tried where several solutions are wanted."""
+
 PASSAGES = -10
 """Price of routes through other passages, where several solutions are wanted: before everything else. A search after
 none was found with larger cells is dearer by 1 for each step."""
@@ -133,11 +144,15 @@ class Strategy:
     def __init__(self, robot: Robot, scene: Scene, tolerance: Tolerance, options: SolveOptions) -> None:
         takes_routes = registry.capabilities(options.method).routes and len(scene) > 0
         self.searches = Searches(robot, scene, tolerance) if options.routes and takes_routes else None
-        self._options = options
+        takes_memory = registry.capabilities(options.method).initial and REMEMBERED not in options.without
+        own = options.memory is not None and options.memory.serves(robot)  # a remedy's robot is another one
+        self._memory = options.memory if takes_memory and own else None
+        self._segments, self._options = len(robot), options
 
-    def load(self) -> float:
-        """Compile what routes need, or load it, where that is not done yet; return the seconds it took."""
-        return 0.0 if self.searches is None else self.searches.load()
+    def load(self, *, anew: bool = False) -> None:
+        """Compile what routes need, or load it, where that is not done yet, or `anew`."""
+        if self.searches is not None:
+            self.searches.load(anew=anew)
 
     def opening_starts(self, given: int) -> int:
         """How many starts the method makes by itself in the first call, after so many initial configurations."""
@@ -167,7 +182,47 @@ class Strategy:
             What knows other passages: where several solutions are wanted, routes through these come before all others.
         """
         left = self.scattered(question) if scattered is None else scattered
-        return attempts_of(question, left, self.searches, without=self._options.without, passages=passages).batches()
+        attempts = attempts_of(question, left, self.searches, without=self._options.without, passages=passages)
+        if len(question.initial) or question.several:  # else they were tried in the first call
+            attempts.add(REMEMBERED, REMEMBERED_FIRST, partial(self._remembered_batch, question), cost=0)
+        return attempts.batches()
+
+    @property
+    def remembers(self) -> bool:
+        """Whether there is a memory."""
+        return self._memory is not None
+
+    def remembered(self, rows: Floats, count: int = NEAREST) -> Floats:
+        """Return the remembered shapes (m, k, n, 3) nearest to targets (m, t, 15); k is 0 where there is no memory."""
+        memory = self._memory
+        return np.empty((len(rows), 0, self._segments, 3)) if memory is None else memory.nearest_to(rows, count)
+
+    def recalled(self, starts: Floats, answers: Floats) -> NDArray[np.bool_]:
+        """Say of answers (m, 11 + 3 n) to calls from remembered shapes (m, k, n, 3) which began there.
+
+        Returns
+        -------
+        ndarray (m,) of bool
+            Which of them are hardly different from where they began.
+        """
+        rows = np.flatnonzero(answers[:, SOURCE] == GIVEN) if starts.shape[1] else np.empty(0, np.int64)
+        answers[rows, SOURCE] = tables.REMEMBERED
+        repeats = np.zeros(len(answers), np.bool_)
+        if self._memory is not None and len(rows):
+            began = starts[rows, answers[rows, STARTS].astype(np.int64) - 1]
+            repeats[rows] = self._memory.alike(answers[rows, RECORD_WIDTH:].reshape(began.shape), began)
+        return repeats
+
+    def learn(self, found: Floats, starts: Floats | None = None) -> None:
+        """Keep solutions (m, n, 3) in the memory, if there is one, but none that is hardly different from its start."""
+        if self._memory is not None:
+            self._memory.learn(found if starts is None else found[~self._memory.alike(found, starts)])
+
+    def _remembered_batch(self, question: Question) -> Iterator[Batch]:
+        count = REMEMBERED_SEVERAL if question.several else NEAREST
+        initial = self.remembered(question.problem._rows[None], count)[0]
+        if len(initial):
+            yield Batch(REMEMBERED, initial)
 
 
 def attempts_of(

@@ -12,6 +12,7 @@ from sinuous.arguments import Number, Rows, Truth, Vector, Whole
 from sinuous.batch.checkpoint import Checkpoint, hash_of, problem_record
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.kernels.compiling.tiers import code_first
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
@@ -111,10 +112,11 @@ def reach(
     if checkpoint is not None:
         checkpoint.open()
     calls = Calls(workers, checkpoint)
-    taken = _within_reach(free, voxels, calls)
+    with code_first():
+        taken = _within_reach(free, voxels, calls)
     points = voxels.middles[taken]
     work = _Work(solver.robot, solver.scene.snapshot(), points, neighbours_of(taken), axes, calls)
-    with ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
+    with code_first(), ProgressBar((2 if len(place) else 1) * len(points) * len(axes) if shown else 0) as bar:
         alone = _without_obstacles(work, free, bar)
         among, blamed = (alone.codes, None) if not len(place) else _among_obstacles(work, solver, alone, bar)
     verdicts, unhindered = (_whole(codes, taken) for codes in (among, alone.codes))

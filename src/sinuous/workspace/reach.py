@@ -13,6 +13,7 @@ from sinuous.arguments import Vector
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.notebook import NotebookMixin
 from sinuous.workspace.grid import Voxels
 from sinuous.workspace.verdicts import Codes, Verdict
 from sinuous.writing.documents import written
@@ -43,7 +44,7 @@ class Volume(NamedTuple):
     at_most: float
 
 
-class Reach(Frozen):
+class Reach(NotebookMixin, Frozen):
     """What a robot reaches, on a grid of voxels, with obstacles and without.
 
     Attributes

@@ -1,5 +1,7 @@
 """What is compiled is said before it begins, once, with what and how long."""
 
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -64,3 +66,25 @@ def test_another_can_be_told(fresh: Callable[[int], Any], capsys: pytest.Capture
     assert [piece.what for piece in told] == ["halves"]
     assert capsys.readouterr().err == ""
     assert pieces._tellers == [pieces._print]
+
+
+def test_a_person_sees_a_bar(
+    fresh: Callable[[int], Any], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fresh(9)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    monkeypatch.setattr(pieces, "EVERY", 0.001)
+    with pieces.announced(pieces.PIECES[0]):
+        time.sleep(0.1)
+    said = capsys.readouterr().err
+    assert said.startswith("sinuous: compiling halves")
+    assert "0 s" in said
+    assert said.endswith("\r\x1b[2K")
+
+
+def test_an_estimate_counts_what_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(store, "CACHE", tmp_path)
+    piece = pieces.Piece("halves", 6, (), 24)
+    assert piece.expected == 24
+    compiling.entry(half)(2.0)
+    assert piece.expected == 6

@@ -31,7 +31,7 @@ def test_a_configuration_is_the_only_goal() -> None:
 
 def test_what_is_compiled_meanwhile_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [10.0]
-    monkeypatch.setattr("sinuous.motion.planning.query.clock.perf_counter", lambda: now[0])
+    monkeypatch.setattr("sinuous.motion.planning.query.work_time", lambda: now[0])
     deadline = Deadline(5.0)
     now[0] += 1.0
     assert (deadline.spent, deadline.left()) == (1.0, 4.0)

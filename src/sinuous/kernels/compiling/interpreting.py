@@ -6,6 +6,7 @@ raises. So the functions of kernels run from code that is made of the same lines
 """
 
 import ast
+import copy
 import math
 from collections.abc import Callable
 from threading import Lock
@@ -60,13 +61,10 @@ class _Arithmetic(ast.NodeTransformer):
 
     def visit_AugAssign(self, node: ast.AugAssign) -> ast.AST:
         self.generic_visit(node)
-        before = ast.parse(ast.unparse(node.target), mode="eval").body
-        value = _asked(node, ast.copy_location(before, node.target), node.op, node.value)
-        return (
-            node
-            if value is None
-            else ast.fix_missing_locations(ast.copy_location(ast.Assign([node.target], value), node))
-        )
+        before = copy.copy(node.target)
+        before.ctx = ast.Load()
+        value = _asked(node, before, node.op, node.value)
+        return node if value is None else ast.copy_location(ast.Assign([node.target], value), node)
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         self.generic_visit(node)
@@ -205,7 +203,7 @@ def _codes(file: str) -> dict[tuple[str, int], CodeType]:
     """Code of all functions of a file, by name and first line, made so that it asks the helpers."""
     if file not in _read:
         text = text_of(file)
-        made = compile(ast.fix_missing_locations(_Arithmetic().visit(ast.parse(text))), file, "exec", dont_inherit=True)
+        made = compile(_Arithmetic().visit(ast.parse(text)), file, "exec", dont_inherit=True)
         _read[file] = {_place(code): code for code in _within(made)}
     return _read[file]
 

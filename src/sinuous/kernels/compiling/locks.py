@@ -25,14 +25,41 @@ _files: dict[tuple[int, Path], int] = {}
 @contextlib.contextmanager
 def locked(file: Path, name: str) -> Iterator[None]:
     """Hold the lock of this name, once whoever holds it now is done."""
-    place = int.from_bytes(hashlib.sha256(name.encode()).digest()[:7], "little")
-    handle = _opened(file)
-    held = handle is not None and _wait(handle, place)
+    end = time.monotonic() + PATIENCE
+    while not (held := take(file, name)) and time.monotonic() < end:
+        time.sleep(PAUSE)
     try:
         yield
     finally:
-        if held and handle is not None:
-            _free(handle, place)
+        if held:
+            free_again(file, name)
+
+
+def take(file: Path, name: str) -> bool:
+    """Take the lock of this name where no other process holds it, or where nothing can be locked."""
+    handle = _opened(file)
+    if handle is None:
+        return True
+    try:
+        _take(handle, _place(name))
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def free_again(file: Path, name: str) -> None:
+    """Free the lock of this name."""
+    handle = _opened(file)
+    if handle is not None:
+        with contextlib.suppress(OSError):
+            _free(handle, _place(name))
+
+
+def _place(name: str) -> int:
+    """Byte of the file that stands for a name."""
+    return int.from_bytes(hashlib.sha256(name.encode()).digest()[:7], "little")
 
 
 def _opened(file: Path) -> int | None:
@@ -46,20 +73,6 @@ def _opened(file: Path) -> int | None:
     return _files[key]
 
 
-def _wait(handle: int, place: int) -> bool:
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        try:
-            _take(handle, place)
-        except (BlockingIOError, PermissionError):
-            time.sleep(PAUSE)
-        except OSError:
-            return False
-        else:
-            return True
-    return False
-
-
 try:
     import fcntl
 
@@ -67,8 +80,7 @@ try:
         fcntl.lockf(handle, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, place)
 
     def _free(handle: int, place: int) -> None:
-        with contextlib.suppress(OSError):
-            fcntl.lockf(handle, fcntl.LOCK_UN, 1, place)
+        fcntl.lockf(handle, fcntl.LOCK_UN, 1, place)
 
 except ImportError:  # Windows
     import msvcrt
@@ -78,6 +90,5 @@ except ImportError:  # Windows
         msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined]
 
     def _free(handle: int, place: int) -> None:
-        with contextlib.suppress(OSError):
-            os.lseek(handle, place, os.SEEK_SET)
-            msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)  # type: ignore[attr-defined]
+        os.lseek(handle, place, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)  # type: ignore[attr-defined]

@@ -2,12 +2,14 @@
 
 import contextlib
 import sys
+import time
 from collections.abc import Callable, Iterator
+from threading import Event, Thread
 from typing import Any, NamedTuple
 
 from numba import types
 
-from sinuous.kernels.compiling.store import CACHE
+from sinuous.kernels.compiling.store import begun
 
 FREE = " without obstacles"
 """What follows the name of an entry for which there are no obstacles at all: the form of it that is compiled for `None`
@@ -22,28 +24,32 @@ class Piece(NamedTuple):
     what : str
         The purpose, in the words of the user.
     seconds : int
-        About how long compiling takes, on a core that nobody else uses, once `SHARED` kernels have been compiled.
+        About how long compiling takes, on a core that nobody else uses, once an entry has been compiled.
     entries : tuple of str
         Module within the package, and name; see `FREE`.
     alone : int
         The same where nothing is compiled yet, if that can be; else 0.
+    waits : bool
+        Whether calls wait for their code, because they are long, or have to be on time.
+    most : int, optional
+        Numbers in the largest array of a call, beyond which it waits: where nothing else tells how long it takes.
     """
 
     what: str
     seconds: int
     entries: tuple[str, ...]
     alone: int = 0
+    waits: bool = False
+    most: int | None = None
 
     @property
     def expected(self) -> int:
-        """Seconds that compiling takes about, with what is in the cache now."""
-        compiled = sum(1 for _ in CACHE.glob("*.code"))
-        return self.seconds if compiled >= SHARED else max(self.alone, self.seconds)
+        """Seconds that compiling takes about, with what is in the store now."""
+        return self.seconds if begun() else max(self.alone, self.seconds)
 
 
-SHARED = 100
-"""Kernels in the cache from which on most of what is shared is among them."""
-
+FEW = 30_000
+"""Numbers of which work is soon done, interpreted."""
 
 PIECES = (
     Piece("single solves", 6, ("kernels.solve.search.search" + FREE,), 24),
@@ -68,27 +74,33 @@ PIECES = (
             "kernels.fitting.settle.settle_chain",
         ),
     ),
-    Piece("batches of solves", 4, ("kernels.solve.search.search_many" + FREE,)),
-    Piece("batches of solves among obstacles", 5, ("kernels.solve.search.search_many",)),
+    Piece("batches of solves", 4, ("kernels.solve.search.search_many" + FREE,), waits=True),
+    Piece("batches of solves among obstacles", 5, ("kernels.solve.search.search_many",), waits=True),
     Piece("preferences", 5, ("kernels.solve.preferences.prefer" + FREE,)),
     Piece("preferences among obstacles", 6, ("kernels.solve.preferences.prefer",)),
     Piece(
         "kinematics",
         1,
         tuple(f"kernels.chain.batch.{name}" for name in ("frames_of", "points_of", "jacobians_of")),
+        most=FEW,
     ),
     Piece(
         "distances",
         3,
+        ("kernels.fields.distances.many", "kernels.fields.distances.least_gap"),
+        most=FEW,
+    ),
+    Piece(
+        "sampling of meshes, clouds and grids",
+        3,
         (
-            "kernels.fields.distances.many",
-            "kernels.fields.distances.least_gap",
             "kernels.fields.trees.arrange",
             "kernels.fields.trees.enclose",
             "kernels.fields.solids.enclose",
             "kernels.fields.solids.sample",
             "kernels.fields.candidates.list_candidates",
         ),
+        waits=True,
     ),
     Piece(
         "classes of routes",
@@ -105,13 +117,25 @@ PIECES = (
         ),
     ),
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
-    Piece("control loops", 15, ("kernels.velocity.query.tick",)),
-    Piece("the method opti_path", 10, ("methods.opti_path.search.search", "methods.opti_path.potential.sample")),
-    Piece("the method dls", 4, ("methods.dls.search",)),
-    Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.reaching.search",)),
-    Piece("the method slinki", 6, ("methods.slinki.search.search",)),
-    Piece("the method fabrik_avoid", 6, ("methods.fabrik.avoiding.search",)),
-    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",)),
+    Piece("shapes under load", 8, ("kernels.statics.equilibrium.equilibrate",), waits=True),
+    Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
+    Piece("derivatives", 6, ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE)),
+    Piece(
+        "derivatives among obstacles",
+        9,
+        tuple(f"kernels.derivative.query.{name}" for name in ("derive", "derive_many", "find_contacts")),
+    ),
+    Piece(
+        "the method opti_path",
+        10,
+        ("methods.opti_path.search.search", "methods.opti_path.potential.sample"),
+        waits=True,
+    ),
+    Piece("the method dls", 4, ("methods.dls.search",), waits=True),
+    Piece("the methods fabrikc and fabrikx", 6, ("methods.fabrik.reaching.search",), waits=True),
+    Piece("the method slinki", 6, ("methods.slinki.search.search",), waits=True),
+    Piece("the method fabrik_avoid", 6, ("methods.fabrik.avoiding.search",), waits=True),
+    Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",), waits=True),
 )
 """All that is compiled, what most users need first."""
 
@@ -119,28 +143,54 @@ SHORT = 2
 """Seconds from which on a person should know what takes so long."""
 
 
-def telling(compiled: Any) -> Any:
-    """Let an entry tell when it is about to be compiled: when Numba has asked the cache for it in vain."""
-    load = compiled._cache.load_overload
+EVERY = 0.25
+"""Seconds between two pictures of the bar."""
 
-    def load_or_tell(signature: Any, context: Any) -> Any:
-        found = load(signature, context)
-        if found is None:
-            name = name_of(compiled, signature)
-            piece = next((piece for piece in PIECES if name in piece.entries), None)
-            if piece is not None and piece not in _told:
-                _told.append(piece)
-                _tellers[-1](piece)
-        return found
+WIDTH = 24
+"""Letters of the bar."""
 
-    compiled._cache.load_overload = load_or_tell
-    return compiled
+
+def piece_of(compiled: Any, signature: Any) -> Piece | None:
+    """Return the piece that an entry belongs to, for arguments of such types."""
+    name = name_of(compiled, signature)
+    return next((piece for piece in PIECES if name in piece.entries), None)
 
 
 def name_of(compiled: Any, signature: Any) -> str:
     """Name of an entry for such arguments as `PIECES` has it."""
     name = f"{compiled.__module__.partition('.')[2]}.{compiled.__name__}"
     return name + FREE if types.none in signature else name
+
+
+@contextlib.contextmanager
+def announced(piece: Piece | None) -> Iterator[None]:
+    """Say that somebody waits for a piece within: once, in a line, and to a person in a bar."""
+    if piece is not None and piece not in _told:
+        _told.append(piece)
+        _tellers[-1](piece)
+    if piece is None or piece.expected <= SHORT or _tellers[-1] is not _print or not sys.stderr.isatty():
+        yield
+        return
+    done = Event()
+    shown = Thread(target=_show_bar, args=(piece.expected, done), daemon=True)
+    shown.start()
+    try:
+        yield
+    finally:
+        done.set()
+        shown.join()
+
+
+def _show_bar(expected: int, done: Event) -> None:
+    """Show how long it has taken, of how long it takes about, until it is done."""
+    began = time.perf_counter()
+    while not done.wait(EVERY):
+        seconds = time.perf_counter() - began
+        full = min(WIDTH, int(WIDTH * seconds / expected))
+        sys.stderr.write(f"\r[{'#' * full}{' ' * (WIDTH - full)}] {seconds:.0f} s ")
+        sys.stderr.flush()
+    sys.stderr.write("\r\x1b[2K")
+    sys.stderr.flush()
 
 
 def _print(piece: Piece) -> None:

@@ -24,7 +24,8 @@ from numba.core.compiler import CompileResult
 from sinuous.caches import places, writable
 from sinuous.kernels.compiling.locks import locked
 from sinuous.kernels.compiling.once import Part, as_part
-from sinuous.kernels.compiling.sources import NAME_LENGTH, stamp_of, unchanged
+from sinuous.kernels.compiling.sources import NAME_LENGTH, sources_hash, stamp_of, unchanged
+from sinuous.kernels.compiling.targets import Target, shipped
 
 KEPT_DAYS = 30
 """How long a file is kept that nobody uses."""
@@ -52,6 +53,14 @@ CACHE = find_cache()
 KERNELS: dict[tuple[str, str], Callable[[], Any]] = {}
 """What is compiled for inner kernels, by module and qualified name: what a kernel that is read from the disk calls."""
 
+ENTRIES: dict[tuple[str, str], Any] = {}
+"""Entries by module and qualified name: what a helper is asked to compile."""
+
+
+def begun() -> bool:
+    """Say whether an entry of these sources has been compiled: then most of what entries share has been, too."""
+    return (CACHE / f"{sources_hash()}.begun").exists()
+
 
 class Store(NullCache):
     """The compiled code of one function on disk, in the place of Numba's cache.
@@ -68,12 +77,15 @@ class Store(NullCache):
     ----------
     name : str
         Of the function, the same in every process.
+    module, called : str
+        Where the function is found in Python.
     """
 
     def __init__(self, function: Callable[..., Any], kind: str, file: str | None = None) -> None:
         self._function, self._folder, self._kind = function, CACHE, kind
         self._file = file or function.__code__.co_filename
-        told = f"{kind} {function.__module__} {function.__qualname__} {stamp_of(self._file)}"
+        self.module, self.called = function.__module__, function.__qualname__
+        told = f"{kind} {self.module} {self.called} {stamp_of(self._file)}"
         self.name = f"{kind}{hashlib.sha256(told.encode()).hexdigest()[:NAME_LENGTH]}"
 
     @property
@@ -81,11 +93,15 @@ class Store(NullCache):
         """Where the files are."""
         return str(self._folder)
 
+    def usable(self) -> bool:
+        """Say whether other processes would find here what they compile for this one."""
+        return unchanged(self._file) and os.access(self._folder, os.W_OK)
+
     @contextlib.contextmanager
     def alone(self, signature: Any, codegen: Any) -> Iterator[None]:
         """Let no other process compile this meanwhile; wait for one that does."""
         path = self.path(signature, codegen)
-        if path.exists():
+        if self.find(signature, codegen).exists():
             yield
         else:
             with locked(self._folder / "lock", path.name):
@@ -93,7 +109,7 @@ class Store(NullCache):
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the code for a signature with all that it calls, or `None` where it is not there as it was written."""
-        path = self.path(signature, context.codegen())
+        path = self.find(signature, context.codegen())
         data = _read(path) if unchanged(self._file) else None
         if data is None:
             return None
@@ -122,13 +138,29 @@ class Store(NullCache):
             return
         data = serialize.dumps((called, result._reduce()))
         _keep(self.path(signature, result.codegen), hashlib.sha256(data).digest() + data)
+        if self._kind == "entry":
+            with contextlib.suppress(OSError):
+                (self._folder / f"{sources_hash()}.begun").touch()
+
+    def find(self, signature: Any, codegen: Any) -> Path:
+        """File of the code for a signature, where there is one, also among what is shipped; else where it would be."""
+        own = self.path(signature, codegen)
+        if self._kind == "entry" and not own.exists():
+            for folder, target in shipped():
+                path = folder / self._file_name(signature, target)
+                if path.exists():
+                    return path
+        return own
 
     def path(self, signature: Any, codegen: Any) -> Path:
-        """File of the code for a signature; a kernel is the same for all processors, only an entry is machine code."""
-        triple, *processor = codegen.magic_tuple()
-        told = f"{self.name} {signature} {triple} {processor if self._kind == 'entry' else ''}"
-        digest = hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]
-        return self._folder / f"{self._function.__name__}.{digest}.code"
+        """File in the store of the code for a signature, for this processor."""
+        return self._folder / self._file_name(signature, Target(*codegen.magic_tuple()))
+
+    def _file_name(self, signature: Any, target: Target) -> str:
+        """Name of a file; a kernel is the same for all processors, only an entry is machine code."""
+        processor = [target.cpu, target.features] if self._kind == "entry" else ""
+        told = f"{self.name} {signature} {target.triple} {processor}"
+        return f"{self._function.__name__}.{hashlib.sha256(told.encode()).hexdigest()[: 2 * NAME_LENGTH]}.code"
 
     def _sign(self, result: Any) -> None:
         """Write on a part by which name others find it again."""
@@ -147,6 +179,22 @@ def tell(text: str) -> None:
 _told: set[str] = set()
 
 
+def clear(folder: Path) -> int:
+    """Remove all files of a store; return how many kernels there were."""
+    count = 0
+    for _, _, file in list(_files_in(folder)):
+        with contextlib.suppress(OSError):
+            file.unlink()
+            count += file.suffix == ".code"
+    return count
+
+
+def size_of(folder: Path) -> tuple[int, int]:
+    """Count the files of a store, and their bytes."""
+    sizes = [size for _, size, _ in _files_in(folder)]
+    return len(sizes), sum(sizes)
+
+
 def remove_old(folder: Path, most: int = MOST_BYTES) -> None:
     """Remove the files that nobody has used for `KEPT_DAYS`, and of the rest the oldest, until so much is left."""
     total = 0
@@ -159,7 +207,7 @@ def remove_old(folder: Path, most: int = MOST_BYTES) -> None:
 
 def _files_in(folder: Path) -> Iterator[tuple[float, int, Path]]:
     """When each file was used, its size, and where it is; also what a process left that was killed as it wrote."""
-    for file in folder.glob("*.code*"):
+    for file in (*folder.glob("*.code*"), *folder.glob("*.begun")):
         with contextlib.suppress(OSError):
             found = file.stat()
             yield found.st_mtime, found.st_size, file
@@ -181,7 +229,8 @@ def _read(path: Path) -> bytes | None:
     try:
         written = path.read_bytes()
         if time.time() - path.stat().st_mtime > DAY:
-            os.utime(path)
+            with contextlib.suppress(OSError):  # what is shipped may not be written to
+                os.utime(path)
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:

@@ -7,6 +7,7 @@ across the tangent, or an end of the piece. Its motion along the gradient must n
 import math
 from collections import namedtuple
 
+from sinuous.kernels.body.contacts import Body
 from sinuous.kernels.body.pieces import free_part, look_here, near
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, VALUE, WEIGHTS, pull_along, pull_at, self_contacts
 from sinuous.kernels.body.self_pairs import Shape
@@ -66,7 +67,7 @@ def _finish(tick: Tick, at: int, low: float, wish: float, gap: float, kind: int,
 
 
 @kernel
-def _steepness(problem: Problem, tick: Tick, i: int, k: int, s: float) -> tuple[float, float, Vec, Vec]:
+def _steepness(problem: Problem, tick: Tick | Body, i: int, k: int, s: float) -> tuple[float, float, Vec, Vec]:
     """Distance of a place to obstacle `i`, how it changes along the backbone, its gradient, and the place."""
     rotation, position = frame(tick.frames, k)
     turn, shift = pose(s * tick.q[k, 0], s * tick.q[k, 1], s * tick.q[k, 2])
@@ -77,8 +78,15 @@ def _steepness(problem: Problem, tick: Tick, i: int, k: int, s: float) -> tuple[
 
 
 @kernel
-def _closest_place(problem: Problem, tick: Tick, i: int, k: int, a: float, b: float) -> tuple[float, float, Vec, Vec]:
-    """Fraction of segment `k` between `a` and `b` where it is closest to obstacle `i`; distance, gradient, place."""
+def closest_place(
+    problem: Problem, tick: Tick | Body, i: int, part: tuple[int, float, float], straight: float, most: int
+) -> tuple[float, float, Vec, Vec]:
+    """Fraction of a segment where it is closest to obstacle `i`; distance, gradient, place.
+
+    `part`: the segment, and the fractions of it between which that is looked for. It is found to the cosine `straight`
+    between gradient and tangent, in `most` looks at most.
+    """
+    k, a, b = part
     d, fa, g, p = _steepness(problem, tick, i, k, a)
     if fa >= 0.0:
         return a, d, g, p
@@ -86,10 +94,10 @@ def _closest_place(problem: Problem, tick: Tick, i: int, k: int, a: float, b: fl
     if fb <= 0.0:
         return b, d, g, p
     s = b
-    for _ in range(CLOSELY):
+    for _ in range(most):
         s = min(max((a * fb - b * fa) / (fb - fa), a), b)
         d, f, g, p = _steepness(problem, tick, i, k, s)
-        if abs(f) < STRAIGHT:
+        if abs(f) < straight:
             break
         if f > 0.0:
             b, fb, fa = s, f, 0.5 * fa  # the Illinois rule: an end that stays counts half
@@ -147,7 +155,7 @@ def add_contacts(problem: Problem, tick: Tick, look: Look, first: int, most: int
                 if look_here(problem.scene, i, middle, reach, BOUND)[0] >= reach:
                     continue
                 spend(tick.sweep.clock, 4 * price_of(problem.scene, i))
-                s, d, g, p = _closest_place(problem, tick, i, k, a, b)
+                s, d, g, p = closest_place(problem, tick, i, (k, a, b), STRAIGHT, CLOSELY)
                 gap = d - radius
                 least = min(least, gap)
                 at = _place_for(tick, first, count, most, gap) if gap < look.ahead else -1

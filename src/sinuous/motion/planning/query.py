@@ -1,6 +1,5 @@
 """What a planner is asked: from where to where, in which scene, until when; and what it answers."""
 
-import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -20,6 +19,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
 from sinuous.solving.solver import Solver
+from sinuous.work_time import work_time
 
 GOALS_AT_ONCE = 8
 """Solves that look for more goals each time a planner asks for them."""
@@ -44,12 +44,12 @@ class Deadline:
     """
 
     def __init__(self, seconds: float) -> None:
-        self._budget, self._began = seconds, clock.perf_counter()
+        self._budget, self._began = seconds, work_time()
 
     @property
     def spent(self) -> float:
         """Seconds until now."""
-        return clock.perf_counter() - self._began
+        return work_time() - self._began
 
     def left(self) -> float:
         """Seconds that are left; negative after the end."""
@@ -57,16 +57,16 @@ class Deadline:
 
     def set_spent(self, seconds: float) -> None:
         """Count only so many seconds of the time until now; the rest of it was compiling."""
-        self._began = clock.perf_counter() - seconds
+        self._began = work_time() - seconds
 
     @contextmanager
     def paused(self) -> Iterator[None]:
         """Do not count what is done in the meantime: it may compile."""
-        began = clock.perf_counter()
+        began = work_time()
         try:
             yield
         finally:
-            self._began += clock.perf_counter() - began
+            self._began += work_time() - began
 
 
 class FixedGoal:

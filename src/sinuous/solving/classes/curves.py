@@ -4,8 +4,7 @@ Two are alike where one is known to deform into the other and stay clear, see `s
 """
 
 import math
-from collections.abc import Callable, Sequence
-from time import monotonic
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.polylines import lengths_along, points_at
+from sinuous.solving.starts import Deadline
 
 FEWEST = 64
 """Least number of points of a curve."""
@@ -65,8 +65,8 @@ class Curves:
     ----------
     robot : Robot
     scene : Snapshot
-    seconds_left : callable
-        Of the budget that comparing is in.
+    deadline : callable
+        See `Deadline`.
 
     Attributes
     ----------
@@ -77,8 +77,8 @@ class Curves:
         Distance from the obstacles that a curve keeps while it is drawn tight, in the length unit.
     """
 
-    def __init__(self, robot: Robot, scene: Snapshot, seconds_left: Callable[[], float] = lambda: math.inf) -> None:
-        self._robot, self._seconds_left = robot, seconds_left
+    def __init__(self, robot: Robot, scene: Snapshot, deadline: Deadline = lambda: math.inf) -> None:
+        self._robot, self._deadline = robot, deadline
         self.scene, self.mount = scene, robot.mount
         radius, longest = min(robot.needed_radii), sum(segment.length[1] for segment in robot.segments)
         wanted = A_RADIUS * longest / radius if radius > 0.0 else MOST
@@ -128,23 +128,21 @@ class Curves:
         """Return what is first met from points of a curve (N, 3) to their counterparts on another (N,); -1: nothing."""
         return self.see(a, b, ALIKE * self.keep).which
 
-    def load(self) -> float:
-        """Compile the entries, or load them from the cache; return the seconds it took."""
-        began = monotonic()
+    def load(self) -> None:
+        """Compile the entries, or load them from the cache."""
         line = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), self._points)
         homotopy.draw_tight(self._group, line, self.keep, 0.0, self._workspace)
         homotopy.deforms(self._group, line, line, self.keep, 0.0, self._workspace)
         homotopy.halfway(self._group, line, line, self.keep, self._workspace, line.copy())
         self.see(line[:1], line[:1], self.keep)
         self.scene.beside([Mesh(np.eye(3), [[0, 1, 2]])]).distance(np.zeros(3))
-        return monotonic() - began
 
     @property
     def _group(self) -> Floats:
         return self.scene._kernel_group
 
     def _seconds(self) -> float:
-        return max(0.0, self._seconds_left())
+        return max(0.0, self._deadline())
 
 
 def across(axes: Floats) -> Floats:

@@ -75,7 +75,7 @@ class Passages:
         problem, plans = self._question.problem, self._searches.single_plans
         scene = self._curves.scene.beside([self._screens[i][1] for i in sorted(closed)])
         shut = Problem.prepared(problem.robot, problem.targets, scene, problem.tolerance)
-        found = self._searches.find(shut, self._query, plan, self._question.seconds_left())
+        found = self._searches.find(shut, self._query, plan, self._question.deadline())
         finest = plan.cell == plans[-1].cell and plan.cells == plans[-1].cells
         least = -np.inf if finest else WIDE * self._query[QUERY_RADIUS]
         return [route for route in found.routes if self._keeps(problem.scene, route) >= least], found.cells

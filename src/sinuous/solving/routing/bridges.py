@@ -4,7 +4,7 @@ In a tube a chain has one way to go, and it says itself where it comes out. What
 is short, and in the open: scattered starts solve it. No route has to lead the right way, nor be known at all.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
@@ -16,6 +16,7 @@ from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, SOLVED
 from sinuous.solving.routing.growth import Grown
 from sinuous.solving.routing.parts import beyond, ending, segments_in
 from sinuous.solving.routing.turned import Groups, joined, rooted
+from sinuous.solving.starts import Deadline
 
 OPEN = 3.5
 """Distance from the obstacles from which on an end is in the open, in radii of the body."""
@@ -26,14 +27,13 @@ FREEDOM = 6
 SEED = 0
 """Seed of the scattered starts."""
 
-Left = Callable[[], float]
-"""Seconds left."""
-
 End = tuple[int, int]
 """A chain, by its number of segments and its own number."""
 
 
-def bridged(groups: Groups, other: Groups, ahead: Grown, behind: Grown, starts: int, left: Left) -> Iterator[Floats]:
+def bridged(
+    groups: Groups, other: Groups, ahead: Grown, behind: Grown, starts: int, deadline: Deadline
+) -> Iterator[Floats]:
     """Yield chains (n, 3) of a part from the base, a bridge that scattered starts solve, and a part to the target.
 
     Parameters
@@ -44,8 +44,8 @@ def bridged(groups: Groups, other: Groups, ahead: Grown, behind: Grown, starts: 
         Chains from the base and from the target that end in the open, or none that do.
     starts : int
         Scattered starts of each bridge, and about as many bridges.
-    left : callable
-        Seconds left.
+    deadline : callable
+        See `Deadline`.
     """
     n, segments = int(groups[0][0]), segments_in(groups[0])
     freedom = 2 * (segments[:, MAX_BEND] > 0.0) + (segments[:, MAX_LENGTH] > segments[:, MIN_LENGTH])
@@ -56,13 +56,13 @@ def bridged(groups: Groups, other: Groups, ahead: Grown, behind: Grown, starts: 
     ]
     pairs.sort(key=lambda pair: n - pair[0][0] - pair[1][0])
     for one, two in pairs[: 2 * starts]:
-        if left() <= 0.0:
+        if deadline() <= 0.0:
             return
         (head, _), (tail, root) = ahead.chain(*one), behind.chain(*two)
         rest = beyond(groups, head)
         if len(tail) > 0:
             rest = ending(rest, n - len(head) - len(tail), behind.frames[two])
-        bridge = _solved(rest, starts, left)
+        bridge = _solved(rest, starts, deadline)
         if bridge is not None:
             yield joined(groups, np.concatenate([head, bridge]), rooted(other, root), tail)
 
@@ -77,9 +77,9 @@ def _ends(grown: Grown, most: int) -> list[End]:
     return list(dict.fromkeys([*ends, (0, 0)]))
 
 
-def _solved(groups: Groups, starts: int, left: Left) -> Floats | None:
+def _solved(groups: Groups, starts: int, deadline: Deadline) -> Floats | None:
     """Return a configuration (m, 3) that is proved; `None` where none is found."""
     (n, actuators), obstacles, targets = (int(x) for x in groups[0][:2]), int(groups[1][0]), len(groups[3])
     best, workspace = np.empty((n, 3)), np.empty(workspace_size(n, actuators, obstacles, targets))
-    record = search(*groups, np.empty((0, n, 3)), (0, starts, SEED, max(0.0, left())), workspace, best)
+    record = search(*groups, np.empty((0, n, 3)), (0, starts, SEED, max(0.0, deadline())), workspace, best)
     return best if record[0] == SOLVED else None

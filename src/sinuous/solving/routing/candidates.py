@@ -100,7 +100,7 @@ class Candidates:
         self.searches, self.question, self.query = searches, question, query
         self.known: list[Candidate] = []
         self.enclosed = False
-        self._without, self._problem, self._left = without, question.problem, question.seconds_left
+        self._without, self._problem, self._deadline = without, question.problem, question.deadline
         self._groups = searches.groups(question.problem)
         self._halves: dict[int, Halves] = {}
         self._legs: dict[int, Floats | None] = {}
@@ -114,32 +114,32 @@ class Candidates:
         """Yield chains along the tube that the base lies in, where there is one."""
         if self._groups[0][1] > 0.0:
             return  # limits of actuators join what is in the tube and what is not
-        tube = tube_around(self._groups[1], self.query, self._left())
+        tube = tube_around(self._groups[1], self.query, self._deadline())
         self.enclosed = tube is not None and not tube.open
         line = None if tube is None else within(tube, self.query)
         if line is not None:
-            laid = self.searches.fit(self._problem, [line], self._left)
+            laid = self.searches.fit(self._problem, [line], self._deadline)
             yield along(laid, (line,)[: len(laid)])
         elif tube is not None and tube.open:
-            for chain, route in out_of(tube, self._groups, self._left):
+            for chain, route in out_of(tube, self._groups, self._deadline):
                 yield along(chain[None], (route,))
 
     def around_edges(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) around edges; `None` where none is found."""
-        off = EDGES in self._without or self._left() <= 0.0
-        return None if off else self.searches.by_edges(self._problem, query, self._left())
+        off = EDGES in self._without or self._deadline() <= 0.0
+        return None if off else self.searches.by_edges(self._problem, query, self._deadline())
 
     def through_side_tubes(self, query: Floats) -> Floats | None:
         """Return a route (K, 3) through tubes that open beside edges; `None` where none is found.
 
         Where the base lies in a closed tube, that one leads on.
         """
-        off = SIDE_TUBES in self._without or self._left() <= 0.0 or self.enclosed
-        return None if off else self.searches.by_tubes(self._problem, query, self._left)
+        off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
+        return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
     def over_cells(self, plan: Plan) -> Found:
         """Search as a plan says, in the time that is left."""
-        return self.searches.find(self._problem, self.query, plan, max(0.0, self._left()))
+        return self.searches.find(self._problem, self.query, plan, max(0.0, self._deadline()))
 
     def over_enough_cells(self, plan: Plan) -> tuple[Plan, Found]:
         """Search as a plan says; where its table is too small for a first route, with others at once.
@@ -200,24 +200,24 @@ class Candidates:
 
     def laid(self, routes: list[Floats]) -> Iterator[Batch]:
         """Yield configurations along routes (K, 3)."""
-        fits = self.searches.fit(self._problem, routes, self._left)
+        fits = self.searches.fit(self._problem, routes, self._deadline)
         new = np.array([self._is_new(q) for q in fits], bool)
         yield along(fits[new], tuple(compress(routes, new)))
 
     def grown(self, candidate: Candidate, width: int) -> Iterator[Batch]:
         """Yield chains that are grown along a route from both ends, by beams of a width, and joined."""
         legs = self._legs_of(candidate)
-        if legs is None or self._left() <= 0.0:
+        if legs is None or self._deadline() <= 0.0:
             return
         yield self._nothing()
-        for chain in Chains(self._groups, legs, self._left).of_width(width):
+        for chain in Chains(self._groups, legs, self._deadline).of_width(width):
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
     def halves(self, candidate: Candidate, starts: int) -> Iterator[Batch]:
         """Yield chains through the narrowest place of a route, of which each half is solved by itself."""
         legs = self._legs_of(candidate)
-        if legs is None or self._left() <= 0.0 or not self.clear(candidate):
+        if legs is None or self._deadline() <= 0.0 or not self.clear(candidate):
             return
         if candidate.rank not in self._halves:
             room = np.stack([self.searches.beside(self._problem, leg) for leg in legs])
@@ -225,7 +225,7 @@ class Candidates:
         if not self._halves[candidate.rank].any:
             return
         yield self._nothing()
-        for chain in self._halves[candidate.rank].chains(starts, self._left):
+        for chain in self._halves[candidate.rank].chains(starts, self._deadline):
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 
@@ -287,7 +287,7 @@ class Candidates:
                 return leg
         for query in ways:
             for plan in self.searches.leg_plans(finest):
-                found = self.searches.find(self._problem, query, plan, max(0.0, self._left()))
+                found = self.searches.find(self._problem, query, plan, max(0.0, self._deadline()))
                 if found.routes:
                     return found.routes[0]
         return None

@@ -8,7 +8,7 @@ how it is turned about its tangent, so what is joined meets both ends.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, settled
 from sinuous.solving.routing.parts import ending
 from sinuous.solving.routing.roots import roots
 from sinuous.solving.routing.turned import Groups, joined, rooted, turned, turned_back
+from sinuous.solving.starts import Deadline
 
 WHOLES = 4
 """Most chains of one beam that reach the other end by themselves and are given."""
@@ -40,9 +41,6 @@ DEAR = 2.0
 
 TANGENT = slice(2, POSE_POSITION, 3)
 """The tangent (3,) in a pose (12,)."""
-
-Left = Callable[[], float]
-"""Seconds left."""
 
 
 class _Joint(NamedTuple):
@@ -63,12 +61,12 @@ class Chains:
         The problem, see `Groups`.
     legs : ndarray (l, K, 3)
         The legs of a route, from target to target, evenly spaced, in the length unit.
-    left : callable
-        Seconds left.
+    deadline : callable
+        See `Deadline`.
     """
 
-    def __init__(self, groups: Groups, legs: Floats, left: Left) -> None:
-        self._groups, self._legs, self._left = groups, legs, left
+    def __init__(self, groups: Groups, legs: Floats, deadline: Deadline) -> None:
+        self._groups, self._legs, self._deadline = groups, legs, deadline
         self._n = int(groups[0][0])
         self._segment = float(groups[2][UNIT]) / self._n
         self._roots = roots(groups, np.concatenate(list(legs)))
@@ -82,7 +80,7 @@ class Chains:
             yield from self._given(self._wholes(self._ahead(width), self._groups))
             return
         ahead, behind = self._ahead(width, OPEN), self._behind(self._other, width, OPEN)
-        yield from bridged(self._groups, self._other, ahead, behind, width, self._left)
+        yield from bridged(self._groups, self._other, ahead, behind, width, self._deadline)
         ahead = self._ahead(width) if ahead.open else ahead
         behind = self._behind(self._other, width) if behind.open else behind
         yield from self._joined(ahead, behind, round(JOINTS * math.sqrt(width / FIRST_WIDTH)))
@@ -91,11 +89,11 @@ class Chains:
     def _ahead(self, width: int, room: float = math.inf) -> Grown:
         """Chains from the base."""
         base = self._groups[0][None, -2 * POSE_WIDTH : -POSE_WIDTH]
-        return Grown(self._groups, self._legs, base.copy(), width, self._left(), room)
+        return Grown(self._groups, self._legs, base.copy(), width, self._deadline(), room)
 
     def _behind(self, other: Groups, width: int, room: float = math.inf) -> Grown:
         """Chains from the target."""
-        return Grown(other, self._legs[::-1, ::-1].copy(), self._roots, width, self._left(), room)
+        return Grown(other, self._legs[::-1, ::-1].copy(), self._roots, width, self._deadline(), room)
 
     def _wholes(self, grown: Grown, groups: Groups) -> Iterator[tuple[float, Floats]]:
         """Chains (n, 3) that reach the other end by themselves, and their scores."""
@@ -109,13 +107,13 @@ class Chains:
         """Yield chains, the best first, each also drawn to the targets."""
         for _, chain in sorted(wholes, key=lambda whole: whole[0]):
             yield chain
-            yield from settled(self._groups, [chain], self._left)
+            yield from settled(self._groups, [chain], self._deadline)
 
     def _joined(self, ahead: Grown, behind: Grown, most: int) -> Iterator[Floats]:
         """Yield chains (n, 3) that meet both ends, of parts from either end."""
         assert self._other is not None
         for _, k, i, j in self._joints(ahead, behind)[:most]:
-            if self._left() <= 0.0:
+            if self._deadline() <= 0.0:
                 return
             (head, _), (tail, root) = ahead.chain(k, i), behind.chain(self._n - k, j)
             begun = rooted(self._other, root)
@@ -150,5 +148,5 @@ class Chains:
     def _closed(self, groups: Groups, chain: Floats, end: Floats) -> Floats | None:
         """Return a chain like this one (k, 3) that ends against a pose (12,); `None` where none is found."""
         part, best = ending(groups, len(chain), end), np.empty((len(chain), 3))
-        record = search(*part, chain[None], (0, 0, 0, max(0.0, self._left())), self._workspace, best)
+        record = search(*part, chain[None], (0, 0, 0, max(0.0, self._deadline())), self._workspace, best)
         return best if record[0] == SOLVED else None

@@ -1,7 +1,7 @@
 """Chains grown along routes: for bodies that cannot turn as tightly as a route does, or are much longer than it."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.turned import Groups
+from sinuous.solving.starts import Deadline
 
 FIRST_WIDTH, LAST_WIDTH = 4, 1024
 """Chains of every number of segments that are kept, at first and at most: powers of two. The widest beam takes 4 MB for
@@ -204,12 +205,12 @@ class Grown:
         return np.concatenate([q, self._rest[self.segments :]]), root
 
 
-def settled(groups: Groups, chains: Iterable[Floats], seconds_left: Callable[[], float]) -> Iterator[Floats]:
+def settled(groups: Groups, chains: Iterable[Floats], deadline: Deadline) -> Iterator[Floats]:
     """Yield every chain (n, 3), drawn to the targets in short steps, while there is time."""
     robot, scene, _, targets = groups
     workspace = np.empty(fit_workspace_size(int(robot[0]), int(robot[1]), int(scene[0]), len(targets), 0))
     for chain in chains:
-        seconds = seconds_left()
+        seconds = deadline()
         if seconds <= 0.0:
             return
         q = chain.copy()

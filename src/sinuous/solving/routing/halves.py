@@ -5,7 +5,7 @@ one of a hundred from there to the target, it is one of ten thousand that does b
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ from sinuous.solving.polylines import lengths_along, respaced
 from sinuous.solving.routing.growth import LEG_POINTS, segments_of
 from sinuous.solving.routing.parts import before, beyond, fitted, laid, segments_in
 from sinuous.solving.routing.turned import Groups
+from sinuous.solving.starts import Deadline
 
 WIDE = 3.0
 """Room across a route, in radii of the body, from which on no place of it is narrow."""
@@ -56,9 +57,6 @@ BARELY = 0.15
 
 SEED = 0
 """Seed of the scattered starts of parts."""
-
-Left = Callable[[], float]
-"""Seconds left."""
 
 
 class Part:
@@ -89,14 +87,14 @@ class Part:
         self.nearest: Floats | None = None
         self.possible = True
 
-    def solved(self, starts: int, left: Left) -> Floats | None:
+    def solved(self, starts: int, deadline: Deadline) -> Floats | None:
         """Return a configuration (m, 3) that is proved, from at most so many scattered starts in all."""
         first, self._starts = self._starts, max(starts, self._starts)
         nothing = np.empty((0, self._n, 3))
         if self._q is None and self.possible and first < starts:
-            self._follow(nothing, (first, starts), left)
-        if self._q is None and self.possible and first == 0 and self._fits() and left() > 0.0:
-            self._follow(fitted(self._groups, self._legs[0], max(0.0, left()))[None], (0, 0), left)
+            self._follow(nothing, (first, starts), deadline)
+        if self._q is None and self.possible and first == 0 and self._fits() and deadline() > 0.0:
+            self._follow(fitted(self._groups, self._legs[0], max(0.0, deadline()))[None], (0, 0), deadline)
         return self._q
 
     def _fits(self) -> bool:
@@ -104,10 +102,10 @@ class Part:
         shortest = segments_in(self._groups[0])[:, MIN_LENGTH].sum()
         return bool(len(self._legs) == 1 and shortest <= TAUT * lengths_along(self._legs[0])[-1])
 
-    def _follow(self, chains: Floats, own: tuple[int, int], left: Left) -> None:
+    def _follow(self, chains: Floats, own: tuple[int, int], deadline: Deadline) -> None:
         """Follow starts to the first that is solved and proved."""
         best = np.empty((self._n, 3))
-        record = search(*self._groups, chains, (*own, SEED, max(0.0, left())), self._workspace, best)
+        record = search(*self._groups, chains, (*own, SEED, max(0.0, deadline())), self._workspace, best)
         code, merit = record[0], record[MERIT]
         self.possible = code < OUT_OF_REACH
         if merit < self._least:
@@ -154,11 +152,11 @@ class Halves:
         """Whether there is a narrow place, and segments for both parts."""
         return len(self._counts) > 0
 
-    def chains(self, starts: int, left: Left) -> Iterator[Floats]:
+    def chains(self, starts: int, deadline: Deadline) -> Iterator[Floats]:
         """Yield chains (n, 3) through the narrow place, each part of at most so many scattered starts."""
         low, high, i = 0, len(self._counts) - 1, self._even
-        while low <= high and left() > 0.0:
-            chain, through = self._solved(self._counts[i], starts, left)
+        while low <= high and deadline() > 0.0:
+            chain, through = self._solved(self._counts[i], starts, deadline)
             if chain is not None:
                 yield chain
             low, high = (i + 1, high) if through else (low, i - 1)
@@ -179,25 +177,25 @@ class Halves:
         self._even = int(np.abs(stowed).argmin()) if counts else 0
         return [first + m for m in counts]
 
-    def _solved(self, count: int, starts: int, left: Left) -> tuple[Floats | None, bool]:
+    def _solved(self, count: int, starts: int, deadline: Deadline) -> tuple[Floats | None, bool]:
         """Return a chain with so many segments before the place, and whether more may be there.
 
         Where the second part is not solved, what came nearest is taken: the whole chain has more freedom.
         """
         if count not in self._heads:
             self._heads[count] = Part(before(self._groups, self._row(count)), self._cut(0))
-        head = self._heads[count].solved(starts, left)
+        head = self._heads[count].solved(starts, deadline)
         if head is None:
             return None, not self._heads[count].possible
         if count not in self._tails:
-            held = self._held(beyond(self._groups, head), left)
+            held = self._held(beyond(self._groups, head), deadline)
             self._tails[count] = held, Part(beyond(self._groups, np.concatenate([head, held])), self._cut(1))
         held, part = self._tails[count]
-        tail = part.solved(starts, left)
+        tail = part.solved(starts, deadline)
         tail = part.nearest if tail is None else tail
         return (None if tail is None else np.concatenate([head, held, tail])), True
 
-    def _held(self, rest: Groups, left: Left) -> Floats:
+    def _held(self, rest: Groups, deadline: Deadline) -> Floats:
         """The segments (m, 3) that lie in a long narrow place beyond the first part, laid along the route."""
         line = self._legs[self._which][self._at : self._end + 1]
         if not self._long:
@@ -205,7 +203,7 @@ class Halves:
         low, high = (segments_in(rest[0])[:-1, which] for which in (MIN_LENGTH, MAX_LENGTH))
         ends = np.cumsum(0.5 * (low + high))
         count = int(np.searchsorted(ends, lengths_along(line)[-1] + BARELY * high.mean()))
-        return laid(rest, count, line, max(0.0, left()))
+        return laid(rest, count, line, max(0.0, deadline()))
 
     def _cut(self, side: int) -> Floats:
         """The legs of the part before the place (0), or beyond it (1)."""

@@ -1,7 +1,6 @@
 """Searches for routes through free space from the base to a target, and the chain along them."""
 
-from collections.abc import Callable, Sequence
-from time import monotonic
+from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 import numpy as np
@@ -32,6 +31,7 @@ from sinuous.solving.routing.openings import route_through, tubes_beside
 from sinuous.solving.routing.parts import beyond, segments_in
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
+from sinuous.solving.starts import Deadline
 
 COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""
@@ -237,26 +237,26 @@ class Searches:
             for obstacle in problem.scene.obstacles
         )
 
-    def by_tubes(self, problem: Problem, query: Floats, seconds_left: Callable[[], float]) -> Floats | None:
+    def by_tubes(self, problem: Problem, query: Floats, deadline: Deadline) -> Floats | None:
         """Return a route (K, 3) around edges and through tubes that open beside them; `None` proves nothing."""
         group, edges = problem.scene._kernel_group, rims_of(problem.scene)
-        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, seconds_left()))
+        axes = tubes_beside(group, edges, query[QUERY_RADIUS], max(0.0, deadline()))
         if not axes:
             return None
 
         def leg(asked: Floats) -> Floats | None:
-            return self.by_edges(problem, asked, max(0.0, seconds_left()))
+            return self.by_edges(problem, asked, max(0.0, deadline()))
 
         def last(asked: Floats) -> Floats | None:
             route = leg(asked)
             for plan in self.leg_plans(finest=True)[:1] if route is None else ():
-                found = self.find(problem, asked, plan, max(0.0, seconds_left()))
+                found = self.find(problem, asked, plan, max(0.0, deadline()))
                 route = found.routes[0] if found.routes else None
             return route
 
         return route_through(axes, query, leg, last, POINTS)
 
-    def fit(self, problem: Problem, routes: Sequence[Floats], seconds_left: Callable[[], float]) -> Floats:
+    def fit(self, problem: Problem, routes: Sequence[Floats], deadline: Deadline) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
         robot = self._robot
         sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
@@ -264,17 +264,16 @@ class Searches:
         fits = np.empty((len(routes), len(robot), 3))
         groups = self.groups(problem)
         for i, (route, q) in enumerate(zip(routes, fits, strict=True)):
-            left = seconds_left()
+            left = deadline()
             if left <= 0.0:
                 return fits[:i]
             line = np.array(route)  # what is told is frozen, and kernels are compiled for what can be written
             fit_route(*groups, line, left, workspace, q)
         return fits
 
-    def load(self) -> float:
-        """Compile the entries, or load them from the cache, where that is not done yet; return the seconds it took."""
-        began = monotonic()
-        if not Searches.loaded:
+    def load(self, *, anew: bool = False) -> None:
+        """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""
+        if anew or not Searches.loaded:
             Searches.loaded = True
             problem = Problem.prepared(self._robot, (Target((0.0, 0.0, 0.0)),), self._scene.snapshot(), self._tolerance)
             query = self.query(problem)
@@ -296,7 +295,6 @@ class Searches:
             next(out_of(Tube(0.01 * line, MOUTH), groups, lambda: 1.0), None)
             beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
-        return monotonic() - began
 
     def room(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""

@@ -28,6 +28,7 @@ from sinuous.kernels.tubes.axis import BRANCH, END, MOUTH, follow_tube
 from sinuous.solving.polylines import lengths_along, points_at, respaced
 from sinuous.solving.routing.parts import backbone_of, beyond, first, fitted, segments_in
 from sinuous.solving.routing.turned import Groups
+from sinuous.solving.starts import Deadline
 
 POINTS = 1000
 """Most points of an axis."""
@@ -113,13 +114,13 @@ def within(tube: Tube, query: Floats) -> Floats | None:
     return _spaced(np.vstack([tube.axis[:at], goal]))
 
 
-def out_of(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iterator[tuple[Floats, Floats]]:
+def out_of(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floats, Floats]]:
     """Yield chains (n, 3) that lead out of a tube, and the routes (K, 3) along which they lie."""
-    for head, line in heads(tube, groups, seconds_left):
-        yield _joined(groups, head, line, seconds_left)
+    for head, line in heads(tube, groups, deadline):
+        yield _joined(groups, head, line, deadline)
 
 
-def heads(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iterator[tuple[Floats, Floats]]:
+def heads(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floats, Floats]]:
     """Yield chains (m, 3) of the segments that a tube holds, and the lines (K, 3) along which they lie."""
     robot, scene, settings, targets = groups
     n, segments = int(groups[0][0]), segments_in(groups[0])
@@ -132,20 +133,20 @@ def heads(tube: Tube, groups: Groups, seconds_left: Callable[[], float]) -> Iter
         if held > n or not 0 < count < n or (count, ends[count - 1]) in tried:
             continue
         tried.add((count, ends[count - 1]))
-        if seconds_left() <= 0.0:
+        if deadline() <= 0.0:
             return
         line = lengthened(tube.axis, ends[count - 1])
-        yield fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, seconds_left())), line
+        yield fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, deadline())), line
 
 
-def _joined(groups: Groups, head: Floats, line: Floats, seconds_left: Callable[[], float]) -> tuple[Floats, Floats]:
+def _joined(groups: Groups, head: Floats, line: Floats, deadline: Deadline) -> tuple[Floats, Floats]:
     """A chain that begins with segments (m, 3) along a line (K, 3), and goes from there to the targets; its route."""
     scene = groups[1]
     rest = beyond(groups, head)
     n, actuators = (int(number) for number in rest[0][:2])
     q, nothing = np.zeros((n, 3)), np.empty((0, n, 3))
     workspace = np.empty(workspace_size(n, actuators, int(scene[0]), len(rest[3])))
-    search(*rest, nothing, (0, STARTS, 0, max(0.0, seconds_left())), workspace, q)
+    search(*rest, nothing, (0, STARTS, 0, max(0.0, deadline())), workspace, q)
     return np.concatenate([head, q]), np.concatenate([line[:-1], backbone_of(rest, q)])
 
 

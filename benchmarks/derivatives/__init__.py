@@ -1,0 +1,1 @@
+"""Derivatives of answers: what they cost, and whether they agree with differences."""

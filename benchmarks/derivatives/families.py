@@ -1,0 +1,273 @@
+"""Answers of all kinds, made so that something is active in them: limits, actuators, obstacles, the body itself."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.random import Generator
+from scipy.spatial.transform import Rotation
+
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.packing import MARGIN
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.scene.meshes.mesh import Mesh
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
+from sinuous.solution.solution import Solution
+from sinuous.solving.solver import Solver
+
+EXACT = 1e-12
+"""Tolerances of answers and of their differences: mean lengths of the robot, rad."""
+
+CORNERS = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+FACES = np.array(
+    [
+        [0, 1, 3],
+        [0, 3, 2],
+        [4, 6, 7],
+        [4, 7, 5],
+        [0, 4, 5],
+        [0, 5, 1],
+        [2, 3, 7],
+        [2, 7, 6],
+        [0, 2, 6],
+        [0, 6, 4],
+        [1, 5, 7],
+        [1, 7, 3],
+    ]
+)
+"""A cube of edge 1."""
+
+
+def solver_for(robot: Robot, scene: list[Obstacle]) -> Solver:
+    """Return a solver that meets targets to rounding."""
+    tolerance = Tolerance(EXACT * robot.mean_length, EXACT)
+    return Solver(robot, scene, tolerance=tolerance, routes=False, max_starts=8)
+
+
+def unit(rng: Generator, across: Floats | None = None) -> Floats:
+    """Return a random direction (3,), across another one where that is given."""
+    direction: Floats = rng.normal(size=3)
+    if across is not None:
+        direction -= direction @ across * across
+    return direction / np.linalg.norm(direction)
+
+
+def _placed(size: float, rng: Generator) -> Floats:
+    """Return a random pose (4, 4) as far away as `size`."""
+    turned = np.eye(4)
+    turned[:3, :3] = Rotation.from_quat(rng.normal(size=4)).as_matrix()
+    turned[:3, 3] = size * rng.normal(size=3)
+    return turned
+
+
+def random_robot(rng: Generator, lines: bool = False, thick: float = 0.0) -> Robot:
+    """Return a robot in any unit, anywhere: 2 to 6 segments, some of which stretch, some with a tool."""
+    size = 10.0 ** rng.uniform(-2.0, 3.0)
+    segments = []
+    for _ in range(int(rng.integers(2, 7))):
+        length = size * rng.uniform(0.5, 1.5)
+        span = (0.6 * length, 1.4 * length) if rng.random() < 0.6 else length
+        tendons = Tendons(int(rng.integers(3, 5)), 0.05 * size, rng.uniform(0.0, 6.0)) if lines else None
+        chambers = Chambers(3, 0.04 * size) if lines and rng.random() < 0.3 else None
+        segments.append(Segment(span, rng.uniform(2.0, 3.0), None, thick * size, tendons, chambers))
+    tool = _placed(0.3 * size, rng) if rng.random() < 0.5 else None
+    base = _placed(2.0 * size, rng)
+    return Robot(segments, base=base, tool=tool)
+
+
+def random_shape(robot: Robot, rng: Generator) -> Floats:
+    """Return a configuration (n, 3) well within the limits."""
+    bends = rng.normal(size=(len(robot), 2))
+    bends *= rng.uniform(0.2, 0.7, size=(len(robot), 1)) * robot.limits[:, 2:3] / np.linalg.norm(bends, axis=1)[:, None]
+    low, high = robot.limits[:, 0], robot.limits[:, 1]
+    lengths = low + rng.uniform(0.2, 0.8, size=len(robot)) * (high - low)
+    return np.column_stack([bends, lengths])
+
+
+def targets_at(robot: Robot, q: Floats, rng: Generator) -> list[Target]:
+    """Return targets that a configuration meets, of no more numbers than can be moved."""
+    tip = robot.tip(q)
+    free = int((robot.limits[:, 5:7] > 0.0) @ [2, 1] @ np.ones(len(robot)))
+    kind = rng.integers(0, 5)
+    if kind == 0 and free > 5:
+        targets = [Target(tip[:3, 3], direction=tip[:3, 2])]
+    elif kind == 1 and free > 6:
+        targets = [Target(tip[:3, 3], rotation=tip[:3, :3])]
+    elif kind == 2:
+        targets = [Target(direction=tip[:3, 2])]
+    elif kind == 3 and free > 6 and len(robot) > 2:
+        elbow = robot.forward(q)[len(robot) - 2, :3, 2]
+        targets = [Target(tip[:3, 3]), Target(direction=elbow, segment=len(robot) - 1)]
+    else:
+        targets = [Target(tip[:3, 3])]
+    return targets
+
+
+def free(rng: Generator) -> Solution:
+    """Nothing is active."""
+    robot = random_robot(rng, lines=rng.random() < 0.3)
+    q = random_shape(robot, rng)
+    return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
+
+
+def at_limits(rng: Generator) -> Solution:
+    """Some segments are at limits of their bends, curvatures or lengths."""
+    robot = random_robot(rng)
+    q = random_shape(robot, rng)
+    segments = list(robot.segments)
+    for k in rng.permutation(len(robot))[: int(rng.integers(1, 3))]:
+        bend, (low, high) = float(np.hypot(*q[k, :2])), segments[k].length
+        kind = rng.integers(0, 3 if high > low else 2)
+        if kind == 0:
+            segments[k] = segments[k].changed(max_bend=bend)
+        elif kind == 1:
+            segments[k] = segments[k].changed(max_curvature=bend / q[k, 2])
+        else:
+            segments[k] = segments[k].changed(length=(q[k, 2], high) if rng.random() < 0.5 else (low, q[k, 2]))
+    robot = robot.changed(segments=segments)
+    return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
+
+
+def at_actuators(rng: Generator) -> Solution:
+    """Some tendons and chambers are at their limits."""
+    robot = random_robot(rng, lines=True)
+    q = random_shape(robot, rng)
+    values = dict(zip((each.name for each in robot.actuators), robot.to_actuators(q), strict=True))
+    segments = list(robot.segments)
+    k = int(rng.integers(len(robot)))
+    own = [value for name, value in values.items() if name.startswith(f"s{k + 1}.t")]
+    tendons = segments[k].tendons
+    assert tendons is not None
+    segments[k] = segments[k].changed(tendons=tendons.changed(displacement=(2.0 * min(*own, 0.0), max(*own, 0.0))))
+    robot = robot.changed(segments=segments)
+    return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
+
+
+def _sphere(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    return Sphere(p + (away + size) * normal, size)
+
+
+def _hollow(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    return Sphere(p + (away - 20.0 * size) * normal, 20.0 * size, inside=True)
+
+
+def _box(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    return Box(p + (away + size) * normal, (2.0 * size, 2.0 * size, 2.0 * size), _frame(normal, rng))
+
+
+def _edge(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    turned = _frame(normal, rng) @ Rotation.from_euler("x", rng.uniform(0.6, 0.9)).as_matrix()
+    edges = (np.array([0.0, y, z]) @ turned.T for y in (size, -size) for z in (size, -size))
+    least = min(edges, key=lambda edge: edge @ normal)
+    return Box(p + away * normal - least, (2.0 * size, 2.0 * size, 2.0 * size), turned)
+
+
+def _cylinder(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    axis = unit(rng, normal)
+    return Cylinder(
+        p + (away + size) * normal - 3.0 * size * axis, p + (away + size) * normal + 3.0 * size * axis, size
+    )
+
+
+def _capsule(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    axis = unit(rng, normal)
+    return Capsule(p + (away + size) * normal - size * axis, p + (away + size) * normal + size * axis, size)
+
+
+def _plane(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    return HalfSpace(p + away * normal, -normal)
+
+
+def _mesh(p: Floats, normal: Floats, away: float, size: float, rng: Generator) -> Obstacle:
+    frame = _frame(normal, rng)
+    return Mesh(p + (away + size) * normal + 2.0 * size * CORNERS @ frame.T, FACES)
+
+
+def _frame(z: Floats, rng: Generator) -> Floats:
+    x = unit(rng, z)
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+OBSTACLES: dict[str, Callable[[Floats, Floats, float, float, Generator], Obstacle]] = {
+    "sphere": _sphere,
+    "inside": _hollow,
+    "box": _box,
+    "edge": _edge,
+    "cylinder": _cylinder,
+    "capsule": _capsule,
+    "half_space": _plane,
+    "mesh": _mesh,
+}
+
+
+def touching(kind: str, rng: Generator, beside: float = 0.0) -> tuple[Problem, Floats]:
+    """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more.
+
+    Returns a problem, and the configuration (n, 3) that answers it.
+    """
+    robot = random_robot(rng, thick=0.02)
+    q = random_shape(robot, rng)
+    k, s = int(rng.integers(len(robot))), rng.uniform(0.3, 0.7)
+    part = q.copy()
+    part[k] *= s
+    here = robot.forward(part)[k]
+    normal = unit(rng, here[:3, 2])
+    away = robot.radii[k] + (MARGIN + beside) * robot.mean_length
+    size = float(rng.uniform(0.1, 0.4)) * q[k, 2]
+    obstacle = OBSTACLES[kind](here[:3, 3], normal, away, size, rng)
+    return Problem(robot, targets_at(robot, q, rng), [obstacle]), q
+
+
+def _answer(asked: tuple[Problem, Floats]) -> Solution:
+    problem, q = asked
+    return solver_for(problem.robot, list(problem.scene.obstacles)).solve(list(problem.targets), q)
+
+
+def beside_obstacles(rng: Generator) -> Solution:
+    """The body is near obstacles of any kind, and touches none."""
+    return _answer(touching(str(rng.choice(list(OBSTACLES))), rng, beside=float(10.0 ** rng.uniform(-4.0, -1.0))))
+
+
+def at_obstacles(rng: Generator) -> Solution:
+    """The body touches an obstacle of any kind, unless the solve moves it away from there."""
+    return _answer(touching(str(rng.choice(list(OBSTACLES))), rng))
+
+
+def curled(rng: Generator) -> Solution:
+    """The body is near itself, or touches itself."""
+    size = 10.0 ** rng.uniform(-2.0, 3.0)
+    gap = float(rng.choice([MARGIN, 1e-3, 1e-2]))
+    count, turn = int(rng.integers(4, 7)), rng.uniform(2.2, 2.8)
+    lengths = size * rng.uniform(0.9, 1.1, count)
+    q = np.column_stack([np.full(count, turn), np.linspace(0.0, 0.8, count), lengths])
+    thin = Robot([Segment((0.8 * each, 1.2 * each), 4.0, radius=1e-9 * size) for each in lengths])
+    points = thin.backbone(q, 40)
+    along = np.concatenate([[0.0], np.cumsum(np.repeat(lengths / 40, 40))])
+    far = np.abs(along[:, None] - along) > 1.5 * size
+    least = np.where(far, np.linalg.norm(points[:, None] - points, axis=-1), np.inf).min()
+    robot = thin.changed(radius=0.5 * max(1e-6 * size, least - gap * thin.mean_length))
+    return solver_for(robot, []).solve(targets_at(robot, q, rng), q)
+
+
+FAMILIES: dict[str, Callable[[Generator], Solution]] = {
+    "free": free,
+    "limits": at_limits,
+    "actuators": at_actuators,
+    "beside obstacles": beside_obstacles,
+    "at obstacles": at_obstacles,
+    "curled": curled,
+}
+"""Kinds of answers."""
+
+
+def draw(family: str, rng: Generator) -> Solution | None:
+    """Return a solved answer of a family, or nothing where that draw made none."""
+    try:
+        found = FAMILIES[family](rng)
+    except InputError:
+        return None
+    return found if found.solved else None

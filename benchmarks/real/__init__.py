@@ -1,0 +1,1 @@
+"""Robots as they are: calibrated from measurements, and under load; beside what others published."""

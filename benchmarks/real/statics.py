@@ -1,0 +1,235 @@
+"""Shapes under load: a tendon robot and rods that others computed, and a soft tentacle that was measured.
+
+The data are facts of other projects, see `benchmarks/data/README.md`.
+"""
+
+import csv
+import math
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+import sinuous as sn
+from benchmarks.harness.experiment import Measurement
+from benchmarks.harness.lines import Goal, Line
+from benchmarks.harness.times import Times
+from sinuous.checks import Floats
+from sinuous.statics.equilibrium import run
+
+DATA = Path(__file__).parent.parent / "data"
+
+TENDON_ROBOT = "tendon robot of 0.4 m, 20 arcs, 77 loads, against VCref"
+RODS = "one rod under gravity and two wrenches, 400 shapes each, against SoroSim"
+TENTACLE = "soft tentacle, 22 loads, 4 markers"
+
+ANOTHER = 5.0
+"""Percent of the length from which on two shapes are other equilibria, not errors."""
+
+REPEATS = 5
+
+
+def parts(quick: bool) -> Iterator[tuple[str, Measurement]]:
+    """What is measured."""
+    yield "tendon-robot", tendon_robot
+    for name in ROD_MATERIALS:
+        yield f"rod-{name}", partial(rods, name, 40 if quick else 400)
+    yield "tentacle", tentacle
+
+
+class Case(NamedTuple):
+    """A row of the tendon robot: tensions (6,), force (3,), and tips by the name of the model."""
+
+    tensions: Floats
+    force: Floats
+    tips: dict[str, Floats]
+
+
+def tendon_robot() -> list[Line]:
+    """Distances of tips, and the time of one equilibrium from the straight robot."""
+    robot = the_tendon_robot()
+    errors, others, seconds, names = [], [], [], []
+    for case in cases():
+        load = sn.Force(case.force)
+        found = robot.equilibrium(tensions=case.tensions, forces=load)
+        seconds.append(min(_alone(found) for _ in range(REPEATS)))
+        off = {name: 250.0 * float(np.linalg.norm(found.tip[:3, 3] - tip)) for name, tip in case.tips.items()}
+        if off["VCref"] > ANOTHER:
+            models = ", ".join(f"{name} {value:.2g} %" for name, value in off.items() if name in ("PCC", "PRB", "VC"))
+            names.append(
+                f"q {case.tensions.tolist()} N, f {case.force.tolist()} N: another equilibrium ({models} away)"
+            )
+        errors.append(off["VCref"])
+        others.append(250.0 * float(np.linalg.norm(case.tips["PCC"] - case.tips["VCref"])))
+    note = "PCC there {:.2g} % in the median. {}".format(np.median(others), "; ".join(names))
+    return [
+        Line(TENDON_ROBOT, "distance of the tip, median", float(np.median(errors)), "%", Goal(0.1), note=note),
+        Line(TENDON_ROBOT, "distance of the tip, 95 %", float(np.quantile(errors, 0.95)), "%", Goal(0.5)),
+        Line(TENDON_ROBOT, "share within 0.5 %", 100.0 * float(np.mean(np.array(errors) <= 0.5)), "%"),
+        Line(
+            TENDON_ROBOT,
+            "one equilibrium, from the straight robot",
+            float(np.median(seconds)),
+            "us",
+            Goal(100e-6),
+            Times.of(seconds),
+            note="there 18 to 1,900 ms; compiled code alone",
+        ),
+    ]
+
+
+def _alone(found: sn.Equilibrium) -> float:
+    """Seconds of the search for an equilibrium, without laying out tables."""
+    began = time.thread_time()
+    run(found.robot, found._begin)
+    return time.thread_time() - began
+
+
+def the_tendon_robot() -> sn.Robot:
+    """Two sections with ten disks each."""
+    rod = sn.Stiffness(youngs_modulus=54e9, poisson=0.3, radius=0.7e-3)
+    tendons = sn.Tendons(angles=[0.5 * math.pi, -math.pi / 6.0, 7.0 * math.pi / 6.0], radius=0.01, straight=True)
+    stiffness = sn.Stiffness(rod.bend, rod.twist)
+    return sn.Robot.uniform(2, 0.2, tendons=tendons, stiffness=stiffness, arcs=10)
+
+
+def cases() -> list[Case]:
+    """All loads of the data that the reference has an answer for."""
+    found: dict[tuple[str, ...], dict[str, Floats]] = {}
+    with (DATA / "tendon_robot_models.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            if row["disks_per_segment"] == "10":
+                key = tuple(row[name] for name in ("q1", "q2", "q3", "q4", "q5", "q6", "fx", "fy", "fz"))
+                tip = np.array([float(row[name]) for name in ("tip_x", "tip_y", "tip_z")])
+                found.setdefault(key, {})[row["model"]] = tip
+    numbers = {key: np.array([float(each) for each in key]) for key in found}
+    return [Case(numbers[key][:6], numbers[key][6:], tips) for key, tips in found.items() if "VCref" in tips]
+
+
+class Rod(NamedTuple):
+    """Material, radius and length of a rod."""
+
+    stiffness: sn.Stiffness
+    mass: float
+    length: float
+
+
+def _rod(young: float, poisson: float, density: float, radius: float, length: float) -> Rod:
+    stiffness = sn.Stiffness(youngs_modulus=young, poisson=poisson, radius=radius)
+    return Rod(stiffness, density * math.pi * radius**2, length)
+
+
+ROD_MATERIALS = {
+    "springsteel": _rod(200e9, 0.33, 7870.0, 0.8e-3, 0.6),
+    "tpu": _rod(70e6, 0.4, 1200.0, 5e-3, 0.4),
+}
+
+
+def rods(name: str, count: int) -> list[Line]:
+    """Distances of the tip with 8 and with 16 arcs."""
+    return [line for arcs, goal in ((8, 0.2), (16, 0.05)) for line in _rods(name, count, arcs, goal)]
+
+
+def _rods(name: str, count: int, arcs: int, goal: float) -> Iterator[Line]:
+    own = ROD_MATERIALS[name]
+    base = np.eye(4)
+    base[:3, :3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+    half = 0.5 * own.length
+    errors, failed = [], 0
+    for shape in read_rods(name)[:count]:
+        robot = sn.Robot.uniform(
+            2, half, stiffness=own.stiffness, mass=own.mass, arcs=arcs // 2, gravity=shape[3:, 0], base=base
+        )
+        loads = [sn.Force(shape[3:, 1], shape[:3, 1], segment=1), sn.Force(shape[3:, 2], shape[:3, 2])]
+        try:
+            found = robot.shape([[0.0, 0.0, half]] * 2, loads)
+        except sn.InputError:
+            failed += 1
+            continue
+        errors.append(100.0 * float(np.linalg.norm(found.tip[:3, 3] - shape[3:, -1])) / own.length)
+    where = f"{name}, {arcs} arcs"
+    yield Line(RODS, f"{where}: distance of the tip, median", float(np.median(errors)), "%", Goal(goal))
+    yield Line(RODS, f"{where}: distance of the tip, largest", max(errors), "%")
+    yield Line(RODS, f"{where}: no equilibrium found", float(failed), "shapes", Goal(0.0, correctness=True))
+
+
+def read_rods(name: str) -> Floats:
+    """Read shapes (m, 6, 17): moments or rotations, then forces or positions; gravity, two wrenches, 14 stations."""
+    with (DATA / f"rod_{name}.csv").open(encoding="utf-8") as file:
+        rows = list(csv.reader(file))[2:]
+    return np.array([[float(each or 0.0) for each in row[1:]] for row in rows]).reshape(-1, 6, len(rows[0]) - 1)
+
+
+MARKERS = np.array([0.1291, 0.2195, 0.2800, 0.3600])
+OFFSETS = np.array([[0.0, 0.025, 0.0], [0.0, -0.021, 0.0], [0.0, 0.020, 0.0], [0.0, 0.0, 0.008]])
+"""Arc lengths of the markers, and where they are in the frame of the body there, in m."""
+
+TAPER = ((0.0, 15.41e-3), (0.305, 6.42e-3), (0.36, 4.80e-3))
+"""Arc length and radius, in m; linear in between."""
+
+NOMINAL = np.array([505e3, 1500.0, 0.0295])
+"""Young's modulus (Pa), density (kg / m^3) and the slope of tendons towards the backbone, as the makers state them."""
+
+POISSON = 0.45
+
+LARGEST_SLOPE = 1.06
+"""Of the nominal slope; a little more, and tendons would cross the backbone before the tip."""
+
+
+def tentacle() -> list[Line]:
+    """Distances of markers with the nominal material, and with the one that is fitted."""
+    loads, markers = read_tentacle()
+
+    def residual(scale: Floats) -> Floats:
+        return (_places(NOMINAL * scale, loads) - markers).ravel() * 1e3
+
+    limits = ((0.3, 0.2, 0.3), (2.0, 2.0, LARGEST_SLOPE))
+    fit = least_squares(residual, np.array([0.9, 0.6, 1.0]), bounds=limits, diff_step=[1e-3], xtol=1e-4)
+    young, density, slope = NOMINAL * fit.x
+    nominal, fitted = (_rms(residual(scale)) for scale in (np.ones(3), fit.x))
+    note = f"E {young / 1e3:.0f} kPa, density {density:.0f}, slope {slope:.4f}; published 15.8 mm (E, nu, density)"
+    return [
+        Line(TENTACLE, "rms of markers, nominal", nominal, "mm", note="published 36.8 mm"),
+        Line(TENTACLE, "rms of markers, three parameters fitted", fitted, "mm", Goal(15.8), note=note),
+    ]
+
+
+def _rms(residual: Floats) -> float:
+    return float(np.sqrt(np.mean(np.sum(residual.reshape(-1, 3) ** 2, axis=1))))
+
+
+def read_tentacle() -> tuple[Floats, Floats]:
+    """Tensions (22, 2) in N and places of markers (22, 4, 3) in m."""
+    with (DATA / "soft_tentacle.csv").open(encoding="utf-8") as file:
+        rows = [row for row in csv.reader(file) if not row[0].startswith("#")][1:]
+    numbers = np.array(rows, np.float64)
+    return numbers[:, 2:4], numbers[:, 4:].reshape(-1, 4, 3)
+
+
+def _places(material: Floats, tensions: Floats) -> Floats:
+    """Places of the markers (m, 4, 3) at these tensions (m, 2)."""
+    young, density, slope = material
+    ends = np.unique(np.concatenate([np.linspace(0.0, 0.305, 13)[1:], np.linspace(0.305, 0.36, 4), MARKERS]).round(6))
+    begins = np.concatenate([[0.0], ends[:-1]])
+    segments = []
+    for begin, end in zip(begins, ends, strict=True):
+        middle = 0.5 * (begin + end)
+        radius = float(np.interp(middle, *np.array(TAPER).T))
+        # A tendon that comes nearer to the backbone: a line in each piece, all with the same tension.
+        lines = sn.Chambers(angles=np.radians([30.0, 150.0]), radius=11.4e-3 - slope * middle)
+        rod = sn.Stiffness(youngs_modulus=young, poisson=POISSON, radius=radius)
+        mass = density * math.pi * radius**2
+        segments.append(sn.Segment(end - begin, chambers=lines, stiffness=rod, mass=mass))
+    base = np.eye(4)
+    base[:3, :3] = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]
+    robot = sn.Robot(segments, base=base, gravity=(0.0, 0.0, -9.81))
+    at = np.searchsorted(ends, MARKERS - 1e-6)
+    result = []
+    for pair in tensions:
+        poses = robot.equilibrium(tensions=np.tile(pair, len(segments))).poses[at]
+        result.append(poses[:, :3, 3] + np.einsum("mij,mj->mi", poses[:, :3, :3], OFFSETS))
+    return np.array(result)

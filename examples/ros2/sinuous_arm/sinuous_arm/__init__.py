@@ -1,0 +1,1 @@
+"""Plans motions of a continuum robot and streams them to its motors."""

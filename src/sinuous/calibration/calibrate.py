@@ -1,0 +1,327 @@
+"""Fit a robot to measurements, and say which measurements would tell most about it."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks
+from sinuous.arguments import HasArray, Names, Number, Rows, Stack, Whole
+from sinuous.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bound_of
+from sinuous.calibration.fit import DRAWING, Fit, State, begun, errors, extended, fitted, left_out
+from sinuous.calibration.measurements import Measurements, Place, read
+from sinuous.calibration.model import derivatives, model, shapes
+from sinuous.calibration.parameters import ORDER, Group, GroupName, Values, can_stretch, changed, elastic, group
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.robot.robot import Robot
+from sinuous.robot.uncertainty import Uncertainty
+
+Frame = Literal["base", "device"]
+"""Which pose is fitted."""
+
+BETTER = 0.99
+"""A group is kept when the mean error of rows that were held back falls below this share of what it was."""
+
+PASSES = 2
+"""How often groups that were not kept are tried again, once others are."""
+
+TRIED_ON = 300
+"""Most rows with which groups are tried; the last fit takes all."""
+
+TRIED_STEPS = 8
+"""Most steps of a fit that tries a group."""
+
+NUMBERS_EACH = 2
+"""Numbers that have to be measured for each parameter, at least."""
+
+DETERMINED = 0.5
+"""Share of what is known of a parameter that comes from its drawing, from which on it counts as not determined."""
+
+SOFT_GROUPS = ("stretch", "stiffness", "rest")
+"""Groups that only robots with elastic actuators have."""
+
+CANDIDATES = 400
+"""Settings of which `suggest` takes the best."""
+
+REACH = 0.7
+"""Share of its largest bend, or of 1 rad, up to which `suggest` bends a segment."""
+
+
+def calibrate(
+    robot: Robot,
+    actuators: Stack,
+    measured: Stack,
+    *,
+    fit: Names | None = None,
+    places: Sequence[Number] | HasArray | None = None,
+    markers: Rows | None = None,
+    groups: Sequence[object] | None = None,
+    unit: Number = 1.0,
+    frame: Frame = "base",
+) -> Calibration:
+    """Fit a robot to measurements of where it was.
+
+    The pose of the robot is fitted in any case. What else is fitted is told by name, or chosen: from few to many
+    parameters, as long as rows get better that were held back, pattern by pattern. Outliers count little (soft loss).
+    Rigid tendons may turn out to be elastic; then the unit of force is such that a tendon's drawn stiffness is 1.
+
+    Parameters
+    ----------
+    robot : Robot
+        As drawn.
+    actuators : array_like (N, m)
+        Values of the actuators, in the order of `robot.actuators`, in the units of their motors.
+    measured : array_like (N, 3), (N, 4, 4) or (N, k, 3)
+        Positions of the tool, its poses, or k points of the body, in the frame of the measuring device. NaN: not seen.
+    fit : list of str, optional
+        Of `base`, `device`, `stretch` and `stiffness` (of lines and segments), `rest` (bends), `offsets`, `lengths`,
+        `circles`, `angles` and `gains` (of lines), `tool`.
+    places : array_like (k,), optional
+        Where the k points are: shares of the length of the body, 1 = its end.
+    markers : array_like (k, 3), optional
+        Their offsets from the backbone, in the frame of the cross-section there (z along the tangent).
+    groups : sequence (N,), optional
+        The pattern of motion of each row, as texts; those that begin alike are held back together. By default eight
+        blocks of rows.
+    unit : float
+        Length units of the robot in one of the measuring device.
+    frame : str
+        What is fitted as the pose: `base`, the robot's base in the frame of the device, or `device`, the pose of the
+        device in the world, in which the base stands where it stands.
+
+    Returns
+    -------
+    Calibration
+
+    Raises
+    ------
+    InputError
+        When rows do not fit the robot, are all equal, or are in another unit of length.
+    """
+    rows = read(robot, actuators, measured, places, markers, groups, unit)
+    names = _names(fit, checks.choice("frame", frame, get_args(Frame)))
+    drawn = robot.changed(tool=None, uncertainty=None)
+    notes = [f"rows without a measurement: {_few(rows.dropped)}"] if rows.dropped else []
+    still = [a.name for a, moves in zip(robot.actuators, np.ptp(rows.actuators, axis=0), strict=True) if moves == 0.0]
+    if still:
+        notes.append(f"never move, so nothing is known of them: {', '.join(still)}")
+    trials: list[Trial] = []
+    if names is None:
+        drawn, chosen = _chosen(drawn, rows, trials, notes)
+    else:
+        soft = set(names) & set(SOFT_GROUPS)
+        if soft and drawn.drive.elastic is None:
+            if not can_stretch(drawn):
+                raise InputError("fit", "the robot has no tendons that could stretch", sorted(soft), "other groups")
+            drawn = elastic(drawn)
+        chosen = _fit_as_told(drawn, rows, names, notes)
+    last = fitted(drawn, chosen, rows)
+    return _result(robot, drawn, last, rows, trials, notes, frame)
+
+
+def _names(fit: Names | None, frame: str) -> tuple[GroupName, ...] | None:
+    """Groups that are told, without the pose."""
+    if fit is None:
+        return None
+    known = get_args(GroupName)
+    for i, name in enumerate(fit):
+        checks.choice(f"fit[{i}]", name, known)
+    if isinstance(fit, str) or {"base", "device"} <= set(fit):
+        raise InputError("fit", "", fit, f"a list of names with {frame} or without it, not both poses")
+    listed: tuple[GroupName, ...] = tuple(name for name in known if name in fit and name not in ("base", "device"))
+    return listed
+
+
+def _fit_as_told(drawn: Robot, rows: Measurements, names: tuple[GroupName, ...], notes: list[str]) -> State:
+    state = fitted(drawn, begun(drawn, rows, moves=True), rows, TRIED_STEPS).state
+    for name in names:
+        own = group(drawn, name)
+        if not own.names:
+            notes.append(f"the robot has no {name}")
+        elif _too_many(state, own, rows):
+            notes.append(f"too few rows to fit {name}: {', '.join(own.names)}")
+        else:
+            state = extended(state, own)
+    return state
+
+
+def _too_many(state: State, own: Group, rows: Measurements) -> bool:
+    measured = 3 * int(np.isfinite(rows.points[..., 0]).sum())
+    return NUMBERS_EACH * (6 + len(state.values.x) + len(own.names)) > measured
+
+
+def _chosen(drawn: Robot, rows: Measurements, trials: list[Trial], notes: list[str]) -> tuple[Robot, State]:
+    """Add groups as long as held-back rows get better."""
+    part = rows.part(slice(None, None, max(1, len(rows.labels) // TRIED_ON)))
+
+    def tried(robot: Robot, state: State) -> tuple[State, float]:
+        own = fitted(robot, state, part, TRIED_STEPS)
+        return own.state, float(errors(left_out(own, part, robot)).mean())
+
+    state, error = tried(drawn, begun(drawn, part, moves=True))
+    if can_stretch(drawn):
+        soft = elastic(drawn)
+        other, after = tried(soft, begun(soft, part, moves=True))
+        trials.append(Trial("elastic tendons", error, after, after < BETTER * error))
+        if trials[-1].kept:
+            drawn, state, error = soft, other, after
+    left = [own for name in ORDER if (own := group(drawn, name)).names]
+    for _ in range(PASSES):
+        for own in tuple(left):
+            if _too_many(state, own, rows):
+                continue
+            other, after = tried(drawn, extended(state, own))
+            trials.append(Trial(own.name, error, after, after < BETTER * error))
+            if trials[-1].kept:
+                state, error = other, after
+                left.remove(own)
+    few = [own for own in left if _too_many(state, own, rows)]
+    notes += [f"too few rows to fit {own.name}: {', '.join(own.names)}" for own in few]
+    return drawn, state
+
+
+def _result(
+    robot: Robot, drawn: Robot, last: Fit, rows: Measurements, trials: list[Trial], notes: list[str], frame: Frame
+) -> Calibration:
+    state, seen = last.state, np.isfinite(rows.points)
+    held = np.where(seen, left_out(last, rows, drawn), np.nan)
+    real = changed(drawn, state.values)
+    tool = np.array(robot.tool)
+    moved_tool = state.values.of("tool")
+    if moved_tool is not None:
+        tool[:3, 3] += moved_tool
+    device = np.eye(4)
+    if frame == "base":
+        real = real.changed(base=_orthogonal(state.pose @ robot.base))
+    else:
+        device = _orthogonal(np.linalg.inv(state.pose))
+    real = real.changed(tool=tool, uncertainty=Uncertainty(_bounds(robot, held, rows), LEVEL))
+    fit_names = (frame, *(each.name for each in state.values.groups))
+    parameters = tuple(_parameters(last, rows, frame))
+    residuals = np.where(seen, last.residuals, np.nan)
+    return Calibration(
+        real, robot, device, fit_names, tuple(trials), parameters, residuals, held, rows.dropped, tuple(notes), rows
+    )
+
+
+def _orthogonal(pose: NDArray[Any]) -> Floats:
+    """The pose, free of rounding."""
+    result = np.array(pose, np.float64)
+    u, _, vt = np.linalg.svd(pose[:3, :3])
+    result[:3, :3] = u @ vt
+    return result
+
+
+def _bounds(robot: Robot, held: Floats, rows: Measurements) -> float | tuple[float, ...]:
+    """Bound of each segment: that of the first point beyond its end, and no less than those before."""
+    own = [(place.segment, k) for k, place in enumerate(rows.places) if rows.levers[k] > 0.0]
+    labels = np.array(rows.labels)
+    bounds: dict[int, float] = {}
+    for segment, k in own:
+        off = np.linalg.norm(held[:, k], axis=1)
+        parts = [off[(labels == label) & np.isfinite(off)] for label in set(rows.labels)]
+        bounds[segment] = max([bounds.get(segment, 0.0), *(bound_of(part, LEVEL) for part in parts if len(part))])
+    each: list[float] = []
+    worst = 0.0
+    for k in range(len(robot)):
+        beyond = [segment for segment in bounds if segment >= k]
+        worst = max(worst, bounds[min(beyond)] if beyond else max(bounds.values()))
+        each.append(worst)
+    return each[0] if len(set(each)) == 1 else tuple(each)
+
+
+def _parameters(last: Fit, rows: Measurements, frame: Frame) -> Iterator[Parameter]:
+    """Yield all parameters with their standard deviations, from how much patterns pull at them (cluster-robust)."""
+    values = last.state.values
+    flat = last.slopes.reshape(len(last.slopes), -1, last.slopes.shape[-1])
+    off = last.residuals.reshape(len(flat), -1)
+    pulls = np.einsum("nkp,nk,n->np", flat, off, last.weights, optimize=True) / last.scale**2
+    labels = np.array(rows.labels)
+    each = np.stack([pulls[labels == label].sum(axis=0) for label in sorted(set(rows.labels))])
+    inverse = np.linalg.pinv(last.hessian, rcond=1e-14, hermitian=True)
+    count = len(each)
+    spread = inverse @ (each.T @ each) @ inverse * (count / max(count - 1, 1))
+    deviations = np.sqrt(np.maximum(np.diag(spread), 0.0))
+    known = np.zeros(len(inverse))
+    known[6:] = DRAWING * len(flat) / values.widths**2
+    drawing = np.diag(inverse) * known
+    kinds = {"rest": "angle", "angles": "angle", "offsets": "length", "tool": "length"}
+    pose = Group(frame, tuple(f"{frame} {part}" for part in ("turn x", "turn y", "turn z", "x", "y", "z")), np.zeros(6))
+    at = 0
+    for own in (pose, *values.groups):
+        for name in own.names:
+            kind = ("angle" if at < 3 else "length") if at < 6 else kinds.get(own.name, "factor")
+            value = 0.0 if at < 6 else float(values.x[at - 6])
+            value = float(np.exp(value)) if kind == "factor" else value
+            yield Parameter(name, own.name, kind, value, float(deviations[at]), bool(drawing[at] < DETERMINED))
+            at += 1
+
+
+def _few(numbers: tuple[int, ...]) -> str:
+    shown = ", ".join(map(str, numbers[:10]))
+    return shown + (f" and {len(numbers) - 10} more" if len(numbers) > 10 else "")
+
+
+def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0) -> Floats:
+    """Settings of the actuators (n, m) whose measurement of the tip determines most about a robot.
+
+    Of many settings, one after the other is taken that adds most to the logarithm of the determinant of what is known
+    (D-optimal design; Pukelsheim 2006), beside what the drawing says.
+
+    Parameters
+    ----------
+    robot : Robot
+    n : int
+    fit : list of str, optional
+        Groups that are to be fitted, see `calibrate`; by default all that are tried there.
+    seed : int
+
+    Returns
+    -------
+    ndarray (n, m)
+    """
+    count = checks.integer("n", n, 1, 10_000)
+    generator = np.random.default_rng(checks.integer("seed", seed, 0, 2**31))
+    names = _names(fit, "base") or ORDER
+    own = robot.changed(tool=None, uncertainty=None)
+    soft = elastic(own) if can_stretch(own) and set(names) & set(SOFT_GROUPS) else own
+    listed = tuple(each for name in names if (each := group(soft, name)).names)
+    values = Values(listed, np.zeros(sum(len(each.names) for each in listed)))
+    settings = _settings(soft, generator, max(CANDIDATES, 4 * count))
+    tip = Place(len(robot) - 1, 1.0, np.array(robot.tool[:3, 3]))
+    at = model(soft, values, (tip,))
+    points, slopes = derivatives(at, settings, shapes(at, settings))
+    pose = np.zeros((len(points), 1, 3, 6))
+    pose[:, 0, [0, 1, 2], [3, 4, 5]] = 1.0
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        pose[:, 0, i, j], pose[:, 0, i, k] = points[:, 0, k], -points[:, 0, j]
+    noise = 0.01 * robot.mean_length
+    rows = np.concatenate([pose, slopes], axis=-1)[:, 0] / noise
+    known = np.diag(np.concatenate([np.full(6, 1e-6), 1.0 / values.widths**2]))
+    known[3:6, 3:6] /= robot.mean_length**2
+    taken: list[int] = []
+    inverse = np.linalg.inv(known)
+    for _ in range(count):
+        gained = np.linalg.slogdet(np.eye(3) + rows @ inverse @ np.swapaxes(rows, 1, 2))[1]
+        gained[taken] = -np.inf
+        best = int(np.argmax(gained))
+        taken.append(best)
+        reach = inverse @ rows[best].T
+        inverse = inverse - reach @ np.linalg.solve(np.eye(3) + rows[best] @ reach, reach.T)
+    return settings[taken]
+
+
+def _settings(robot: Robot, generator: np.random.Generator, count: int) -> Floats:
+    """Values of the actuators of shapes of which some segments are bent, and which are within limits where possible."""
+    n = len(robot)
+    q = np.zeros((count, n, 3))
+    most = np.array([min(segment.max_bend, 1.0) for segment in robot.segments]) * REACH
+    turn = generator.uniform(0.0, 2.0 * np.pi, (count, n))
+    size = most * np.sqrt(generator.uniform(0.0, 1.0, (count, n))) * (generator.uniform(size=(count, n)) < 0.6)
+    q[..., 0], q[..., 1] = size * np.cos(turn), size * np.sin(turn)
+    low, high = np.array([segment.length for segment in robot.segments]).T
+    q[..., 2] = generator.uniform(low, high, (count, n))
+    fits = np.array([not robot.violations(each) for each in q])
+    return robot.to_actuators(q[fits] if fits.sum() * 2 >= count else q)

@@ -1,0 +1,227 @@
+"""What a calibration found: the robot as it stands on the table, what is known of it, and what is left of errors."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Number, Stack
+from sinuous.calibration.measurements import Measurements
+from sinuous.calibration.model import ANY
+from sinuous.checks import Floats
+from sinuous.reprs import ShortRepr, call
+from sinuous.robot.robot import Robot
+
+LEVEL = 0.95
+"""Share of rows for which the bound of the robot held, by default."""
+
+MOST_SHOWN = 5
+"""Patterns, and parameters, that an explanation names."""
+
+
+class Parameter(NamedTuple):
+    """One parameter of a fit.
+
+    Attributes
+    ----------
+    name : str
+    group : str
+    kind : str
+        `factor`: what the drawn value is multiplied by; `angle` (rad) or `length`: what is added to it.
+    value : float
+        The factor, or what is added.
+    deviation : float
+        Standard deviation of the value (of a factor: relative to it), from how patterns of motion differ.
+    determined : bool
+        Whether the measurements say more about it than the drawing does.
+    """
+
+    name: str
+    group: str
+    kind: str
+    value: float
+    deviation: float
+    determined: bool
+
+
+class Trial(NamedTuple):
+    """A group of parameters that was tried: mean error of rows that were held back, without it and with it."""
+
+    group: str
+    before: float
+    after: float
+    kept: bool
+
+
+class Errors(NamedTuple):
+    """Errors in the length unit: how many rows, and their mean, median, 95 % quantile and largest."""
+
+    rows: int
+    mean: float
+    median: float
+    p95: float
+    worst: float
+
+    @classmethod
+    def of(cls, off: Floats) -> "Errors":
+        """Of rows (N,)."""
+        return cls(len(off), float(off.mean()), float(np.median(off)), float(np.quantile(off, 0.95)), float(off.max()))
+
+
+@dataclass(frozen=True, repr=False)
+class Calibration(ShortRepr):
+    """A calibrated robot.
+
+    Attributes
+    ----------
+    robot : Robot
+        As measured, with its `uncertainty`; it is saved and loaded as any.
+    drawn : Robot
+        As it was given.
+    device : ndarray (4, 4)
+        Pose of the measuring device in the robot's world; the identity where the base was fitted instead.
+    groups : tuple of str
+        What was fitted.
+    trials : tuple of Trial
+        Groups that were tried, in order, where the fit chose by itself.
+    parameters : tuple of Parameter
+    residuals : ndarray (N, k, 3)
+        Predicted less measured, in the frame of the device; NaN where nothing was seen.
+    held_back : ndarray (N, k, 3)
+        The same, each row predicted by a fit without rows of patterns like its own.
+    rows : ndarray of int (N,)
+        Numbers of the rows that were used.
+    dropped : tuple of int
+        Rows without a measurement (NaN).
+    labels : tuple of str (N)
+        The pattern of each row.
+    notes : tuple of str
+        What may surprise.
+    """
+
+    robot: Robot
+    drawn: Robot
+    device: Floats
+    groups: tuple[str, ...]
+    trials: tuple[Trial, ...]
+    parameters: tuple[Parameter, ...]
+    residuals: Floats
+    held_back: Floats
+    dropped: tuple[int, ...]
+    notes: tuple[str, ...]
+    measurements: Measurements
+
+    @property
+    def rows(self) -> Any:
+        """Numbers of the rows that were used (N,)."""
+        return self.measurements.rows
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """The pattern of each row (N)."""
+        return self.measurements.labels
+
+    @property
+    def fitted(self) -> Errors:
+        """Errors of the rows that were fitted."""
+        return Errors.of(self._off(self.residuals))
+
+    @property
+    def expected(self) -> Errors:
+        """Errors of rows that were held back: what to expect of other motions."""
+        return Errors.of(self._off(self.held_back))
+
+    @property
+    def by_pattern(self) -> dict[str, Errors]:
+        """Errors of held-back rows, by pattern, the worst first."""
+        off, labels = self._off(self.held_back), np.array(self.labels)
+        found = {label: Errors.of(off[labels == label]) for label in sorted(set(self.labels))}
+        return dict(sorted(found.items(), key=lambda each: -each[1].mean))
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Names of the parameters about which the drawing says more than the measurements."""
+        return tuple(each.name for each in self.parameters if not each.determined)
+
+    def bound(self, level: Number = LEVEL, of: str = "patterns") -> float:
+        """Error that this share of held-back rows does not exceed.
+
+        Parameters
+        ----------
+        level : float
+        of : str
+            `patterns`: it holds for that share of the rows of every pattern that was held back, so for motions unlike
+            those that were measured, too (group-conditional conformal prediction). `rows`: for that share of all rows.
+        """
+        share = checks.number("level", level, low=0.0, high=1.0)
+        off, labels = self._off(self.held_back), np.array(self.labels)
+        if checks.choice("of", of, ("patterns", "rows")) == "rows":
+            return bound_of(off, share)
+        return max(bound_of(off[labels == label], share) for label in set(self.labels))
+
+    def predict(self, actuators: Stack) -> Floats:
+        """Pose (..., 4, 4) of the tool in the world, at values (..., m) of the actuators."""
+        return self.robot.tip(self.robot.from_actuators(actuators, tolerance=ANY))
+
+    def save(self, file: str | Path) -> None:
+        """Write the robot into a file; `sinuous.load` reads it where it stands in a problem file."""
+        self.robot.save(file)
+
+    def explain(self) -> str:
+        """Say what was fitted, what mattered most, what is not known, and what to measure next."""
+        return "\n".join(self._lines())
+
+    def _lines(self) -> list[str]:
+        own, unit = self.expected, self.robot.mean_length
+        lines = [f"{own.rows} rows; fitted: {', '.join(self.groups) or 'nothing'} ({len(self.parameters)} parameters)"]
+        for name, each in (("fitted", self.fitted), ("held back", own)):
+            lines.append(
+                f"error of rows {name}: mean {each.mean:.3g} ({100 * each.mean / unit:.2g} % of the length), "
+                f"median {each.median:.3g}, 95 % {each.p95:.3g}, worst {each.worst:.3g}"
+            )
+        lines.append(f"bound of the error at {LEVEL:.0%}: {self.bound():.3g}")
+        kept = sorted((t for t in self.trials if t.kept), key=lambda t: t.after - t.before)
+        if kept:
+            said = [f"{t.group} ({t.before:.3g} to {t.after:.3g})" for t in kept[:MOST_SHOWN]]
+            lines.append("what matters most: " + ", ".join(said))
+        worst = list(self.by_pattern.items())[:MOST_SHOWN]
+        lines.append("worst patterns: " + ", ".join(f"{label} (mean {each.mean:.3g})" for label, each in worst))
+        if self.undetermined:
+            more = len(self.undetermined) - MOST_SHOWN
+            names = ", ".join(self.undetermined[:MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
+            lines.append(f"not determined by these rows: {names}; measure next what sinuous.suggest says")
+        return lines + [f"note: {note}" for note in self.notes]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain values."""
+        return {
+            "robot": self.robot.to_dict(),
+            "device": self.device.tolist(),
+            "fitted": list(self.groups),
+            "parameters": [each._asdict() for each in self.parameters],
+            "errors": {"fitted": self.fitted._asdict(), "held_back": self.expected._asdict()},
+            "patterns": {label: each._asdict() for label, each in self.by_pattern.items()},
+            "bound": self.bound(),
+            "level": LEVEL,
+            "dropped": list(self.dropped),
+            "notes": list(self.notes),
+        }
+
+    def _off(self, residuals: Floats) -> Floats:
+        """Error of each row (N,): of its worst point."""
+        own = self.measurements.levers > 0.0
+        result: Floats = np.sqrt((np.nan_to_num(residuals[:, own]) ** 2).sum(axis=2)).max(axis=1)
+        return result
+
+    def __repr__(self) -> str:
+        own = self.expected
+        return call(
+            "Calibration", [f"{own.rows} rows", f"{len(self.parameters)} parameters", f"mean error {own.mean:.3g}"]
+        )
+
+
+def bound_of(off: Floats, level: float) -> float:
+    """The quantile of errors (N,) that a further row exceeds with at most this probability (split conformal)."""
+    return float(np.quantile(off, min(1.0, level * (1.0 + 1.0 / max(len(off), 1))), method="linear"))

@@ -1,0 +1,241 @@
+"""The parameters that measurements say: damped Gauss-Newton with a soft loss (Nocedal & Wright, section 10.3).
+
+The loss of a row whose points are off by `r` altogether is `2 s^2 (sqrt(1 + r^2 / s^2) - 1)`: squares of what is usual,
+no more than linear in outliers. Drawings count as measurements that are off by `parameters.WIDTHS`.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.calibration.measurements import Measurements
+from sinuous.calibration.model import derivatives, model, predicted, shapes
+from sinuous.calibration.parameters import Group, Values, changed
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.robot.robot import Robot
+from sinuous.solution.observed import rotation_of
+
+SOFT = 3.0
+"""Medians of the residuals from which on a row counts as an outlier."""
+
+DRAWING = 0.1
+"""How many rows the drawing counts as, for each that was measured: rows of one motion are not independent."""
+
+STEPS = 30
+"""Most steps of a fit."""
+
+GAIN = 1e-4
+"""A fit ends when a step lessens the loss by less than this share."""
+
+TRIES = 8
+"""How often a step that does not lessen the loss is damped more."""
+
+ROUNDS = 2
+"""How often the scale of the loss is taken anew."""
+
+LEAST_SCALE = 1e-9
+"""Lengths of the robot: the least scale of the loss."""
+
+
+class State(NamedTuple):
+    """Values of all that is fitted.
+
+    Attributes
+    ----------
+    pose : ndarray (4, 4)
+        From the world of the robot to the frame of the measuring device.
+    moves : bool
+        Whether that is fitted, too.
+    values : Values
+    """
+
+    pose: Floats
+    moves: bool
+    values: Values
+
+
+class Fit(NamedTuple):
+    """What a fit ends with.
+
+    Attributes
+    ----------
+    state : State
+    residuals : ndarray (N, k, 3)
+        Predicted less measured; 0 where nothing was seen.
+    slopes : ndarray (N, k, 3, P)
+        Their derivatives by the twist of the pose (6, when fitted), then by the parameters.
+    weights : ndarray (N,)
+        Of the rows in the soft loss.
+    scale : float
+    hessian : ndarray (P, P)
+        Of half the loss, the drawing included.
+    """
+
+    state: State
+    residuals: Floats
+    slopes: Floats
+    weights: Floats
+    scale: float
+    hessian: Floats
+
+
+def predict(drawn: Robot, state: State, rows: Measurements) -> Floats:
+    """Points (N, k, 3) in the frame of the device."""
+    own = model(changed(drawn, state.values), state.values, rows.places)
+    points = predicted(own, shapes(own, rows.actuators))
+    result: Floats = points @ state.pose[:3, :3].T + state.pose[:3, 3]
+    return result
+
+
+def errors(residuals: Floats) -> Floats:
+    """How far a row is off altogether (N,)."""
+    result: Floats = np.sqrt(np.einsum("nkc,nkc->n", residuals, residuals))
+    return result
+
+
+def fitted(drawn: Robot, start: State, rows: Measurements, steps: int = STEPS) -> Fit:
+    """Fit a state to measurements."""
+    state, seen = start, np.isfinite(rows.points)
+    goal = np.where(seen, rows.points, 0.0)
+
+    def residuals_of(state: State) -> Floats:
+        return np.where(seen, predict(drawn, state, rows) - goal, 0.0)
+
+    residuals = residuals_of(state)
+    least = LEAST_SCALE * drawn.mean_length
+    fit = None
+    for _ in range(ROUNDS):
+        scale = max(SOFT * float(np.median(errors(residuals))), least)
+        loss, damping = _loss(state, residuals, scale), 1e-4
+        for _ in range(steps):
+            slopes = _slopes(drawn, state, rows) * seen[..., None]
+            fit = _assembled(state, residuals, slopes, scale)
+            better = _step(fit, residuals_of, loss, damping)
+            if better is None:
+                break
+            before, (state, residuals, loss, damping) = loss, better
+            if before - loss < GAIN * before:
+                break
+    assert fit is not None
+    slopes = _slopes(drawn, state, rows) * seen[..., None]
+    return _assembled(state, residuals, slopes, scale)
+
+
+def _step(
+    fit: Fit, residuals_of: Callable[[State], Floats], loss: float, damping: float
+) -> tuple[State, Floats, float, float] | None:
+    """A step that lessens the loss: state, residuals, loss and damping after it; None where there is none."""
+    right = _gradient(fit)
+    for _ in range(TRIES):
+        damped = fit.hessian + damping * np.diag(np.diag(fit.hessian))
+        state = moved(fit.state, -np.asarray(np.linalg.solve(damped, right), np.float64))
+        try:
+            residuals = residuals_of(state)
+        except (InputError, np.linalg.LinAlgError, OverflowError):  # a step into what no robot is
+            residuals = None
+        if residuals is not None:
+            new = _loss(state, residuals, fit.scale)
+            if new < loss:
+                return state, residuals, new, damping / 5.0
+        damping *= 10.0
+    return None
+
+
+def moved(state: State, step: Floats) -> State:
+    """A state after a step (P,): the pose by a twist in the frame of the device, then the parameters."""
+    own = 6 if state.moves else 0
+    pose = state.pose
+    if own:
+        pose = np.eye(4)
+        turn = rotation_of(step[:3])
+        pose[:3, :3] = turn @ state.pose[:3, :3]
+        pose[:3, 3] = state.pose[:3, 3] + step[3:6]
+    return State(pose, state.moves, state.values.with_x(state.values.x + step[own:]))
+
+
+def _slopes(drawn: Robot, state: State, rows: Measurements) -> Floats:
+    own = model(changed(drawn, state.values), state.values, rows.places)
+    q = shapes(own, rows.actuators)
+    points, slopes = derivatives(own, rows.actuators, q)
+    rotation = state.pose[:3, :3]
+    slopes = np.asarray(np.matmul(rotation, slopes), np.float64)
+    if not state.moves:
+        return slopes
+    arms = points @ rotation.T
+    pose = np.zeros((*points.shape, 6))
+    pose[..., 0, 1], pose[..., 0, 2] = arms[..., 2], -arms[..., 1]
+    pose[..., 1, 0], pose[..., 1, 2] = -arms[..., 2], arms[..., 0]
+    pose[..., 2, 0], pose[..., 2, 1] = arms[..., 1], -arms[..., 0]
+    pose[..., [0, 1, 2], [3, 4, 5]] = 1.0
+    return np.concatenate([pose, slopes], axis=-1)
+
+
+def _loss(state: State, residuals: Floats, scale: float) -> float:
+    off = np.einsum("nkc,nkc->n", residuals, residuals) / scale**2
+    drawing = DRAWING * len(residuals) * float(((state.values.x / state.values.widths) ** 2).sum())
+    return float(2.0 * (np.sqrt(1.0 + off) - 1.0).sum()) + drawing
+
+
+def _assembled(state: State, residuals: Floats, slopes: Floats, scale: float) -> Fit:
+    weights = 1.0 / np.sqrt(1.0 + np.einsum("nkc,nkc->n", residuals, residuals) / scale**2)
+    flat = slopes.reshape(len(slopes), -1, slopes.shape[-1])
+    weighted = (flat * weights[:, None, None]).reshape(-1, flat.shape[-1])
+    hessian = weighted.T @ flat.reshape(-1, flat.shape[-1]) / scale**2
+    own = 6 if state.moves else 0
+    at = np.arange(own, len(hessian))
+    hessian[at, at] += DRAWING * len(residuals) / state.values.widths**2
+    return Fit(state, residuals, slopes, weights, scale, hessian)
+
+
+def _gradient(fit: Fit) -> Floats:
+    """Gradient (P,) of half the loss."""
+    result: Floats = np.einsum("n,nkcp,nkc->p", fit.weights, fit.slopes, fit.residuals, optimize=True) / fit.scale**2
+    own = 6 if fit.state.moves else 0
+    values = fit.state.values
+    result[own:] += DRAWING * len(fit.residuals) * values.x / values.widths**2
+    return result
+
+
+def left_out(fit: Fit, rows: Measurements, drawn: Robot) -> Floats:
+    """Residuals (N, k, 3) of rows, each by a fit without its part: one Gauss-Newton step from the whole fit."""
+    result = np.array(fit.residuals)
+    flat = fit.slopes.reshape(len(fit.slopes), -1, fit.slopes.shape[-1])
+    for fold in np.unique(rows.folds):
+        mine = rows.folds == fold
+        own = flat[mine]
+        weighted = own * fit.weights[mine, None, None]
+        hessian = fit.hessian - np.einsum("nkp,nkq->pq", weighted, own, optimize=True) / fit.scale**2
+        pulled = np.einsum("nkp,nk->p", weighted, fit.residuals[mine].reshape(len(own), -1)) / fit.scale**2
+        step = np.linalg.lstsq(hessian, pulled, rcond=1e-12)[0]
+        part = rows.part(mine)
+        try:
+            off = predict(drawn, moved(fit.state, step), part) - part.points
+        except (InputError, np.linalg.LinAlgError, OverflowError):
+            off = np.einsum("nkp,p->nk", own, step).reshape(fit.residuals[mine].shape) + fit.residuals[mine]
+        result[mine] = np.where(np.isfinite(part.points), off, 0.0)
+    return result
+
+
+def begun(drawn: Robot, rows: Measurements, moves: bool, groups: tuple[Group, ...] = ()) -> State:
+    """The drawing, laid over the measurements (Kabsch) where the pose is fitted."""
+    values = Values(groups, np.zeros(sum(len(each.names) for each in groups)))
+    state = State(np.eye(4), moves, values)
+    if not moves:
+        return state
+    points = predict(drawn, state, rows)
+    seen = np.isfinite(rows.points).all(axis=-1)
+    a, b = points[seen], rows.points[seen]
+    middle, there = np.median(a, axis=0), np.median(b, axis=0)
+    u, _, vt = np.linalg.svd((b - there).T @ (a - middle))
+    rotation = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation, there - rotation @ middle
+    return state._replace(pose=pose)
+
+
+def extended(state: State, group: Group) -> State:
+    """The same state with one more group of parameters, as drawn."""
+    values = Values((*state.values.groups, group), np.concatenate([state.values.x, np.zeros(len(group.names))]))
+    return state._replace(values=values)

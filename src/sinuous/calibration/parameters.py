@@ -1,0 +1,224 @@
+"""What may be fitted: groups of parameters, how far drawings are usually off, and the robot with other values."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous.checks import Floats
+from sinuous.robot.actuators import Lines
+from sinuous.robot.robot import Robot
+from sinuous.robot.segment import Segment
+from sinuous.robot.stiffness import Stiffness
+
+GroupName = Literal[
+    "base", "device", "stretch", "stiffness", "rest", "offsets", "lengths", "circles", "angles", "gains", "tool"
+]
+"""Groups of parameters."""
+
+GROUPS: tuple[GroupName, ...] = get_args(GroupName)
+
+ORDER: tuple[GroupName, ...] = ("stretch", "offsets", "stiffness", "rest", "lengths", "circles", "angles", "gains")
+"""In which order groups are tried."""
+
+WIDTHS: dict[GroupName, float] = {
+    "base": 1e3,
+    "device": 1e3,
+    "stretch": 1.0,
+    "stiffness": 1.0,
+    "rest": 0.5,
+    "offsets": 0.02,
+    "lengths": 0.1,
+    "circles": 0.3,
+    "angles": 0.3,
+    "gains": 0.1,
+    "tool": 0.1,
+}
+"""How far a drawing may well be off: logarithms of ratios; rad; of `offsets` and `tool` lengths of the robot."""
+
+SOFT = 3.0
+"""Where a robot has rigid tendons: ratio of the stiffness of a tendon times its lever squared to that of its segment,
+from which a fit of elastic ones begins."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Tendons and chambers of a robot as arrays (e,), in the order of its actuators, without stages and `Actuators`.
+
+    `places` among all actuators; `segments` 0 = first; `tendon` or chamber; `sets`: which of the robot's sets of lines
+    each belongs to.
+    """
+
+    places: NDArray[np.intp]
+    segments: NDArray[np.intp]
+    tendon: NDArray[np.bool_]
+    sets: NDArray[np.intp]
+    radius: Floats
+    angle: Floats
+    stiffness: Floats
+
+
+def lines_of(robot: Robot) -> Table:
+    """The tendons and chambers of a robot."""
+    rows, at, number = [], 0, 0
+    for k, segment in enumerate(robot.segments):
+        for lines, tendon in ((segment.tendons, True), (segment.chambers, False)):
+            if lines is None:
+                continue
+            for angle, stiff in zip(lines.angles, lines.stiffnesses, strict=True):
+                rows.append((at, k, tendon, number, lines.radius, angle, stiff))
+                at += 1
+            number += 1
+        at += segment.stage is not None
+    table = np.array(rows, np.float64).reshape(-1, 7).T
+    return Table(
+        table[0].astype(np.intp), table[1].astype(np.intp), table[2] > 0.0, table[3].astype(np.intp), *table[4:]
+    )
+
+
+def elastic(robot: Robot) -> Robot:
+    """The same robot with tendons that stretch, where they are rigid: softness to begin a fit with.
+
+    The unit of force is such that all tendons have a stiffness of 1.
+    """
+    segments = []
+    for segment in robot.segments:
+        radius = _lever(robot, segment)
+        length = 0.5 * sum(segment.length)
+        bend = radius**2 * length / SOFT
+        tendons = None if segment.tendons is None else segment.tendons.changed(stiffness=1.0)
+        stiffness = Stiffness(bend) if segment.max_bend > 0.0 and bend > 0.0 else segment.stiffness
+        segments.append(segment.changed(tendons=tendons, stiffness=stiffness))
+    return robot.changed(segments=segments)
+
+
+def _lever(robot: Robot, segment: Segment) -> float:
+    own = [each.tendons.radius for each in (segment, *robot.segments) if each.tendons is not None]
+    return own[0] if own else 0.0
+
+
+def can_stretch(robot: Robot) -> bool:
+    """Whether tendons may be made elastic: there are some, all of them rigid, and nothing else bends the robot."""
+    linear = robot.linear is not None and robot.linear.matrix.reshape(-1, len(robot), 3)[..., :2].any()
+    chambers = any(segment.chambers is not None for segment in robot.segments)
+    tendons = any(segment.tendons is not None for segment in robot.segments)
+    return tendons and robot.drive.elastic is None and not linear and not chambers
+
+
+class Group(NamedTuple):
+    """A group of parameters: its name, the names of its parameters, and how far each may well be off."""
+
+    name: GroupName
+    names: tuple[str, ...]
+    widths: Floats
+
+
+def group(robot: Robot, name: GroupName) -> Group:
+    """The parameters of a group for a robot; none where the robot has none of these."""
+    names = tuple(_names(robot, name))
+    width = WIDTHS[name] * (robot.mean_length if name in ("offsets", "tool") else 1.0)
+    return Group(name, names, np.full(len(names), width))
+
+
+def _names(robot: Robot, name: GroupName) -> Iterator[str]:
+    soft = robot.drive.elastic is not None
+    segments = list(zip(robot.segments, robot.segment_names, strict=True))
+    lines = [(s, n, kind) for s, n in segments for kind in ("tendons", "chambers") if getattr(s, kind) is not None]
+    match name:
+        case "base" | "device":
+            yield from (f"{name} {part}" for part in ("turn x", "turn y", "turn z", "x", "y", "z"))
+        case "tool":
+            yield from (f"tool {axis}" for axis in "xyz")
+        case "stiffness":
+            yield from (
+                f"stiffness of {n}" for s, n in segments if soft and s.stiffness is not None and s.max_bend > 0.0
+            )
+        case "rest":
+            own = [n for s, n in segments if soft and s.stiffness is not None and s.max_bend > 0.0]
+            yield from (f"rest bend_{axis} of {n}" for n in own for axis in "xy")
+        case "lengths":
+            yield from (f"length of {n}" for s, n in segments if s.length[0] == s.length[1] > 0.0)
+        case "offsets":
+            yield from (f"offset of {robot.actuators[place].name}" for place in lines_of(robot).places)
+        case _:
+            word = {"stretch": "stretch", "circles": "circle", "angles": "angle", "gains": "gain"}[name]
+            yield from (f"{word} of {kind} of {n}" for _, n, kind in lines if soft or name != "stretch")
+
+
+@dataclass(frozen=True)
+class Values:
+    """Parameters of all groups that are fitted: changes of the drawing; see `WIDTHS` for what they count."""
+
+    groups: tuple[Group, ...]
+    x: Floats
+
+    def of(self, name: GroupName) -> Floats | None:
+        """Those of one group, or None where it is not fitted."""
+        at = 0
+        for each in self.groups:
+            if each.name == name:
+                return self.x[at : at + len(each.names)]
+            at += len(each.names)
+        return None
+
+    def with_x(self, x: Floats) -> "Values":
+        """Other values of the same parameters."""
+        return replace(self, x=x)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all parameters."""
+        return tuple(name for each in self.groups for name in each.names)
+
+    @property
+    def widths(self) -> Floats:
+        """How far each may well be off."""
+        return np.concatenate([np.zeros(0), *(each.widths for each in self.groups)])
+
+
+def changed(robot: Robot, values: Values) -> Robot:
+    """The robot with these changes, but for the pose of its base and its tool."""
+    parts = {name: values.of(name) for name in GROUPS}
+    sets, stiff, fixed, first = 0, 0, 0, 0
+    segments = []
+    for segment in robot.segments:
+        new: dict[str, Any] = {}
+        if segment.length[0] == segment.length[1] > 0.0:
+            if (own := parts["lengths"]) is not None:
+                new["length"] = segment.length[0] * math.exp(own[fixed])
+            fixed += 1
+        if robot.drive.elastic is not None and segment.stiffness is not None and segment.max_bend > 0.0:
+            if (own := parts["stiffness"]) is not None:
+                new["stiffness"] = segment.stiffness._changed({"bend": segment.stiffness.bend * math.exp(own[stiff])})
+            if (own := parts["rest"]) is not None:
+                new["rest"] = segment.rest + own[2 * stiff : 2 * stiff + 2]
+            stiff += 1
+        for kind in ("tendons", "chambers"):
+            lines = getattr(segment, kind)
+            if lines is not None:
+                count = len(lines.angles)
+                new[kind] = _changed_lines(lines, parts, sets, slice(first, first + count))
+                sets, first = sets + 1, first + count
+        segments.append(segment.changed(**new))
+    return robot.changed(segments=segments)
+
+
+def _changed_lines(own: Lines, parts: Mapping[GroupName, Floats | None], which: int, places: slice) -> Lines:
+    """One set of lines, the tendons or chambers of a segment, with its changes."""
+    new: dict[str, Any] = {}
+    gain = np.full(len(own.angles), own.gain)
+    if (gains := parts["gains"]) is not None:
+        gain = gain * math.exp(-gains[which])
+        new["gain"] = gain
+    if (offsets := parts["offsets"]) is not None:
+        new["offset"] = own.offset - gain * offsets[places]
+    if (circles := parts["circles"]) is not None:
+        new["radius"] = own.radius * math.exp(circles[which])
+    if (angles := parts["angles"]) is not None:
+        new["angles"] = own.angles + angles[which]
+    if (stretch := parts["stretch"]) is not None and own.stiffness is not None:
+        new["stiffness"] = own.stiffness * math.exp(stretch[which])
+    return own.changed(**new)

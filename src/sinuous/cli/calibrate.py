@@ -1,0 +1,55 @@
+"""The command calibrate: fit the robot of a file to a table of measurements."""
+
+from pathlib import Path
+
+import typer
+
+from sinuous import checks
+from sinuous.calibration.calibrate import calibrate
+from sinuous.calibration.table import read_table
+from sinuous.cli.options import SOLVED, check_writable
+from sinuous.files.nouns import read_robot
+from sinuous.files.results import json_line
+from sinuous.files.text import read_text
+from sinuous.files.yaml_syntax import parse_yaml
+from sinuous.pictures.calibration import plot_calibration
+from sinuous.robot.robot import Robot
+
+
+def calibrate_file(
+    file: str, measured: str, fit: str | None, unit: float, out: Path | None, plot: Path | None, *, json: bool
+) -> int:
+    """Fit the robot of `file` to the rows of `measured`, and say what came of it.
+
+    Returns
+    -------
+    int
+        0; what is wrong is raised.
+    """
+    for option, target in (("--out", out), ("--plot", plot)):
+        if target is not None:
+            check_writable(option, target, [file, measured])
+    robot = _robot_of(Path(file))
+    table = read_table(Path(measured), [actuator.name for actuator in robot.actuators])
+    names = None if fit is None else [name.strip() for name in fit.split(",")]
+    with checks.in_file(measured):
+        found = calibrate(robot, table.actuators, table.measured, fit=names, groups=table.groups, unit=unit)
+    if out is not None:
+        found.save(out)
+    if plot is not None:
+        plot_calibration(found, plot)
+    typer.echo(json_line(found.to_dict()) if json else found.explain())
+    return SOLVED
+
+
+def _robot_of(file: Path) -> Robot:
+    """The robot of a problem file, or of a file that holds a robot alone."""
+    own = parse_yaml(read_text(file, ""))
+    with checks.in_file(file):
+        if isinstance(own, dict) and "robot" in own:
+            inner = own["robot"]
+            if isinstance(inner, str):
+                return _robot_of(file.parent / inner)
+            with checks.inside("robot"):
+                return read_robot(inner)
+        return read_robot(own)

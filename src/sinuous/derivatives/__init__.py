@@ -1,0 +1,1 @@
+"""How answers change with what they depend on: targets, the robot, where it stands, obstacles."""

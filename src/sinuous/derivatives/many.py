@@ -1,0 +1,188 @@
+"""Derivatives of many answers at once, as arrays."""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sinuous import checks
+from sinuous.arguments import Batch, Parameter
+from sinuous.checks import Floats
+from sinuous.derivatives.derivative import PerGroup, actuator_change, tip_twist
+from sinuous.derivatives.parameters import Plan
+from sinuous.errors import InputError
+from sinuous.kernels.derivative import layout as a
+from sinuous.kernels.derivative.query import derive_many
+from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
+from sinuous.problem.problem import Problem
+from sinuous.problem.target import Target, Tolerance
+from sinuous.problem.target_sets import TargetSets
+from sinuous.reprs import call
+from sinuous.robot.robot import Robot
+from sinuous.scene.snapshot import Snapshot
+
+
+class Problems(Protocol):
+    """Problems of one robot in one scene: `ManyProblems`."""
+
+    @property
+    def robot(self) -> Robot:
+        """The robot."""
+        ...
+
+    @property
+    def tolerance(self) -> Tolerance:
+        """Of all."""
+        ...
+
+    @property
+    def target_sets(self) -> TargetSets:
+        """The targets of each."""
+        ...
+
+    @property
+    def scene(self) -> Snapshot:
+        """The obstacles."""
+        ...
+
+    def problem(self, i: int) -> Problem:
+        """Return one of the problems."""
+        ...
+
+
+class Derivatives:
+    """How many answers change with what they depend on, to first order; as `Derivative`, with one more axis in front.
+
+    Attributes
+    ----------
+    wrt : tuple of str
+    regular : ndarray (m,) of bool
+        False also where an answer is not solved; its derivatives are NaN.
+    q : mapping of str to ndarray (m, n, 3, p)
+        Derivatives of the configurations by a group of p parameters.
+    tip : mapping of str to ndarray (m, 6, p)
+    actuators : mapping of str to ndarray (m, k, p)
+    """
+
+    __slots__ = ("_chosen", "_configurations", "_moved", "_problem", "_status", "wrt")
+
+    def __init__(
+        self, problem: Problem, q: Floats, wrt: tuple[Parameter, ...], moved: Floats, status: Floats, chosen: Any
+    ) -> None:
+        self._problem, self._configurations, self._moved, self._status = problem, q, moved, status
+        self.wrt, self._chosen = wrt, chosen
+
+    @property
+    def regular(self) -> NDArray[np.bool_]:
+        """Which answers have a derivative (m,)."""
+        return np.asarray(self._status == 0.0)
+
+    @property
+    def q(self) -> Mapping[Parameter, Floats]:
+        """Derivatives (m, n, 3, p) of the configurations."""
+        return PerGroup(self.wrt, self._of_q)
+
+    @property
+    def tip(self) -> Mapping[Parameter, Floats]:
+        """Twists (m, 6, p) of the tool."""
+        return PerGroup(self.wrt, partial(self._each, partial(tip_twist, self._problem)))
+
+    @property
+    def actuators(self) -> Mapping[Parameter, Floats]:
+        """Derivatives (m, k, p) of the values of all actuators."""
+        return PerGroup(self.wrt, partial(self._each, partial(actuator_change, self._problem.robot)))
+
+    def __len__(self) -> int:
+        return len(self._moved)
+
+    def vjp(self, cotangent: Batch) -> dict[Parameter, Floats]:
+        """Derivatives (m, p) of `sum(cotangent * q)` of each answer by each group, for cotangents (m, n, 3).
+
+        Raises
+        ------
+        InputError
+            When they have another shape.
+        """
+        given = checks.array("cotangent", cotangent, self._configurations.shape)
+        flat = given.reshape(len(self), 1, self._moved.shape[1])
+        whole = (flat @ self._moved)[:, 0]
+        return {name: whole[:, self._chosen[name]] for name in self.wrt}
+
+    def jvp(self, tangent: Batch | Mapping[Parameter, Batch]) -> Floats:
+        """Motions (m, n, 3) of the configurations when the parameters move along tangents (m, p).
+
+        Where an answer has a kink, whatever is active stays as it is; `solutions[i].jvp` tells what happens in this
+        direction.
+
+        Raises
+        ------
+        InputError
+            When a name was not asked for, or a tangent has another shape.
+        """
+        if not isinstance(tangent, Mapping):
+            if len(self.wrt) > 1:
+                raise InputError("tangent", "", tangent, f"a mapping of some of {', '.join(self.wrt)} to arrays")
+            tangent = {self.wrt[0]: tangent}
+        moved = np.zeros(self._configurations.shape)
+        for name, value in tangent.items():
+            change = self.q[name]
+            given = checks.array(f"tangent[{name!r}]", value, (len(self), change.shape[-1]))
+            moved += np.einsum("mkcp,mp->mkc", change, given)
+        return moved
+
+    def __repr__(self) -> str:
+        return call("Derivatives", [f"{len(self):,} answers", ", ".join(self.wrt), f"{self.regular.sum():,} regular"])
+
+    def _of_q(self, name: Parameter) -> Floats:
+        chosen = self._moved[:, :, self._chosen[name]]
+        return chosen.reshape(*self._configurations.shape, chosen.shape[-1])
+
+    def _each(self, compute: Any, name: Parameter) -> Floats:
+        changes, q = self.q[name], self._configurations
+        return np.stack([compute(q[i], {name: changes[i]}, name) for i in range(len(self))])
+
+
+def _nothing_asked(problems: Problems) -> Problem:
+    """Some problem for no answers."""
+    return Problem.prepared(problems.robot, (Target((0.0, 0.0, 0.0)),), problems.scene, problems.tolerance)
+
+
+def _alike(rows: Floats) -> bool:
+    """Whether the same is asked of the targets (m, t, 15) of all answers."""
+    asked = rows[:, :, [HAS_POSITION, ORIENTATION]]
+    return bool((asked == asked[:1]).all())
+
+
+def derivatives_of(
+    problems: Problems, q: Floats, solved: NDArray[np.bool_], liked: NDArray[np.bool_], wrt: tuple[Parameter, ...]
+) -> Derivatives:
+    """Derive answers `q` (m, n, 3) to `ManyProblems`, of those that are solved; `liked` (m,) are chosen by preferences.
+
+    Raises
+    ------
+    InputError
+        When targets are asked for, and not all answers have equally many.
+    """
+    runs = problems.target_sets.runs()
+    if len(runs) > 1 and "target" in wrt:
+        raise InputError("wrt", "needs equally many targets of each answer", "target", "other groups, or one by one")
+    problem = problems.problem(0) if len(q) else _nothing_asked(problems)
+    plan = Plan(problem, wrt)
+    moved, status = np.empty((len(q), 3 * q.shape[1], plan.columns)), np.empty(len(q))
+    scene = problems.scene
+    group = scene._kernel_group if len(scene) else None
+    rows = []
+    for first, last in runs:
+        own = plan if first == 0 else Plan(problems.problem(first), wrt)
+        rows.append(problems.target_sets.chunk(first, last))
+        tables = own.group, group, own.settings, rows[-1], own.asked, own.lines
+        workspace = np.empty(own.workspace.size + own.answer)
+        derive_many(*tables, q[first:last].copy(), workspace, moved[first:last], status[first:last])
+    status[liked] += a.PREFERRED
+    moved[~solved], status[~solved] = np.nan, a.KINK
+    chosen = {name: plan.chosen(name, problem) for name in wrt}
+    if "target" in wrt and rows and not _alike(rows[0]):
+        chosen["target"] = slice(*plan.spans["target"])
+    return Derivatives(problem, q, wrt, moved, status, chosen)

@@ -1,0 +1,304 @@
+"""`design`: a robot for a set of tasks."""
+
+import json
+import pickle
+import time as clock
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import closing
+from pathlib import Path
+from typing import Any, Unpack
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Number, Whole
+from sinuous.assessing.tasks import Meet, read_tasks
+from sinuous.batch.checkpoint import Checkpoint, Memory, hash_of, problem_record
+from sinuous.batch.dispatch import Dispatcher, begin
+from sinuous.batch.tables.layout import Block
+from sinuous.batch.work import Task as Chunk
+from sinuous.checks import Floats
+from sinuous.designing.design import Change, Cut, Design, Found
+from sinuous.designing.fields import Space
+from sinuous.designing.judge import Judge
+from sinuous.designing.objectives import Objective, read_objectives
+from sinuous.designing.search import Candidates, Search, front
+from sinuous.errors import InputError, UnfinishedError
+from sinuous.progress import ProgressBar
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import SceneLike, as_scene
+from sinuous.solution.solution import Solution
+from sinuous.solution.status import Status
+from sinuous.solving.many import read_workers
+from sinuous.solving.options import SolveArguments
+from sinuous.solving.solver import Solver
+
+ROBOTS = 2000
+"""Robots that are judged, by default."""
+
+TIME = 60.0
+"""Seconds, by default."""
+
+STARTS, SOLVE_TIME = 24, 1.0
+"""Most starts and seconds of a target, by default: a robot that needs more is not one to build."""
+
+PERCENT = 0.01
+"""Change of a field whose cost is told."""
+
+NEVER = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED)
+"""Statuses that are proofs, and cheap."""
+
+
+def design(
+    template: Robot,
+    tasks: Mapping[str, Any] | Iterable[Any],
+    scene: SceneLike | None = None,
+    *,
+    vary: Mapping[str, Any],
+    minimise: str | Iterable[str],
+    robots: Whole = ROBOTS,
+    budget: Number = TIME,
+    engine: Any = "threads",
+    workers: Whole | None = None,
+    out: str | Path | None = None,
+    progress: bool = False,
+    **options: Unpack[SolveArguments],
+) -> Design:
+    """Find the robot that does all tasks and has the least of something: the best of a template's variations.
+
+    What no robot with some listed values can do is proved where that is possible, and not tried. The others are tried
+    in generations: near the best that are known, and anywhere. Each is judged by all tasks, solved and proved.
+
+    Parameters
+    ----------
+    template : Robot
+    tasks : mapping or iterable of (Target, list of Target, Follow, Cover, or Move)
+        As for `assess`.
+    scene : Scene or list of obstacles, optional
+    vary : mapping of str to (low, high), or list of values
+        Fields of the robot file, as for `sweep`, and elements of lists like `base.position[2]`: each with a range (a
+        tuple of two numbers) or a list of values.
+    minimise : str or two of them
+        `actuators` (their number), `length`, `bend` (largest), `travel` (of actuators), `tension` (largest),
+        `clearance` (the least; it is maximised), `uncovered` (share of targets that are not met). Of two the front is
+        found: robots that no other is better than.
+    robots : int
+        How many are judged.
+    budget : float
+        Seconds; the generation that is under way is finished.
+    engine : str, executor or Dask client
+        As for `solve_batch`.
+    workers : int, optional
+        By default one a core.
+    out : path, optional
+        The table of the front (CSV). Until it is there, a folder beside it keeps what is done, and the same call goes
+        on where an earlier one was interrupted.
+    progress : bool
+        Whether to show on a terminal how many are judged.
+    **options
+        As for `Solver`, of each target: by default `time` is 1 s and `max_starts` 24.
+
+    Returns
+    -------
+    Design
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be, or it is proved that no robot of these can do a task.
+    UnfinishedError
+        When workers are lost; what is done is kept beside `out`.
+    """
+    began = clock.perf_counter()
+    space, asked, place = Space(template, vary), read_tasks(tasks), as_scene(scene)
+    wanted = read_objectives(minimise, template)
+    count, seconds = checks.integer("robots", robots, 1, 10_000_000), checks.number("budget", budget, above=0.0)
+    chosen: dict[str, Any] = {"time": SOLVE_TIME, "max_starts": STARTS, **options}
+    judge = Judge(space, asked, place, wanted, chosen)
+    Solver(template, place, **chosen)  # options are checked, and what is suspicious of the template is said
+    cut = list(_cut(judge)) if "uncovered" not in wanted else []
+    tried_not = {number for number, _ in cut}
+    left = [number for number in range(len(space.combinations)) if number not in tried_not]
+    if not left:
+        first = cut[0][1]
+        raise InputError("tasks", f"no robot of these can do {first.task}: {first.reason}", list(asked), "wider ranges")
+    search = Search(left, len(space.ranges), int(chosen.get("seed", 0)), space.shares_of(template))
+    with ProgressBar(count if checks.truth("progress", progress) else 0) as bar:
+        run = _Run(judge, search, _kept(judge, out), bar.advance)
+        found = run.until(count, began + seconds, engine, read_workers(workers))
+    result = _told(judge, found, tuple(each for _, each in cut), clock.perf_counter() - began)
+    if out is not None:
+        result.to_csv(out)
+        run.kept.remove()
+    return result
+
+
+class _Run:
+    """A search under way: generations are judged by an engine, and kept."""
+
+    def __init__(self, judge: Judge, search: Search, kept: Memory | Checkpoint, advance: Any) -> None:
+        self._judge, self._search, self.kept, self._advance = judge, search, kept, advance
+        self._found: list[Candidates] = []
+
+    def until(self, count: int, end: float, engine: Any, workers: int) -> Candidates:
+        """Judge generations until there are `count` robots, or the time is over."""
+        self.kept.open()
+        known = set(self.kept.done())
+        number = 0
+        with closing_engine(engine, self._judge, workers) as ready:
+            while sum(len(each.done) for each in self._found) < count:
+                combination, shares = self._search.generation(number, self._found)
+                if number not in known:
+                    if number and clock.perf_counter() >= end:
+                        break
+                    self.kept.write(number, self._judged(ready, combination, shares, workers))
+                rows = self.kept.read(number)
+                names = "done", "share", "objectives", "failed"
+                self._found.append(Candidates(combination, shares, *(rows[name] for name in names)))
+                self._advance(len(combination))
+                number += 1
+        return Candidates.joined(self._found)
+
+    def _judged(self, engine: Any, combination: Any, shares: Floats, workers: int) -> Block:
+        """Have a generation judged, in chunks for all workers."""
+        told = self._known()
+        parts = np.array_split(np.arange(len(combination)), min(len(combination), 4 * workers))
+        chunks = [
+            Chunk(i, int(part[0]), {**told, "combination": combination[part], "shares": shares[part]})
+            for i, part in enumerate(parts)
+        ]
+        blocks: dict[int, Block] = {}
+        dispatcher = Dispatcher(engine, iter(chunks), lambda chunk, block: blocks.__setitem__(chunk.number, block))
+        dispatcher.run()
+        if dispatcher.failed:
+            raise UnfinishedError(f"a robot could not be judged: {dispatcher.failed[0].why}")
+        return {name: np.concatenate([blocks[i][name] for i in range(len(parts))]) for name in blocks[0]}
+
+    def _known(self) -> Block:
+        """What judges are told of the generations before: see `Judge.judge`."""
+        count, objectives = len(self._judge.tasks), len(self._judge.minimise)
+        bounds, order, stops = np.full(objectives, np.inf), np.arange(count), False
+        if self._found:
+            found = Candidates.joined(self._found)
+            stops = bool(np.isfinite(found.objectives).any())
+            order = np.argsort(-np.bincount(found.failed[found.failed >= 0], minlength=count), kind="stable")
+            if objectives == 1:  # of two, a robot that is better in neither than some may still be in the front
+                bounds = found.objectives.min(axis=0)
+        return {"bounds": bounds, "order": order, "stops": np.array(stops)}
+
+
+def closing_engine(engine: Any, judge: Judge, workers: int) -> Any:
+    """Begin an engine that is closed in the end."""
+    work: Any = judge
+    ready = begin(engine, work, workers)
+    return closing(_Closing(ready))
+
+
+class _Closing:
+    """An engine whose `close` waits; it is used as the engine itself."""
+
+    def __init__(self, engine: Any) -> None:
+        self._engine = engine
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._engine, name)
+
+    def close(self) -> None:
+        """End."""
+        self._engine.close(now=False)
+
+
+def _kept(judge: Judge, out: str | Path | None) -> Memory | Checkpoint:
+    """Where generations are kept."""
+    if out is None:
+        return Memory()
+    solver = judge.solver(judge.space.template)
+    record = {
+        **problem_record(judge.space.template, judge.scene.snapshot(), solver.options),
+        "vary": json.dumps([list(map(str, each)) for each in (*judge.space.ranges, *judge.space.choices)]),
+        "tasks": hash_of(pickle.dumps({name: vars(task) for name, task in judge.tasks.items()})),
+        "minimise": ", ".join(judge.minimise),
+    }
+    return Checkpoint(Path(out), record, "this design")
+
+
+def _cut(judge: Judge) -> Iterator[tuple[int, Cut]]:
+    """Yield the combinations that a proof rules out: their numbers, and by which task."""
+    for number, combination in enumerate(judge.space.combinations):
+        widest = judge.space.widest(combination)
+        if widest is None:
+            continue
+        robot, moved = widest
+        values = {each.field: value for each, value in zip(judge.space.choices, combination, strict=True)}
+        for name, task in judge.tasks.items():
+            reason = _impossible(judge, robot, moved, task)
+            if reason is not None:
+                yield number, Cut(values, name, reason)
+                break
+
+
+def _impossible(judge: Judge, robot: Robot, moved: float, task: Any) -> str | None:
+    """Why no robot that does no more than this one, with its base up to `moved` away, does a task; `None`: unknown.
+
+    That the base may move is as if targets might: so they may be missed by as much, and obstacles do not count.
+    """
+    if not isinstance(task, Meet) or (moved > 0.0 and robot.actuation.size):
+        return None
+    try:
+        task.check(robot)
+        solver = judge.solver(robot)
+        tolerance = solver.tolerance
+        if moved > 0.0:
+            wide = tolerance.__class__((tolerance.position or 0.0) + moved, tolerance.angle)
+            solver = Solver(robot, None, tolerance=wide)
+        found: Solution = solver.solve(task.targets, time=0.0)
+    except InputError as error:
+        return str(error)
+    return found.sentence if found.status in NEVER else None
+
+
+def _told(judge: Judge, found: Candidates, cut: tuple[Cut, ...], seconds: float) -> Design:
+    best = front(found.objectives)
+    names = list(judge.tasks)
+    robots = tuple(_found(judge, found, int(i)) for i in best)
+    changes = tuple(_changes(judge, found, int(best[0]))) if len(best) else ()
+    failed = Counter(change.failed for change in changes if change.failed is not None)
+    if not failed:
+        tried = found.failed[found.failed >= 0]
+        failed = Counter(names[i] for i in tried.tolist())
+    deciding = failed.most_common(1)[0][0] if failed else None
+    judged = int((found.failed != -2).sum())
+    most = int(found.done.max(initial=0))
+    return Design(judge.minimise, robots, deciding, changes, cut, judged, most, len(names), seconds)
+
+
+def _found(judge: Judge, found: Candidates, i: int) -> Found:
+    space = judge.space
+    combination, shares = space.combinations[int(found.combination[i])], found.shares[i]
+    robot = space.robot(combination, shares)
+    assert robot is not None
+    objectives = _signed(judge.minimise, found.objectives[i])
+    values = space.values(combination, shares)
+    return Found(robot, values, objectives, int(found.done[i]), len(judge.tasks), float(found.share[i]))
+
+
+def _signed(minimise: tuple[Objective, ...], values: Iterable[float]) -> dict[str, float]:
+    """Objectives as they are told: the clearance with its own sign."""
+    return {name: float(-value if name == "clearance" else value) for name, value in zip(minimise, values, strict=True)}
+
+
+def _changes(judge: Judge, found: Candidates, i: int) -> Iterator[Change]:
+    """Yield what becomes of a robot when one of its fields changes by a percent."""
+    space, names = judge.space, list(judge.tasks)
+    combination = space.combinations[int(found.combination[i])]
+    for place, each in enumerate(space.ranges):
+        value = each.low + float(found.shares[i, place]) * (each.high - each.low)
+        step = PERCENT * (abs(value) or each.high - each.low)
+        for other in (value - step, value + step):
+            shares = found.shares[i].copy()
+            shares[place] = (other - each.low) / (each.high - each.low)
+            judged = judge.judge(space.robot(combination, shares))
+            counts = np.isfinite(judged.objectives).all()
+            objectives = _signed(judge.minimise, judged.objectives) if counts else None
+            yield Change(each.field, other, objectives, None if judged.failed == -1 else names[judged.failed])

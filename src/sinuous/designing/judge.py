@@ -1,0 +1,159 @@
+"""One robot, judged by its tasks: each is tried, and solved and proved, or not."""
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sinuous.assessing.tasks import Done, Meet, Task
+from sinuous.batch.tables.layout import Block
+from sinuous.batch.work import Task as Chunk
+from sinuous.checks import Floats
+from sinuous.designing.fields import Space
+from sinuous.designing.objectives import Objective, of_answers, of_robot
+from sinuous.errors import InputError, SuspiciousInput
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene
+from sinuous.solving.solver import Solver
+
+SOLVED = "solved"
+
+
+class Judged(NamedTuple):
+    """What a robot reached.
+
+    Attributes
+    ----------
+    done : int
+        How many tasks are done.
+    share : float
+        Of all targets that are met, a mean over the tasks.
+    objectives : tuple of float
+    failed : int
+        Number of the first task that is not done, -1 where all are.
+    """
+
+    done: int
+    share: float
+    objectives: tuple[float, ...]
+    failed: int
+
+
+class Judge:
+    """Judges robots; may be pickled and sent to workers, as `sinuous.batch.work.Work` is.
+
+    Parameters
+    ----------
+    space : Space
+    tasks : mapping of str to Task
+    scene : Scene
+    minimise : tuple of str
+    options : mapping
+        Of solvers.
+    """
+
+    def __init__(
+        self,
+        space: Space,
+        tasks: Mapping[str, Task],
+        scene: Scene,
+        minimise: tuple[Objective, ...],
+        options: Mapping[str, Any],
+    ) -> None:
+        self.space, self.tasks, self.scene = space, dict(tasks), scene
+        self.minimise, self.options = minimise, dict(options)
+
+    def prepare(self) -> "Judge":
+        """Compile, or load, what judging needs."""
+        self.solver(self.space.template)
+        return self
+
+    def solver(self, robot: Robot) -> Solver:
+        """Return a solver for a robot; what is suspicious has been said of the template."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuspiciousInput)
+            return Solver(robot, self.scene, **self.options)
+
+    def __call__(self, chunk: Chunk) -> Block:
+        """Judge the robots of a chunk: combinations (k,), shares (k, d), and what `judge` is told."""
+        told = chunk.raw["bounds"], chunk.raw["order"].tolist(), bool(chunk.raw["stops"])
+        rows = [
+            self.judge(self.space.robot(self.space.combinations[int(i)], shares), *told)
+            for i, shares in zip(chunk.raw["combination"], chunk.raw["shares"], strict=True)
+        ]
+        return {
+            "done": np.array([row.done for row in rows]),
+            "share": np.array([row.share for row in rows]),
+            "objectives": np.array([row.objectives for row in rows]).reshape(len(rows), len(self.minimise)),
+            "failed": np.array([row.failed for row in rows]),
+        }
+
+    def judge(
+        self,
+        robot: Robot | None,
+        bounds: Floats | None = None,
+        order: Sequence[int] | None = None,
+        stops: bool = False,
+    ) -> Judged:
+        """Judge one robot.
+
+        Parameters
+        ----------
+        robot : Robot, optional
+            `None` stands for values that make none.
+        bounds : ndarray (o,), optional
+            The least known of each objective: a robot that is known to be no better is not tried.
+        order : sequence of int, optional
+            In which the tasks are tried: those first that fail most often.
+        stops : bool
+            Whether the first task that is not done ends it: where robots are known that do all.
+        """
+        if robot is None:
+            return self._failing(0, 0.0, 0)
+        if bounds is not None and self._is_beyond(robot, bounds):
+            return self._failing(0, 0.0, -2)
+        try:
+            solver = self.solver(robot)
+            for task in self.tasks.values():
+                task.check(robot)
+        except InputError:
+            return self._failing(0, 0.0, 0)
+        whole, listed = "uncovered" in self.minimise, list(self.tasks.values())
+        done: dict[int, Done] = {}
+        for number in range(len(listed)) if order is None else order:
+            done[number] = _do(listed[number], solver)
+            if stops and not whole and done[number].status != SOLVED:
+                return self._failing(len(done) - 1, 0.0, number)
+        return self._judged(robot, [done[number] for number in range(len(listed))], whole)
+
+    def _judged(self, robot: Robot, done: Sequence[Done], whole: bool) -> Judged:
+        """Sum up what became of all tasks; with `whole`, objectives count also where not all are done."""
+        solved = [each.status == SOLVED for each in done]
+        share = sum(each.share for each in done) / len(done)
+        failed = -1 if all(solved) else solved.index(False)
+        if failed >= 0 and not whole:
+            return self._failing(sum(solved), share, failed)
+        clear = [each.clearance for each in done if each.clearance is not None]
+        shapes = [each.shapes for each in done if each.shapes is not None]
+        own = (of_answers(name, robot, shapes, min(clear, default=None), share) for name in self.minimise)
+        return Judged(sum(solved), share, tuple(own), failed)
+
+    def _failing(self, done: int, share: float, failed: int) -> Judged:
+        return Judged(done, share, (math.inf,) * len(self.minimise), failed)
+
+    def _is_beyond(self, robot: Robot, bounds: Floats) -> bool:
+        """Whether what is known of a robot without trying is no better than a robot that is known."""
+        known = [of_robot(name, robot) for name in self.minimise]
+        return all(value is not None and value >= bound for value, bound in zip(known, bounds, strict=True))
+
+
+def _do(task: Task, solver: Solver) -> Done:
+    """Try a task; of targets that are met at once nobody asks what holds them back, which takes longest."""
+    if not isinstance(task, Meet):
+        return task.do(solver)
+    found = solver.solve(task.targets)
+    shapes = found.q[None] if found.solved else None
+    proved = found.clearance, found.self_clearance
+    return Done(str(found.status), float(found.solved), *proved, found.seconds, None, None, shapes)

@@ -1,0 +1,113 @@
+"""Inverse kinematics as a function of JAX: gradients of both modes flow through answers, past limits and obstacles.
+
+Tried with JAX 0.10. It needs the extra `jax`; nothing else of the package imports it. Answers are as exact as the type
+of the goals: let JAX use 64 bits, `jax.config.update("jax_enable_x64", True)`.
+"""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from sinuous.derivatives.layers import HostGoals, check_unsolved, lead_of, solved
+from sinuous.errors import InputError
+
+try:
+    import jax
+except ImportError as error:  # pragma: no cover
+    raise InputError("jax", "is not installed", None, "pip install sinuous[jax]") from error
+
+import jax.numpy as jnp
+
+from sinuous.solving.solver import Solver
+
+Goals = dict[str, Any]
+
+
+def _called(solver: Solver, initial: Any, unsolved: str, goals: Goals) -> tuple[Any, Any]:
+    """Configurations (..., n, 3) and derivatives (..., n, 3, p), as host arrays of the type of the goals."""
+    arrays = {key: np.asarray(value, np.float64) for key, value in goals.items()}
+    q, change = solved(solver, HostGoals(**arrays), initial, unsolved)
+    kind = next(iter(goals.values())).dtype
+    return q.astype(kind), change.astype(kind)
+
+
+def _answering(solver: Solver, initial: Any, unsolved: str) -> Any:
+    """Return a function of goals with a derivative of its own."""
+
+    def answer(goals: Goals) -> tuple[Any, Any]:
+        lead = lead_of(*(goals.get(key) for key in ("positions", "directions", "rotations")))
+        n, kind = len(solver.robot), next(iter(goals.values())).dtype
+        shapes = tuple(jax.ShapeDtypeStruct((*lead, n, 3, *more), kind) for more in ((), (3 * len(goals),)))
+        called = partial(_called, solver, initial, unsolved)
+        found: tuple[Any, Any] = jax.pure_callback(called, shapes, goals, vmap_method="broadcast_all")
+        return found
+
+    @jax.custom_jvp
+    def configurations(goals: Goals) -> Any:
+        return answer(goals)[0]
+
+    @configurations.defjvp
+    def _moved(primals: Any, tangents: Any) -> tuple[Any, Any]:
+        q, change = answer(primals[0])
+        ways = jnp.concatenate(_ways(primals[0], tangents[0]), axis=-1)
+        return q, jnp.einsum("...kcp,...p->...kc", change, ways)
+
+    return configurations
+
+
+def _ways(goals: Goals, tangents: Goals) -> list[Any]:
+    """Motions of positions (..., 3), and small rotations (..., 3) of directions or rotations."""
+    parts = [tangents["positions"]] if "positions" in goals else []
+    if "directions" in goals:
+        own = goals["directions"]
+        parts.append(jnp.cross(own, tangents["directions"]) / jnp.sum(own * own, axis=-1, keepdims=True))
+    if "rotations" in goals:
+        parts.append(0.5 * jnp.cross(goals["rotations"], tangents["rotations"], axis=-2).sum(axis=-1))
+    return parts
+
+
+def solve(
+    solver: Solver,
+    positions: Any = None,
+    *,
+    directions: Any = None,
+    rotations: Any = None,
+    initial: Any = None,
+    unsolved: str = "raise",
+) -> Any:
+    """Solve goals of the tip; `jax.grad`, `jax.jvp`, `jax.jit` and `jax.vmap` go through the answers.
+
+    Gradients are those of the nearest answer, see `sinuous.derivatives.derivative.Derivative`. At a kink whatever is
+    active stays as it is.
+
+    Parameters
+    ----------
+    solver : Solver
+    positions : array (..., 3), optional
+    directions : array (..., 3), optional
+        Of the tangent; any length but zero.
+    rotations : array (..., 3, 3), optional
+        Instead of `directions`.
+    initial : array_like (n, 3), optional
+        Constant.
+    unsolved : str
+        `raise`: an answer that is not solved is refused. `best`: its best configuration is returned, and its gradient
+        is zero.
+
+    Returns
+    -------
+    array (..., n, 3)
+        Configurations, of the type of the goals.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    NotSolvedError
+        When a goal is not solved; within `jax.jit` and `jax.vmap` JAX raises an error of its own with this text.
+    """
+    lead_of(positions, directions, rotations)
+    given = {"positions": positions, "directions": directions, "rotations": rotations}
+    goals = {key: jnp.asarray(value) for key, value in given.items() if value is not None}
+    return _answering(solver, initial, check_unsolved(unsolved))(goals)

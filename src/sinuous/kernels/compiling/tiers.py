@@ -1,0 +1,149 @@
+"""Entries whose machine code is missing run as Python at once, while helpers compile them.
+
+Whether the code is there is asked only where Numba has none for the arguments of a call, so calls of compiled code take
+no longer than without this. An entry waits for its code where it is known to be heavy (`Piece.waits`, `Piece.most`),
+where no helper can be had, and within `code_first`. A call that takes longer than `PATIENCE`,
+interpreted, is given up; it waits for its code, and begins again.
+"""
+
+import contextlib
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from functools import partial
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numba import types
+
+from sinuous.kernels.compiling.helpers import Order, foreman
+from sinuous.kernels.compiling.pieces import SHORT, Piece, announced, piece_of
+from sinuous.kernels.compiling.store import ENTRIES, Store, begun
+from sinuous.work_time import TooLongError, no_work
+
+FIRST = 60
+"""Seconds that compiling takes about for somebody who begins."""
+
+PATIENCE = 4.0
+"""Seconds that an interpreted call may take."""
+
+
+MODES = ("auto", "compiled", "interpreted")
+
+MODE = os.environ.get("SINUOUS_KERNELS", "auto")
+"""How entries run."""
+
+if MODE not in MODES:
+    raise ValueError(f"SINUOUS_KERNELS: expected one of {', '.join(MODES)}, got {MODE!r}")
+
+
+TOOK: list[tuple[str, float]] = []
+"""Entries that this process has compiled, or waited for, and the seconds of each."""
+
+
+class _Waiting:
+    """How many in this process want machine code from the first call on."""
+
+    count = 0
+    lock = Lock()
+
+
+@contextlib.contextmanager
+def code_first() -> Iterator[None]:
+    """Let entries wait for their code within, in all threads: for what calls them very often, or has to be on time."""
+    with _Waiting.lock:
+        _Waiting.count += 1
+    try:
+        yield
+    finally:
+        with _Waiting.lock:
+            _Waiting.count -= 1
+
+
+def tiered(compiled: Any, interpreted: Callable[..., Any]) -> Any:
+    """Let an entry be interpreted while its code is missing.
+
+    Numba asks `_compile_for_args` what to call where it has no code for the arguments of a call.
+    """
+    compile_for, store = compiled._compile_for_args, compiled._cache
+    if not isinstance(store, Store):
+        return compiled
+    ENTRIES[store.module, store.called] = compiled
+
+    def choose(*arguments: Any) -> Any:
+        with no_work():
+            return chosen(*arguments)
+
+    def chosen(*arguments: Any) -> Any:
+        signature = tuple(types.unliteral(compiled.typeof_pyval(one)) for one in arguments)
+        codegen = compiled.targetctx.codegen()
+        path = store.path(signature, codegen)
+        piece = piece_of(compiled, signature)
+        if signature in compiled.overloads or store.find(signature, codegen).exists():
+            return compile_for(*arguments)
+        order = Order(store.module, store.called, signature, path)
+        if piece is None or not _may_come_later(piece, arguments) or not store.usable() or not foreman.order(order):
+            return now(piece, *arguments)
+        _tell(piece)
+        return lambda *given: _interpreted_first(interpreted, partial(now, piece), given)
+
+    def now(piece: Piece | None, *arguments: Any) -> Any:
+        began = time.perf_counter()
+        with announced(piece):
+            made = compile_for(*arguments)
+        TOOK.append((f"{store.module}.{store.called}", time.perf_counter() - began))
+        return made
+
+    compiled._compile_for_args = choose
+    return compiled
+
+
+def _may_come_later(piece: Piece, arguments: tuple[Any, ...]) -> bool:
+    """Say whether the code of a piece may come later."""
+    largest = max((one.size for one in arguments if isinstance(one, np.ndarray)), default=0)
+    return MODE == "auto" and not (_Waiting.count or piece.waits) and (piece.most is None or largest <= piece.most)
+
+
+def _interpreted_first(interpreted: Callable[..., Any], code: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
+    """Interpret a call; where that takes too long, put everything back, wait for the code, and call that."""
+    with no_work():
+        before = [_copied(one) for one in arguments]
+    try:
+        return interpreted(*arguments, most=PATIENCE)
+    except TooLongError:
+        for one, kept in zip(arguments, before, strict=True):
+            _put_back(one, kept)
+    return code(*arguments)(*arguments)
+
+
+def _copied(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.copy() if value.flags.writeable else None
+    return tuple(map(_copied, value)) if isinstance(value, tuple) else None
+
+
+def _put_back(value: Any, kept: Any) -> None:
+    if kept is None:
+        return
+    if isinstance(value, np.ndarray):
+        value[...] = kept
+    else:
+        for one, part in zip(value, kept, strict=True):
+            _put_back(one, part)
+
+
+def _tell(piece: Piece) -> None:
+    """Say once that kernels are compiled in the background, and about how long that takes."""
+    seconds = piece.expected if begun() else max(piece.expected, FIRST)
+    if not _told and seconds > SHORT:
+        _told.append(piece)
+        text = (
+            f"sinuous: first use on this machine: kernels are compiled in the background (about {seconds} s); "
+            "until then answers take longer"
+        )
+        print(text, file=sys.stderr, flush=True)  # noqa: T201
+
+
+_told: list[Piece] = []

@@ -1,0 +1,266 @@
+"""The derivative of an answer by the implicit function theorem on its active rows.
+
+Let A be the rows at the answer, W the metric of a step, squared and inverted (rad, and mean lengths of segments), and
+`b` the right sides. The least motion that keeps all rows is `dq = m + W A' (A W A')^-1 (b - A m)`, where m is what a
+parameter moves by itself: the derivative of the nearest answer, and the step of a control loop as its time goes to 0.
+The system has as many unknowns as there are rows, so all of it is linear in the number of segments.
+
+An active limit or contact only pushes. What it does is linear in the parameters just where it is not called upon: where
+all rows of the targets alone would leave it as it is. Else the answer has a kink there.
+"""
+
+import math
+
+from sinuous.kernels.chain.kinematics import forward_with_columns
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.derivative.layout import (
+    ANSWER,
+    COLUMNS,
+    COUNT,
+    FACTOR,
+    KINK,
+    RESIDUAL,
+    ROWS,
+    SINGULAR,
+    SLACK,
+    STATUS,
+    TARGET_ROWS,
+    Desk,
+    carve_desk,
+)
+from sinuous.kernels.derivative.rows import add_contacts, add_limits, add_self_contacts, add_targets, normalise
+from sinuous.kernels.derivative.sides import fill_sides, move_directly
+from sinuous.kernels.fields.distances import number_of
+from sinuous.kernels.maths.vectors import Array, copy
+from sinuous.kernels.problem import Problem, read_problem
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+
+SINGULAR_BELOW = 1e-10
+"""Square of the sine between a row and those before it from which on it counts as one of theirs."""
+
+NEAR_BY = 1e-6
+"""What may be left of a limit that is active: rad, and mean lengths of its segment."""
+
+STILL = 1e-9
+"""What an active row may be asked for without being called upon, relative to the largest that any row is asked for."""
+
+CONVERGED = 1e-9
+"""Residual (rad, robot lengths) of the targets below which the way to where they are met makes no difference."""
+
+
+@kernel
+def weight(limits: Array, i: int) -> float:
+    """Entry `i` of the metric's inverse: squares of rad, and of lengths."""
+    scale = limits[i // 3, BEND_SCALE] if i % 3 < 2 else limits[i // 3, LENGTH_SCALE]
+    return float(scale * scale)
+
+
+@kernel
+def factorise(limits: Array, desk: Desk, count: int, targets: int) -> int:
+    """Fill the lower triangle of `desk.system` with the root of A W A'.
+
+    A row that depends on earlier ones has a zero on the diagonal, and plays no part. Says how many of those there are
+    among the first `targets` rows.
+    """
+    rows, system, dependent = desk.rows, desk.system, 0
+    for a in range(count):
+        for b in range(a + 1):
+            total = 0.0
+            for i in range(rows.shape[1]):
+                total += rows[a, i] * weight(limits, i) * rows[b, i]
+            for c in range(b):
+                total -= system[a, c] * system[b, c]
+            if b < a:
+                system[a, b] = total / system[b, b] if system[b, b] > 0.0 else 0.0
+            else:
+                system[a, a] = math.sqrt(total) if total > SINGULAR_BELOW else 0.0
+                dependent += a < targets and system[a, a] == 0.0
+    return dependent
+
+
+@kernel
+def _is_idle(sides: Array, moved: Array, count: int, c: int) -> bool:
+    """Whether a parameter asks for nothing and moves nothing: of many obstacles few are touched."""
+    used = False
+    for a in range(count):
+        used |= sides[a, c] != 0.0
+    for i in range(0 if used else moved.shape[0]):
+        used |= moved[i, c] != 0.0
+    return not used
+
+
+@kernel
+def settle(limits: Array, desk: Desk, count: int, targets: int, sides: Array, moved: Array) -> float:
+    """Add to the motions `moved` (3 n, p) the least ones with which the rows have their right sides (r, p).
+
+    The first `targets` of the `count` rows are those of targets. Returns the most that another row is asked for.
+    """
+    rows, system, forces, most = desk.rows, desk.system, desk.forces, 0.0
+    for c in range(moved.shape[1]):
+        if _is_idle(sides, moved, count, c):
+            continue
+        for a in range(count):
+            total = sides[a, c]
+            for i in range(rows.shape[1]):
+                total -= rows[a, i] * moved[i, c]
+            for b in range(a):
+                total -= system[a, b] * forces[b, c]
+            if a >= targets:
+                most = max(most, abs(total))
+            forces[a, c] = total / system[a, a] if system[a, a] > 0.0 else 0.0
+        for a in range(count - 1, -1, -1):
+            total = forces[a, c]
+            for b in range(a + 1, count):
+                total -= system[b, a] * forces[b, c]
+            forces[a, c] = total / system[a, a] if system[a, a] > 0.0 else 0.0
+        for i in range(rows.shape[1]):
+            total = 0.0
+            for a in range(count):
+                total += rows[a, i] * forces[a, c]
+            moved[i, c] += weight(limits, i) * total
+    return most
+
+
+@kernel
+def _find_rows(problem: Problem, desk: Desk) -> tuple[int, int, float, int]:
+    """Fill the rows at `desk.q`; returns all, those of targets, their largest residual, and bits of a status."""
+    forward_with_columns(desk.q, desk.frames, desk.columns)
+    targets, residual = add_targets(problem, desk)
+    count, told = add_limits(problem, desk, targets, NEAR_BY)
+    count, more = add_contacts(problem.scene, problem, desk, count, problem.margin)
+    told |= more
+    count, more = add_self_contacts(problem, desk, count, problem.margin)
+    normalise(problem.limits, desk, count)
+    return count, targets, residual, told | more
+
+
+@kernel
+def _correct(problem: Problem, desk: Desk, count: int, targets: int) -> None:
+    """Go on to where the targets are met: one Newton step that keeps all other rows."""
+    for a in range(count):
+        desk.values[a, 0] = desk.about[a, FACTOR] * desk.about[a, SLACK] if a < targets else 0.0
+    for i in range(desk.way.shape[0]):
+        desk.way[i, 0] = 0.0
+    settle(problem.limits, desk, count, targets, desk.values, desk.way)
+    for i in range(desk.way.shape[0]):
+        desk.q[i // 3, i % 3] += desk.way[i, 0]
+
+
+@kernel
+def _largest(sides: Array) -> float:
+    most = 0.0
+    for a in range(sides.shape[0]):
+        for c in range(sides.shape[1]):
+            most = max(most, abs(sides[a, c]))
+    return most
+
+
+@kernel
+def _derive(problem: Problem, asked: Array, lines: Array, desk: Desk, answer: Array) -> None:
+    """Fill the answer for `desk.q`.
+
+    Where targets are not quite met, Newton's way from there to where they are is derived as well: its first step D b
+    leaves what its second one adds, D' (b' - A' D b).
+    """
+    count, targets, residual, told = _find_rows(problem, desk)
+    status = told
+    fill_sides(problem.scene, problem, asked, lines, desk, count)
+    move_directly(problem, asked, desk.moved)
+    if factorise(problem.limits, desk, count, targets) > 0:
+        status |= SINGULAR
+    called = settle(problem.limits, desk, count, targets, desk.sides, desk.moved)
+    if called > STILL * (1.0 + _largest(desk.sides[:count])):
+        status |= KINK
+    if residual > CONVERGED and status == 0:
+        _correct(problem, desk, count, targets)
+        count, targets, _, status = _find_rows(problem, desk)
+        fill_sides(problem.scene, problem, asked, lines, desk, count)
+        if factorise(problem.limits, desk, count, targets) > 0:
+            status |= SINGULAR
+        called = settle(problem.limits, desk, count, targets, desk.sides, desk.moved)
+        if called > STILL * (1.0 + _largest(desk.sides[:count])):
+            status |= KINK
+    answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, targets, residual
+
+
+@entry
+def derive(
+    robot: Array,
+    scene: Array | None,
+    settings: Array,
+    targets: Array,
+    asked: Array,
+    lines: Array,
+    q: Array,
+    workspace: Array,
+    answer: Array,
+) -> None:
+    """Derive the answer `q` (n, 3) to targets (t, 15); fills `answer`, see `layout.answer_size`.
+
+    `robot`, `scene` and `settings` are groups, laid out as `sinuous.kernels.tables` says; `scene` is `None` without
+    obstacles. `asked` (14,) int64: the first column of each group of parameters, or -1, and sizes, see `layout`.
+    `lines` (p, 3): see `sides`. `workspace`: see `layout.desk_size`.
+    """
+    problem = read_problem(robot, scene, settings, targets)
+    sizes = q.shape[0], asked[ROWS], asked[COLUMNS]
+    desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
+    copy(q, desk.q)
+    _derive(problem, asked, lines, desk, answer)
+
+
+@entry
+def derive_many(
+    robot: Array,
+    scene: Array | None,
+    settings: Array,
+    targets: Array,
+    asked: Array,
+    lines: Array,
+    q: Array,
+    workspace: Array,
+    moved: Array,
+    status: Array,
+) -> None:
+    """Derive m answers `q` (m, n, 3) to targets (m, t, 15) as `derive` does one.
+
+    Fills what a unit of each parameter moves, `moved` (m, 3 n, p), and how each ended, `status` (m,). The workspace
+    also holds an answer, at its end.
+    """
+    for i in range(q.shape[0]):
+        problem = read_problem(robot, scene, settings, targets[i])
+        sizes = q.shape[1], asked[ROWS], asked[COLUMNS]
+        answer = workspace[workspace.shape[0] - asked[ANSWER] :]
+        desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
+        copy(q[i], desk.q)
+        _derive(problem, asked, lines, desk, answer)
+        copy(desk.moved, moved[i])
+        status[i] = answer[STATUS]
+
+
+@entry
+def find_contacts(
+    robot: Array,
+    scene: Array,
+    settings: Array,
+    targets: Array,
+    asked: Array,
+    lines: Array,
+    q: Array,
+    keep: float,
+    workspace: Array,
+    answer: Array,
+) -> None:
+    """Find the places of the body at `q` (n, 3) whose gaps to obstacles are at most about `keep`.
+
+    Arguments as for `derive`; fills the rows of the answer, and of its header how it ended and their number. What is
+    left of a gap is counted from `keep`.
+    """
+    problem = read_problem(robot, scene, settings, targets)
+    sizes = q.shape[0], asked[ROWS], asked[COLUMNS]
+    desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
+    copy(q, desk.q)
+    forward_with_columns(desk.q, desk.frames, desk.columns)
+    count, status = add_contacts(problem.scene, problem, desk, 0, keep)
+    normalise(problem.limits, desk, count)
+    fill_sides(problem.scene, problem, asked, lines, desk, count)
+    answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, 0, 0.0

@@ -1,0 +1,189 @@
+"""The right sides of the rows: what a unit of each parameter asks of them.
+
+A row keeps what it has: for a target the residual, for an active limit or contact its slack. So its right side is less
+the derivative of that by the parameter. World axes; a twist is `(omega, v)`.
+"""
+
+from sinuous.kernels.chain.kinematics import frame
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.derivative.layout import (
+    ACTUATORS,
+    BASE,
+    BENDS,
+    CURVATURES,
+    FACTOR,
+    INITIAL,
+    KIND,
+    LENGTHS,
+    OBSTACLES,
+    OTHER,
+    RADII,
+    SEGMENT,
+    SIDE,
+    TARGET,
+    TARGET_COLUMNS,
+    TARGET_ROW,
+    TENDONS,
+    TOOL,
+    WRENCH,
+    Desk,
+)
+from sinuous.kernels.fields.distances import Scene
+from sinuous.kernels.maths.vectors import Array, Mat, Vec, cross, dot, get_vec, mat_vec, put_vec, scale, sub
+from sinuous.kernels.problem import Problem
+from sinuous.kernels.step.actuation import runs_through
+from sinuous.kernels.step.targets import end_segment
+from sinuous.kernels.tables import (
+    CENTER,
+    LAST_SEGMENT,
+    LENGTH_SCALE,
+    MAX_CURVATURE,
+    PLACE,
+    PLACED,
+    POSE_POSITION,
+    SAMPLES,
+    SELF_RADIUS,
+    TREE,
+    WEIGHTS,
+)
+from sinuous.kernels.tables import KIND as OBSTACLE_KIND
+from sinuous.kernels.velocity.layout import ACTUATOR, BEND, CLEARANCE, CURVATURE, LENGTH, SELF_CLEARANCE
+
+THICK = 1e-6
+"""By what share the largest curvature may be below 1 / radius where the thickness of the body limits it."""
+
+COLUMN, RADIUS_OF, NUMBER = range(3)
+"""Columns of `lines`, a row an actuator limit: number of the circle that its line is on (-1: none), the radius of that
+circle (length), and the number of the actuator."""
+
+
+@kernel
+def _nothing(table: Array) -> None:
+    for i in range(table.shape[0]):
+        for j in range(table.shape[1]):
+            table[i, j] = 0.0
+
+
+@kernel
+def place_of(scene: Scene, i: int) -> Vec:
+    """The place that an obstacle turns about: its center, or the origin of the frame that it is described in."""
+    kind = scene.table[i, OBSTACLE_KIND]
+    if kind not in (TREE, SAMPLES):
+        return get_vec(scene.table, i, CENTER)
+    if scene.table[i, PLACED] != 0.0:
+        return get_vec(scene.table, i, PLACE + POSE_POSITION)
+    return 0.0, 0.0, 0.0
+
+
+@kernel
+def fill_sides(scene: Scene | None, problem: Problem, asked: Array, lines: Array, desk: Desk, count: int) -> None:
+    """Fill `desk.sides` for the first `count` rows."""
+    sides, about = desk.sides[:count], desk.about
+    _nothing(sides)
+    for at in range(count):
+        wrench = (get_vec(about, at, WRENCH), get_vec(about, at, WRENCH + 3))
+        if asked[BASE] >= 0:
+            put_vec(sides, at, asked[BASE], scale(-1.0, wrench[0]))
+            put_vec(sides, at, asked[BASE] + 3, scale(-1.0, wrench[1]))
+        if about[at, KIND] == TARGET_ROW:
+            _of_target(problem, asked, desk, at, wrench)
+        else:
+            _of_constraint(scene, problem, asked, lines, desk, at, wrench)
+        for c in range(sides.shape[1]):
+            sides[at, c] *= about[at, FACTOR]
+
+
+@kernel
+def move_directly(problem: Problem, asked: Array, moved: Array) -> None:
+    """Fill `moved` (3 n, p) with what parameters move by themselves.
+
+    The length of a segment that cannot stretch moves that segment, and where a search begins moves everything.
+    """
+    _nothing(moved)
+    for k in range(problem.limits.shape[0]):
+        if asked[LENGTHS] >= 0 and problem.limits[k, LENGTH_SCALE] == 0.0:
+            moved[3 * k + 2, asked[LENGTHS] + k] = 1.0
+        if asked[INITIAL] >= 0:
+            for i in range(3):
+                if i < 2 or problem.limits[k, LENGTH_SCALE] > 0.0:
+                    moved[3 * k + i, asked[INITIAL] + 3 * k + i] = 1.0
+
+
+@kernel
+def _of_target(problem: Problem, asked: Array, desk: Desk, at: int, wrench: tuple[Vec, Vec]) -> None:
+    sides, targets, i = desk.sides, problem.targets, int(desk.about[at, OTHER])
+    torque, force = wrench
+    placed = dot(force, force) > 0.0
+    if asked[TARGET] >= 0:
+        if placed:
+            put_vec(sides, at, asked[TARGET] + TARGET_COLUMNS * i, force)
+        else:
+            put_vec(sides, at, asked[TARGET] + TARGET_COLUMNS * i + 3, torque)
+    n = desk.q.shape[0]
+    if asked[TOOL] >= 0 and end_segment(targets, i, n) == n - 1:
+        rotation = frame(desk.frames, n)[0]
+        if placed:
+            put_vec(sides, at, asked[TOOL] + 3, scale(-1.0, _across(force, rotation)))
+        else:
+            put_vec(sides, at, asked[TOOL], scale(-1.0, _across(torque, rotation)))
+
+
+@kernel
+def _across(a: Vec, m: Mat) -> Vec:
+    """The transpose of a matrix times a vector."""
+    x, y, z = mat_vec(((m[0][0], m[1][0], m[2][0]), (m[0][1], m[1][1], m[2][1]), (m[0][2], m[1][2], m[2][2])), a)
+    return x, y, z
+
+
+@kernel
+def _of_constraint(
+    scene: Scene | None,
+    problem: Problem,
+    asked: Array,
+    lines: Array,
+    desk: Desk,
+    at: int,
+    wrench: tuple[Vec, Vec],
+) -> None:
+    sides, about, limits = desk.sides, desk.about, problem.limits
+    kind, k, other = int(about[at, KIND]), int(about[at, SEGMENT]), int(about[at, OTHER])
+    upper = about[at, SIDE] == 1.0
+    if asked[LENGTHS] >= 0 and kind == LENGTH:
+        sides[at, asked[LENGTHS] + k] = -1.0 if upper else 1.0
+    if asked[BENDS] >= 0 and kind == BEND:
+        sides[at, asked[BENDS] + k] = -1.0
+    if kind == CURVATURE:
+        thick = problem.avoids_itself and limits[k, MAX_CURVATURE] * limits[k, SELF_RADIUS] >= 1.0 - THICK
+        if asked[CURVATURES] >= 0 and not thick:
+            sides[at, asked[CURVATURES] + k] = -desk.q[k, 2]
+        if asked[RADII] >= 0 and thick:
+            sides[at, asked[RADII] + k] = desk.q[k, 2] * limits[k, MAX_CURVATURE] ** 2
+    if asked[RADII] >= 0 and kind in (CLEARANCE, SELF_CLEARANCE):
+        sides[at, asked[RADII] + k] += 1.0
+        if kind == SELF_CLEARANCE:
+            sides[at, asked[RADII] + other] += 1.0
+    if kind == ACTUATOR:
+        _of_actuator(problem, asked, lines, desk, at, (k, other), upper)
+    if kind == CLEARANCE and asked[OBSTACLES] >= 0 and scene is not None:
+        torque, force = wrench
+        first = asked[OBSTACLES] + 6 * other
+        arm = sub(place_of(scene, other), frame(desk.frames, 0)[1])
+        put_vec(sides, at, first, sub(torque, cross(arm, force)))
+        put_vec(sides, at, first + 3, force)
+
+
+@kernel
+def _of_actuator(
+    problem: Problem, asked: Array, lines: Array, desk: Desk, at: int, which: tuple[int, int], upper: bool
+) -> None:
+    """`which`: the last segment that the actuator sees, and the number of its limit."""
+    last, j = which
+    if asked[ACTUATORS] >= 0:
+        desk.sides[at, asked[ACTUATORS] + 2 * int(lines[j, NUMBER]) + (1 if upper else 0)] = -1.0 if upper else 1.0
+    if asked[TENDONS] >= 0 and lines[j, COLUMN] >= 0.0:
+        table = problem.actuation
+        grown = 0.0
+        for k in range(0 if runs_through(table, j) else last, int(table[j, LAST_SEGMENT]) + 1):
+            grown += table[j, WEIGHTS] * desk.q[k, 0] + table[j, WEIGHTS + 1] * desk.q[k, 1]
+        grown /= lines[j, RADIUS_OF]
+        desk.sides[at, asked[TENDONS] + int(lines[j, COLUMN])] = grown if upper else -grown

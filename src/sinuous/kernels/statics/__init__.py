@@ -1,0 +1,1 @@
+"""Equilibrium of a body of arcs under loads: bending, torsion, stretch, weights, forces, moments and tendons."""

@@ -1,0 +1,219 @@
+"""Equilibria of a body of arcs: what Python calls."""
+
+from sinuous.kernels.compile import entry, kernel
+from sinuous.kernels.maths.vectors import Array, put_vec
+from sinuous.kernels.statics import layout as t
+from sinuous.kernels.statics.newton import (
+    LENGTHS,
+    MOST_ITERATIONS,
+    TAUT,
+    TENSIONS,
+    WANTED,
+    Body,
+    Space,
+    along,
+    answer_lines,
+    carve,
+    descend,
+    look,
+)
+from sinuous.kernels.statics.pulls import solve_taut
+from sinuous.kernels.statics.sweeps import move, solve
+
+SHARE, ITERATIONS, UNSTABLE, LEFT, MOMENT, FORCE = 0, 1, 2, 3, 4, 7
+"""Columns of a record: share of the loads for which an equilibrium was found; Newton steps; how many directions lower
+its energy; largest residual; and moment (3, about the base) and force (3) of all loads."""
+
+RECORD_WIDTH = 10
+
+SMALLEST_SHARE = 1.0 / 256.0
+"""Least growth of the share of the loads in the continuation."""
+
+NUDGE = 0.2
+"""Bend of the whole body by which an unstable equilibrium is left, rad."""
+
+
+@entry
+def equilibrate(
+    base: Array,
+    arcs: Array,
+    loads: Array,
+    lines: Array,
+    slopes: int,
+    x: Array,
+    tensions: Array,
+    descends: bool,
+    buffer: Array,
+    record: Array,
+) -> None:
+    """Go from state `x` (N, 4) and `tensions` (t,) to an equilibrium, in place; fill `record` (10,).
+
+    Where it `descends`, to a stable one if there is one near; else to any, under all of the load or not at all.
+
+    `base` (1, 12); arcs (N, 9), loads (k, 10) and lines (t, 10) as in `layout`; `slopes` rows for lengths in arcs.
+    `buffer` has `newton.room_for` numbers and 4 N + t more.
+    """
+    space, rest = carve(buffer, x.shape[0], lines.shape[0], slopes)
+    body = Body(arcs, loads, lines)
+    for j in range(12):
+        space.frames[0, j] = base[0, j]
+    _start_taut(lines, tensions, space)
+    record[ITERATIONS] = 0.0
+    if descends:
+        _continue(x, tensions, body, space, rest, record)
+    else:
+        found, steps = descend(x, tensions, body, 1.0, False, space, MOST_ITERATIONS)
+        record[SHARE], record[ITERATIONS] = 1.0 if found else 0.0, steps
+    if record[SHARE] < 1.0:
+        return
+    _judge(x, tensions, body, space, record)
+    for trial in range(2):
+        if record[UNSTABLE] == 0.0 or not descends:
+            return
+        _leave(x, tensions, body, space, rest, trial, record)
+
+
+@kernel
+def _start_taut(lines: Array, tensions: Array, space: Space) -> None:
+    for i in range(lines.shape[0]):
+        taut = lines[i, t.HELD] > 0.0 and (lines[i, t.PUSHES] > 0.0 or tensions[i] > 0.0)
+        space.small[TAUT, i] = 1.0 if taut else 0.0
+        if lines[i, t.HELD] == 0.0:
+            tensions[i] = lines[i, t.VALUE]
+
+
+@kernel
+def _keep(x: Array, tensions: Array, kept: Array) -> None:
+    count = x.shape[0]
+    for k in range(count):
+        for j in range(4):
+            kept[4 * k + j] = x[k, j]
+    for i in range(tensions.shape[0]):
+        kept[4 * count + i] = tensions[i]
+
+
+@kernel
+def _restore(x: Array, tensions: Array, kept: Array) -> None:
+    count = x.shape[0]
+    for k in range(count):
+        for j in range(4):
+            x[k, j] = kept[4 * k + j]
+    for i in range(tensions.shape[0]):
+        tensions[i] = kept[4 * count + i]
+
+
+@kernel
+def _continue(x: Array, tensions: Array, body: Body, space: Space, rest: Array, record: Array) -> None:
+    """Try all of the load; where that does not end, a smaller share first, and more from there."""
+    reached, step = 0.0, 1.0
+    _keep(x, tensions, rest)
+    while reached < 1.0 and step >= SMALLEST_SHARE:
+        share = min(1.0, reached + step)
+        found, steps = descend(x, tensions, body, share, True, space, MOST_ITERATIONS)
+        record[ITERATIONS] += steps
+        if found:
+            reached, step = share, 2.0 * step
+            _keep(x, tensions, rest)
+        else:
+            _restore(x, tensions, rest)
+            _start_taut(body.lines, tensions, space)
+            step *= 0.25
+    record[SHARE] = reached
+
+
+@kernel
+def _judge(x: Array, tensions: Array, body: Body, space: Space, record: Array) -> None:
+    """Fill what is said of an equilibrium that was just looked at."""
+    negative, moment, force = look(x, tensions, body, 1.0, False, space)
+    left, lines = 0.0, body.lines
+    for k in range(x.shape[0]):
+        for j in range(4):
+            if arcs_give(body.arcs, k, j):
+                left = max(left, abs(space.stages[k, t.RESIDUAL + j]))
+    if negative > 0 and lines.shape[0] > 0:  # tendons that are held may hold what would fall
+        answer_lines(lines, x.shape[0], space)
+        scratch = space.scratch[: lines.shape[0]]
+        negative -= solve_taut(space.matrix, space.small[LENGTHS], space.small[TAUT], space.small[WANTED], scratch)
+    record[UNSTABLE], record[LEFT] = negative, left
+    for i in range(3):
+        record[MOMENT + i], record[FORCE + i] = moment[i], force[i]
+
+
+@kernel
+def arcs_give(arcs: Array, k: int, j: int) -> bool:
+    """Whether a coordinate of an arc can change."""
+    return bool(arcs[k, max(0, j - 1)] < t.RIGID)
+
+
+@kernel
+def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, trial: int, record: Array) -> None:
+    """Leave an unstable equilibrium for a stable one, where there is one near; else stay."""
+    _keep(x, tensions, rest)
+    count = x.shape[0]
+    for k in range(count):
+        if arcs_give(body.arcs, k, 0):
+            x[k, trial] += NUDGE * (1.0 + 0.3 * k / count) / count
+            x[k, 1 - trial] += 0.1 * NUDGE / count
+    found, steps = descend(x, tensions, body, 1.0, True, space, 2 * MOST_ITERATIONS)
+    record[ITERATIONS] += steps
+    if not found:
+        _restore(x, tensions, rest)
+        _start_taut(body.lines, tensions, space)
+        return
+    _judge(x, tensions, body, space, record)
+
+
+@entry
+def sensitivities(
+    base: Array,
+    arcs: Array,
+    loads: Array,
+    lines: Array,
+    slopes: int,
+    x: Array,
+    tensions: Array,
+    wanted: Array,
+    lengthened: Array,
+    buffer: Array,
+    out: Array,
+) -> None:
+    """Fill `out` (p, N + 1, 6): twists `(omega, v)` of the ends of all arcs, in world axes about the base.
+
+    In each row of `wanted` (p, N, 4) residuals change by so much, and in that of `lengthened` (p, t) held lengths.
+    """
+    space, _ = carve(buffer, x.shape[0], lines.shape[0], slopes)
+    for j in range(12):
+        space.frames[0, j] = base[0, j]
+    look(x, tensions, Body(arcs, loads, lines), 1.0, False, space)
+    answer_lines(lines, x.shape[0], space)
+    for i in range(lines.shape[0]):
+        space.small[TAUT, i] = (
+            1.0 if lines[i, t.HELD] > 0.0 and (tensions[i] > 0.0 or lines[i, t.PUSHES] > 0.0) else 0.0
+        )
+    for p in range(wanted.shape[0]):
+        _answer(wanted[p], lengthened[p], lines, space)
+        omega, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for k in range(x.shape[0]):
+            omega, v = move(k, space.step, omega, v, space.stages)
+            put_vec(out[p], k + 1, 0, omega)
+            put_vec(out[p], k + 1, 3, v)
+
+
+@kernel
+def _answer(wanted: Array, lengthened: Array, lines: Array, space: Space) -> None:
+    """Fill the step of states that belongs to a change of residuals and of held lengths."""
+    count = space.step.shape[0]
+    solve(wanted, space.stages, space.step)
+    held = 0.0
+    for i in range(lines.shape[0]):
+        held += space.small[TAUT, i]
+        space.small[WANTED, i] = along(lines, i, space.step, space) - lengthened[i]
+        space.small[TENSIONS, i] = 0.0
+    if held == 0.0:
+        return
+    solve_taut(space.matrix, space.small[WANTED], space.small[TAUT], space.small[TENSIONS], space.scratch[: len(lines)])
+    for i in range(lines.shape[0]):
+        if space.small[TAUT, i] > 0.0:
+            for k in range(count):
+                for j in range(4):
+                    space.step[k, j] -= space.small[TENSIONS, i] * space.changes[i * count + k, j]

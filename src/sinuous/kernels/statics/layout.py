@@ -1,0 +1,64 @@
+"""Tables of a body of arcs under load. `tables` owns those of all other kernels; these are met nowhere else.
+
+A body has N arcs, numbered from the base. The state `x` (N, 4) of an arc is its bend `v` (2, rad), its twist (rad) and
+its length: an arc, then a roll about the tangent at its end. Forces are in the world, in any unit that stiffness has.
+"""
+
+import math
+
+BEND_X, BEND_Y, TWIST, LENGTH = range(4)
+"""Columns of the state, and of whatever has one number for each of its coordinates."""
+
+STATE_WIDTH = 4
+
+RIGID = math.inf
+"""Stiffness of what does not give."""
+
+(
+    BEND_STIFFNESS,
+    TWIST_STIFFNESS,
+    STRETCH_STIFFNESS,
+    REST_X,
+    REST_Y,
+    REST_LENGTH,
+    WEIGHT,
+) = range(7)
+"""Columns of `arcs` (N, 9). EI, GJ and EA divided by the length of the arc, infinite for what does not give; bend and
+length without any load; weight (3, force in the world). Bends without load turn with half of the twist."""
+
+ARC_WIDTH = 9
+
+LOAD_ARC, FORCE, MOMENT, OFFSET = 0, 1, 4, 7
+"""Columns of `loads` (k, 10). Number of the arc at whose end it acts; force (3) and moment (3) in the world, which stay
+as they are while the body moves; where the force acts in the frame of that end (3)."""
+
+LOAD_WIDTH = 10
+
+FIRST_ARC, LAST_ARC, ARM, STRAIGHT, HELD, PUSHES, VALUE, COMPLIANCE, FIRST_SLOPE = 0, 1, 2, 4, 5, 6, 7, 8, 9
+"""Columns of `lines` (t, 10): tendons and chambers. The first and the last arc that it runs through; where it runs in
+the frames of the body (2); 1 where it runs straight from the end of one arc to that of the next, 0 where it follows
+the arcs; 1 where its length is held, 0 where its tension is; 1 where it can push, too; that length or tension; by how
+much one unit of tension stretches it; and its first row in `slopes`."""
+
+LINE_WIDTH = 10
+
+COLUMNS, GRADIENT, HESSIAN, CENTER_COLUMNS, CENTER, RESIDUAL, INVERSE, FEEDBACK, PUSH = (
+    0,
+    24,
+    28,
+    44,
+    53,
+    56,
+    60,
+    76,
+    100,
+)
+"""Columns of `stages` (N, 112), what is known of each arc. Four twists `(omega, v)` in world axes about the base: how
+all beyond moves with its state; derivatives of its own energy, lines and weight (4; 4 x 4); how its center of gravity
+moves with bends and length (3 vectors in the world), and where that is from the base; what is left of its equilibrium
+(4); and of the factors of the sweeps the inverse pivot (4 x 4), the answer to a twist of where it begins (4 x 6), and
+what its state adds to the moment of the loads about the base (4 vectors)."""
+
+STAGE_WIDTH = 112
+
+TWIST_WIDTH = 6

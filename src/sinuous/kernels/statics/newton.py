@@ -1,0 +1,256 @@
+"""Newton's method for the equilibrium of a body of arcs: damped, with pivots that are kept positive.
+
+A step goes as far as the work along it does not turn round. That needs no energy, so it holds for moments that stay as
+they are in the world, too.
+"""
+
+from collections import namedtuple
+
+from sinuous.kernels.compile import kernel
+from sinuous.kernels.maths.buffers import cut
+from sinuous.kernels.maths.vectors import Array, Vec
+from sinuous.kernels.statics import layout as t
+from sinuous.kernels.statics.assembly import assemble
+from sinuous.kernels.statics.pulls import find_tensions
+from sinuous.kernels.statics.sweeps import factorise, solve
+
+MOST_ITERATIONS = 60
+"""Newton steps from one start."""
+
+LARGEST_TURN = 0.6
+"""Most that a bend or a twist of one arc changes in a step, rad."""
+
+LARGEST_STRETCH = 0.3
+"""Most that an arc changes its length in a step, relative to its length without load."""
+
+DONE = 1e-9
+"""Change, rad and relative lengths, that ends it: what is left then is rounding, as steps end quadratically."""
+
+SURE = 1e-5
+"""Change below which a step is not damped."""
+
+TURNED = 0.5
+"""Share of the work along a step that may come back at its end."""
+
+MOST_HALVINGS = 12
+
+HUGE = 1e300
+"""What no step of finite numbers reaches."""
+
+LARGEST_BEND = 6.3
+"""Bend of one arc beyond which a body of arcs stands for nothing, rad."""
+
+SHORTEST, LONGEST = 0.2, 3.0
+"""The same of its length, relative to that without load."""
+
+Body = namedtuple("Body", ["arcs", "loads", "lines"])
+"""Tables of a body, its loads and its lines, see `layout`."""
+
+Space = namedtuple("Space", ["frames", "stages", "slopes", "changes", "step", "trial", "matrix", "scratch", "small"])
+"""Frames (N + 1, 12), `stages` (N, 112), lengths of lines in arcs (s, 5), what each line changes (t N, 4), the step
+and the state that is tried (N, 4), the system of tensions (t, t), scratch, and six rows of t numbers: lengths,
+right-hand side, tensions that are tried, who is taut, change of length, and tensions before."""
+
+LENGTHS, WANTED, TENSIONS, TAUT, CHANGE, BEFORE = range(6)
+
+
+@kernel
+def carve(buffer: Array, arcs: int, lines: int, slopes: int) -> tuple[Space, Array]:
+    """Lay out the space in a buffer; returns what is left of it, too."""
+    frames, rest = cut(buffer, arcs + 1, 12)
+    stages, rest = cut(rest, arcs, t.STAGE_WIDTH)
+    along, rest = cut(rest, slopes, 5)
+    changes, rest = cut(rest, lines * arcs, t.STATE_WIDTH)
+    step, rest = cut(rest, arcs, t.STATE_WIDTH)
+    trial, rest = cut(rest, arcs, t.STATE_WIDTH)
+    matrix, rest = cut(rest, lines, lines)
+    scratch, rest = cut(rest, lines + 1 + 11, max(lines + 1, 12))
+    small, rest = cut(rest, 6, lines)
+    return Space(frames, stages, along, changes, step, trial, matrix, scratch, small), rest
+
+
+def room_for(arcs: int, lines: int, slopes: int) -> int:
+    """Numbers that `carve` takes."""
+    fixed = 12 * (arcs + 1) + (t.STAGE_WIDTH + 8) * arcs + 5 * slopes + 4 * lines * arcs + lines * lines
+    return fixed + (lines + 12) * max(lines + 1, 12) + 6 * lines
+
+
+@kernel
+def look(x: Array, tensions: Array, body: Body, share: float, descends: bool, space: Space) -> tuple[int, Vec, Vec]:
+    """Fill everything but the step in this state; see `factorise` for what is returned."""
+    assemble(x, body.arcs, body.lines, tensions, share, space.frames, space.stages, space.slopes)
+    _measure(body.lines, space)
+    scratch = space.scratch[space.scratch.shape[0] - 11 :]
+    return factorise(x, space.frames, body.arcs, body.loads, share, descends, space.stages, scratch)
+
+
+@kernel
+def _measure(lines: Array, space: Space) -> None:
+    """Sum up the lengths of the lines."""
+    for i in range(lines.shape[0]):
+        first, total = int(lines[i, t.FIRST_SLOPE]), 0.0
+        for k in range(int(lines[i, t.LAST_ARC] - lines[i, t.FIRST_ARC]) + 1):
+            total += space.slopes[first + k, 0]
+        space.small[LENGTHS, i] = total
+
+
+@kernel
+def along(lines: Array, i: int, change: Array, space: Space) -> float:
+    """How the length of line i changes with states (N, 4)."""
+    first, begin, total = int(lines[i, t.FIRST_SLOPE]), int(lines[i, t.FIRST_ARC]), 0.0
+    for k in range(begin, int(lines[i, t.LAST_ARC]) + 1):
+        for j in range(4):
+            total += space.slopes[first + k - begin, 1 + j] * change[k, j]
+    return total
+
+
+@kernel
+def answer_lines(lines: Array, count: int, space: Space) -> None:
+    """Fill what a tension of each held line changes, and the matrix of all."""
+    for i in range(lines.shape[0]):
+        if lines[i, t.HELD] > 0.0:
+            own = space.changes[i * count : (i + 1) * count]
+            own[:] = 0.0
+            first, begin = int(lines[i, t.FIRST_SLOPE]), int(lines[i, t.FIRST_ARC])
+            for k in range(begin, int(lines[i, t.LAST_ARC]) + 1):
+                for j in range(4):
+                    own[k, j] = space.slopes[first + k - begin, 1 + j]
+            solve(own, space.stages, own)
+            for j in range(lines.shape[0]):
+                space.matrix[j, i] = along(lines, j, own, space) if lines[j, t.HELD] > 0.0 else 0.0
+            space.matrix[i, i] += lines[i, t.COMPLIANCE]
+
+
+@kernel
+def find_step(tensions: Array, body: Body, space: Space) -> int:
+    """Fill the step, and the tensions after it, from what was seen at a state.
+
+    Returns how many falling directions the taut lines hold.
+    """
+    count, lines, small = space.step.shape[0], body.lines, space.small
+    for k in range(count):
+        for j in range(4):
+            space.step[k, j] = -space.stages[k, t.RESIDUAL + j]
+    solve(space.step, space.stages, space.step)
+    for i in range(lines.shape[0]):
+        small[TENSIONS, i] = tensions[i]
+    answer_lines(lines, count, space)
+    held = 0
+    for i in range(lines.shape[0]):
+        if lines[i, t.HELD] > 0.0:
+            held += 1
+            wanted = small[LENGTHS, i] - lines[i, t.VALUE] + along(lines, i, space.step, space)
+            for j in range(lines.shape[0]):
+                if lines[j, t.HELD] > 0.0:
+                    own = space.matrix[i, j] - (lines[i, t.COMPLIANCE] if i == j else 0.0)
+                    wanted += own * tensions[j]
+            small[WANTED, i] = wanted
+    if held == 0:
+        return 0
+    scratch = space.scratch[: lines.shape[0]]
+    holding = find_tensions(lines, space.matrix, small[WANTED], small[TAUT], small[TENSIONS], scratch)
+    for i in range(lines.shape[0]):
+        more = small[TENSIONS, i] - tensions[i]
+        if lines[i, t.HELD] > 0.0 and more != 0.0:
+            for k in range(count):
+                for j in range(4):
+                    space.step[k, j] -= more * space.changes[i * count + k, j]
+    return holding
+
+
+@kernel
+def _size(arcs: Array, step: Array) -> tuple[float, float]:
+    """Largest change of a step (rad, relative lengths), and the share of it that is not too large."""
+    turn = stretch = 0.0
+    for k in range(step.shape[0]):
+        for j in range(3):
+            turn = max(turn, abs(step[k, j]))
+        if step[k, t.LENGTH] != 0.0:
+            stretch = max(stretch, abs(step[k, t.LENGTH]) / arcs[k, t.REST_LENGTH])
+    share = 1.0
+    if turn > LARGEST_TURN:
+        share = LARGEST_TURN / turn
+    if stretch > LARGEST_STRETCH:
+        share = min(share, LARGEST_STRETCH / stretch)
+    return max(turn, stretch), share
+
+
+@kernel
+def _work(tensions: Array, body: Body, space: Space) -> float:
+    """Derivative along the step of what it lowers, in the state that was looked at with these tensions."""
+    total = 0.0
+    for k in range(space.step.shape[0]):
+        for j in range(4):
+            total += space.step[k, j] * space.stages[k, t.RESIDUAL + j]
+    for i in range(body.lines.shape[0]):
+        if body.lines[i, t.HELD] > 0.0 and space.small[TAUT, i] > 0.0:
+            moved = along(body.lines, i, space.step, space)
+            off = space.small[LENGTHS, i] - body.lines[i, t.VALUE] - body.lines[i, t.COMPLIANCE] * tensions[i]
+            total += moved * ((space.small[TENSIONS, i] - tensions[i]) + off / max(space.matrix[i, i], 1e-300))
+    return total
+
+
+@kernel
+def _sound(x: Array, arcs: Array) -> bool:
+    """Whether arcs are still arcs."""
+    for k in range(x.shape[0]):
+        square = x[k, t.BEND_X] ** 2 + x[k, t.BEND_Y] ** 2
+        long, rest = x[k, t.LENGTH], arcs[k, t.REST_LENGTH]
+        if not square < LARGEST_BEND * LARGEST_BEND or not abs(x[k, t.TWIST]) < LARGEST_BEND:
+            return False
+        if not SHORTEST * rest <= long <= LONGEST * rest:
+            return False
+    return True
+
+
+@kernel
+def descend(
+    x: Array, tensions: Array, body: Body, share: float, descends: bool, space: Space, most: int
+) -> tuple[bool, int]:
+    """Go from `x` (N, 4) and `tensions` (t,) to an equilibrium under a share of the loads, in place.
+
+    Unless it `descends`, it is Newton's method as it is, which ends in unstable equilibria as well. Returns whether it
+    was reached, and how many steps that took.
+    """
+    free = descends
+    for i in range(body.lines.shape[0]):
+        free = free and body.lines[i, t.HELD] == 0.0
+    negative, _, _ = look(x, tensions, body, share, free, space)
+    for iteration in range(most):
+        if (
+            find_step(tensions, body, space) < negative and descends and not free
+        ):  # not even with what holds it a least energy
+            look(x, tensions, body, share, True, space)
+            find_step(tensions, body, space)
+        largest, alpha = _size(body.arcs, space.step)
+        if not largest < HUGE:
+            return False, iteration
+        negative = _go(x, tensions, body, share, free, alpha, largest < SURE or not descends, space)
+        if largest < DONE or not _sound(x, body.arcs):
+            return _sound(x, body.arcs), iteration + 1
+    return False, most
+
+
+@kernel
+def _go(x: Array, tensions: Array, body: Body, share: float, free: bool, most: float, sure: bool, space: Space) -> int:
+    """Go along the step, no farther than `most` of it, and look there; returns how many pivots are negative there."""
+    small, alpha, negative = space.small, most, 0
+    work = _work(tensions, body, space)
+    for i in range(body.lines.shape[0]):
+        small[BEFORE, i] = tensions[i]
+        small[CHANGE, i] = small[TENSIONS, i] - tensions[i]
+    for _ in range(MOST_HALVINGS):
+        for k in range(x.shape[0]):
+            for j in range(4):
+                space.trial[k, j] = x[k, j] + alpha * space.step[k, j]
+        for i in range(body.lines.shape[0]):
+            tensions[i] = small[BEFORE, i] + alpha * small[CHANGE, i]
+        negative, _, _ = look(space.trial, tensions, body, share, free, space)
+        after = _work(tensions, body, space)
+        if sure or after <= TURNED * abs(work):
+            break
+        alpha *= max(0.1, min(0.6, abs(work) / (abs(work) + after)))
+    for k in range(x.shape[0]):
+        for j in range(4):
+            x[k, j] = space.trial[k, j]
+    return negative

@@ -1,0 +1,365 @@
+"""Inverse kinematics of a robot that gives way to its weight and payload: the drive for which the loaded body is right.
+
+A start is solved as if nothing pulled. Then the drive `q` is corrected until the equilibrium at `q` meets the targets:
+Gauss-Newton steps with the derivative of the loaded body whose arcs keep what each deviates from the even share, and
+Broyden's updates of it (1965) for how they do not. What is proved is the loaded body, all arcs of it.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels import tables as k
+from sinuous.kernels.statics import layout as t
+from sinuous.kernels.tables import FAILED, LATE, SOLVED, Outcome
+from sinuous.packing import pose_row
+from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot, robot_group
+from sinuous.statics.body import body_of, tables_of
+from sinuous.statics.equilibrium import body_robot, run
+from sinuous.work_time import work_time
+
+MOST_ROUNDS = 25
+"""Corrections from one start."""
+
+ENOUGH = 0.2
+"""Share of the tolerances within which corrections end."""
+
+HALVINGS = 4
+
+DAMPING = 1e-6
+"""Of a correction, relative to the largest derivative."""
+
+DIFFERENCE = 1e-5
+"""Of a coordinate, rad or relative length, by which the body is moved to see what it does."""
+
+LARGEST = 0.7
+"""Most that a bend changes in a correction, rad; and a length, in mean lengths of a segment."""
+
+STARTS = 1000
+"""Most starts that are corrected."""
+
+
+class Body:
+    """What a proof of a loaded body reads: the group of a robot of arcs, of which lengths and tool change.
+
+    Parameters
+    ----------
+    robot : Robot
+        Under load.
+    problem : Problem
+        Whose tolerances hold.
+    """
+
+    def __init__(self, robot: Robot, problem: Problem) -> None:
+        own = body_of(robot)
+        body = body_robot(robot, (np.array([each.length[1] for each in robot.segments]) / own.counts)[own.owners], 0.0)
+        self._group, self._count = robot_group(body), len(body)
+        self._settings = settings_group(body, problem.tolerance)
+        self._ends, self._last = own.ends, len(robot) - 1
+        self._tool = robot.tool
+
+    def prove(self, arcs: Floats, rolls: Floats, problem: Problem, seconds: float) -> Outcome:
+        """Judge the body in this shape (N, 3): solved when it is proved to be a solution as it is."""
+        from sinuous.kernels.solve.search import search  # noqa: PLC0415
+        from sinuous.kernels.step.states import workspace_size  # noqa: PLC0415
+
+        group = self._group.copy()
+        rows = group[k.ROBOT_HEADER : k.ROBOT_HEADER + self._count * k.SEGMENT_WIDTH].reshape(-1, k.SEGMENT_WIDTH)
+        rows[:, k.MIN_LENGTH] = rows[:, k.MAX_LENGTH] = arcs[:, 2]
+        group[-k.POSE_WIDTH :] = pose_row(rolled(float(rolls[-1])) @ self._tool)[0]
+        targets = problem._rows.copy()
+        for row in targets:
+            segment = int(row[k.TARGET_SEGMENT])
+            if 0 <= segment < self._last:
+                end = self._ends[segment]
+                row[k.TARGET_SEGMENT] = end
+                if row[k.ORIENTATION] == k.ROTATION:
+                    turn = row[k.GOAL : k.GOAL + 9].reshape(3, 3) @ rolled(-float(rolls[end]))[:3, :3]
+                    row[k.GOAL : k.GOAL + 9] = turn.ravel()
+            else:
+                row[k.TARGET_SEGMENT] = -1
+        scene = problem.scene._kernel_group if len(problem.scene) else None
+        best = np.empty((self._count, 3))
+        space = np.empty(workspace_size(self._count, 0, len(problem.scene), len(targets)))
+        given, budget = np.array(arcs[None]), (0, 0, 0, seconds)
+        outcome = Outcome(best, *search(group, scene, self._settings, targets, given, budget, space, best))
+        if outcome.code == SOLVED and not np.array_equal(best, arcs):
+            return outcome._replace(code=FAILED)  # another body is no answer
+        return outcome
+
+
+def rolled(angle: float) -> Floats:
+    """Return a roll about z as a pose (4, 4)."""
+    result = np.eye(4)
+    result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return result
+
+
+class Shape:
+    """The loaded body at a drive `q`, with its derivative while arcs keep their deviations.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : ndarray (n, 3)
+    before : Shape, optional
+        Whose state the search for the equilibrium begins in.
+
+    Attributes
+    ----------
+    tables : Tables
+    states : ndarray (N, 4) or None
+        `None` where no equilibrium was found.
+    """
+
+    states: Floats | None
+    tensions: Floats
+
+    def __init__(self, robot: Robot, q: Floats, before: "Shape | None" = None) -> None:
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+        from sinuous.kernels.statics.equilibrium import UNSTABLE  # noqa: PLC0415
+
+        self.q, self.tables = q, tables_of(robot, q, ())
+        begin = self.tables
+        if before is not None and before.states is not None:
+            change = self.tables.states - before.tables.states
+            begin = begin._replace(states=before.states + change, tensions=before.tensions)
+        found = run(robot, begin)
+        self.states = None
+        if found is None or found.record[UNSTABLE] > 0.0:
+            return
+        self.states, self.tensions = found.states, found.tensions
+        own = body_of(robot)
+        self.rolls = np.cumsum(self.states[:, t.TWIST])
+        turns = self.rolls - self.states[:, t.TWIST]
+        cosine, sine = np.cos(turns), np.sin(turns)
+        x, y = self.states[:, 0], self.states[:, 1]
+        self.arcs = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
+        self._robot, self._own, self._turns = robot, own, turns + 0.5 * self.states[:, t.TWIST]
+        self._frames = np.empty((1, len(self.arcs) + 1, 12))
+        batch.frames_of(self.arcs[None], pose_row(robot.base), self._frames)
+
+    def pose(self, segment: int | None) -> Floats:
+        """Pose (4, 4) of the end of a segment (1 = first), or of the tool."""
+        at_tip = segment is None or segment == len(self._robot)
+        end = self._own.ends[-1 if segment is None or at_tip else segment - 1]
+        row, pose = self._frames[0, end + 1], np.eye(4)
+        pose[:3, :3], pose[:3, 3] = row[:9].reshape(3, 3), row[9:]
+        pose = pose @ rolled(float(self.rolls[end]))
+        return pose @ self._robot.tool if at_tip else pose
+
+    def jacobian(self, segment: int | None) -> Floats:
+        """Derivative (6, 3 n) of that pose, `(omega, v)` in world axes."""
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+
+        count, own, robot = len(self.arcs), self._own, self._robot
+        at_tip = segment is None or segment == len(robot)
+        end = int(own.ends[-1 if segment is None or at_tip else segment - 1])
+        out = np.zeros((1, 6, 3 * count))
+        tool = pose_row(rolled(float(self.rolls[-1])) @ robot.tool)
+        batch.jacobians_of(self.arcs[None], self._frames, tool, end, np.empty((count, 18)), out)
+        columns = out[0].reshape(6, count, 3)
+        cosine, sine = np.cos(self._turns), np.sin(self._turns)
+        turned = np.stack(
+            [
+                cosine * columns[..., 0] + sine * columns[..., 1],
+                cosine * columns[..., 1] - sine * columns[..., 0],
+                columns[..., 2],
+            ],
+            axis=-1,
+        )
+        sums = np.add.reduceat(turned, own.ends - own.counts + 1, axis=1)
+        return (sums / own.counts[:, None]).reshape(6, -1)
+
+
+def errors_of(shape: Shape, targets: tuple[Target, ...], unit: float) -> tuple[Floats, float, float]:
+    """What is left of the targets (6 t,) in rad and mean lengths of the robot; largest distance, largest angle."""
+    parts, off, turn = [], 0.0, 0.0
+    for target in targets:
+        pose = shape.pose(target.segment)
+        left = np.zeros(6)
+        if target.direction is not None:
+            left[:3] = np.cross(pose[:3, 2], target.direction)
+            angle = math.atan2(float(np.linalg.norm(left[:3])), float(pose[:3, 2] @ target.direction))
+            left[:3] *= angle / max(1e-300, float(np.linalg.norm(left[:3])))
+            turn = max(turn, angle)
+        elif target.rotation is not None:
+            relative = target.rotation @ pose[:3, :3].T
+            axis = 0.5 * np.array([relative[2, 1] - relative[1, 2], relative[0, 2] - relative[2, 0], 0.0])
+            axis[2] = 0.5 * (relative[1, 0] - relative[0, 1])
+            angle = math.atan2(float(np.linalg.norm(axis)), 0.5 * (float(np.trace(relative)) - 1.0))
+            left[:3] = axis * (angle / max(1e-300, float(np.linalg.norm(axis))))
+            turn = max(turn, angle)
+        if target.position is not None:
+            left[3:] = (target.position - pose[:3, 3]) / unit
+            off = max(off, unit * float(np.linalg.norm(left[3:])))
+        parts.append(left)
+    return np.concatenate(parts), off, turn
+
+
+def rows_of(shape: Shape, targets: tuple[Target, ...], unit: float) -> Floats:
+    """Derivative (6 t, 3 n) of what targets ask, 0 of what they do not."""
+    parts = []
+    for target in targets:
+        rows = shape.jacobian(target.segment)
+        rows[3:] *= (1.0 / unit) if target.position is not None else 0.0
+        if target.direction is not None:
+            tangent = shape.pose(target.segment)[:3, 2]
+            rows[:3] -= np.outer(tangent, tangent @ rows[:3])
+        elif target.rotation is None:
+            rows[:3] = 0.0
+        parts.append(rows)
+    return np.concatenate(parts)
+
+
+class UnderLoad:
+    """Corrects drives of a robot under load.
+
+    Parameters
+    ----------
+    robot : Robot
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        low, high = np.array([segment.length for segment in robot.segments]).T
+        self._robot, self._low, self._high = robot, low, high
+        self._scale = np.stack([robot.limits[:, k.BEND_SCALE]] * 2 + [robot.limits[:, k.LENGTH_SCALE]], axis=-1)
+        self._bends = np.array([segment.max_bend for segment in robot.segments])
+        self._curvatures = np.array(robot.curvatures)
+        self._body: Body | None = None
+
+    def within(self, q: Floats) -> Floats:
+        """Bring a drive (n, 3) within the limits of segments."""
+        q = q.copy()
+        q[:, 2] = np.clip(q[:, 2], self._low, self._high)
+        with np.errstate(invalid="ignore"):
+            most = np.fmin(self._bends, self._curvatures * q[:, 2])
+        size = np.hypot(q[:, 0], q[:, 1])
+        q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
+        return q
+
+    def correct(self, q: Floats, problem: Problem, end: float) -> tuple[Shape | None, float, float, int]:
+        """Correct a drive until the loaded body meets the targets; the shape, its errors and how many rounds."""
+        unit, tolerance = self._robot.mean_length, problem.tolerance
+        most_off, most_turn = ENOUGH * (tolerance.position or 0.0), ENOUGH * tolerance.angle
+        shape = Shape(self._robot, self.within(q))
+        if shape.states is None:
+            return None, math.inf, math.inf, 0
+        left, off, turn = errors_of(shape, problem.targets, unit)
+        rows, exact = rows_of(shape, problem.targets, unit) * self._scale.ravel(), False
+        for rounds in range(MOST_ROUNDS):
+            if (off <= most_off and turn <= most_turn) or work_time() > end:
+                return shape, off, turn, rounds
+            tried = self._step(shape, rows, left, problem)
+            if tried is None and exact:
+                return shape, off, turn, rounds
+            if tried is None:
+                rows, exact = self._differences(shape, left, problem), True
+                continue
+            after, off, turn = errors_of(tried, problem.targets, unit)
+            moved = ((tried.q - shape.q) / np.maximum(self._scale, 1e-300)).ravel() * (self._scale.ravel() > 0.0)
+            rows, exact = _updated(rows, moved, left - after), False
+            shape, left = tried, after
+        return shape, off, turn, MOST_ROUNDS
+
+    def _step(self, shape: Shape, rows: Floats, left: Floats, problem: Problem) -> Shape | None:
+        """Correct once; `None` where not even a short step brings the body nearer."""
+        scale = np.maximum(self._scale.ravel(), 1e-300)
+        step = _least(rows, left)
+        step *= min(1.0, LARGEST / max(1e-300, float(np.abs(step).max())))
+        for _ in range(HALVINGS):
+            tried = Shape(self._robot, self.within(shape.q + (step * scale).reshape(-1, 3)), shape)
+            if tried.states is not None:
+                after, _, _ = errors_of(tried, problem.targets, self._robot.mean_length)
+                if after @ after < left @ left:
+                    return tried
+            step *= 0.4
+        return None
+
+    def _differences(self, shape: Shape, left: Floats, problem: Problem) -> Floats:
+        """The derivative by differences: what the body really does, weights and tendons included."""
+        columns = np.zeros((len(left), self._scale.size))
+        for i, scale in enumerate(self._scale.ravel().tolist()):
+            if scale > 0.0:
+                q = shape.q.copy()
+                q[i // 3, i % 3] += DIFFERENCE * scale
+                other = Shape(self._robot, q, shape)
+                if other.states is not None:
+                    there, _, _ = errors_of(other, problem.targets, self._robot.mean_length)
+                    columns[:, i] = (left - there) / DIFFERENCE
+        return columns
+
+    def judge(self, shape: Shape, problem: Problem, seconds: float) -> Outcome:
+        """Prove the loaded body, and look at the limits of actuators; the outcome has the drive as its `q`."""
+        if self._body is None:
+            self._body = Body(self._robot, problem)
+        outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
+        held = len(self._robot.drive) == 0 or not self._robot.violations(shape.q)
+        code = FAILED if outcome.code == SOLVED and not held else outcome.code
+        return outcome._replace(q=shape.q.copy(), code=code)
+
+
+def _updated(rows: Floats, moved: Floats, gained: Floats) -> Floats:
+    """Broyden's update: rows that say what this motion has brought."""
+    size = float(moved @ moved)
+    return rows if size == 0.0 else rows + np.outer(gained - rows @ moved, moved) / size
+
+
+def _least(rows: Floats, left: Floats) -> Floats:
+    """The least step with `rows step = left`, damped."""
+    square = rows @ rows.T
+    damping = DAMPING * max(1e-12, float(np.trace(square)))
+    result: Floats = rows.T @ np.linalg.solve(square + damping * np.eye(len(square)), left)
+    return result
+
+
+def given(q: Floats) -> Outcome:
+    """Return a start that is given (n, 3), of which nothing is known."""
+    unknown = [float(each) for each in (FAILED, 0, 1, k.GIVEN)]
+    return Outcome.from_record(q, [*unknown, *[math.inf] * 4, 0.0, math.inf, 0.0])
+
+
+def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int) -> Outcome:
+    """Correct start after start until the first whose loaded body is proved.
+
+    Parameters
+    ----------
+    own : UnderLoad
+    problem : Problem
+        Of the robot under load.
+    starts : iterator of Outcome
+        Solutions without load.
+    seconds : float
+        Budget.
+    most : int
+        Most starts.
+    """
+    began = work_time()
+    best: Outcome | None = None
+    first: Outcome | None = None
+    iterations = count = 0
+    for start in starts:
+        first = start if first is None else first
+        count += 1
+        shape, off, turn, rounds = own.correct(start.q, problem, began + seconds)
+        iterations += start.iterations + rounds
+        if shape is not None:
+            outcome = own.judge(shape, problem, began + seconds - work_time())
+            outcome = outcome._replace(position_error=off, angle_error=turn, source=start.source, route=start.route)
+            if best is None or outcome.code == SOLVED or outcome.merit < best.merit:
+                best = outcome
+        if best is not None and best.code == SOLVED:
+            break
+        if count >= min(most, STARTS) or work_time() - began >= seconds:
+            break
+    spent = work_time() - began
+    if best is None:
+        assert first is not None
+        best = first._replace(code=FAILED)
+    late = best.code != SOLVED and spent >= seconds
+    code = LATE if late else best.code
+    return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

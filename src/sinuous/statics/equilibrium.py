@@ -1,0 +1,267 @@
+"""A body under load, at rest: where it is, what holds it, and whether it would stay there."""
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from sinuous import checks, packing
+from sinuous.arguments import Whole
+from sinuous.checks import Floats
+from sinuous.errors import InputError
+from sinuous.frozen import Frozen
+from sinuous.kernels.statics import layout as t
+from sinuous.reprs import call
+from sinuous.robot.loads import Force, Load
+from sinuous.statics.body import Tables, body_of, tables_of
+
+if TYPE_CHECKING:
+    from sinuous.robot.robot import Robot
+
+ALIKE = 1e-4
+"""Distance between ends of arcs up to which two equilibria are one, relative to the length of the robot."""
+
+
+class Found(NamedTuple):
+    """What the kernel found: states (N, 4), tensions (t,), and its record."""
+
+    states: Floats
+    tensions: Floats
+    record: Floats
+
+
+class Equilibrium(Frozen):
+    """The shape of a robot under load.
+
+    Attributes
+    ----------
+    robot : Robot
+    q : ndarray (n, 3)
+        The configuration that the drive would make without any load.
+    loads : tuple of Force or Payload
+        Beside gravity and payload of the robot.
+    states : ndarray (N, 4)
+        Of every arc, base to tip: `bend_x, bend_y` (rad), twist about the tangent at its end (rad), length.
+    tensions : ndarray (m,)
+        Of all actuators, in their order; positive pulls. NaN where an actuator is no tendon or chamber through a
+        segment that has a stiffness.
+    stable : bool
+        Whether energy is least there, as far as small motions go.
+    reaction : ndarray (6,)
+        Moment about the base, and force, with which the base holds the robot; in world axes.
+    iterations : int
+        Newton steps.
+    """
+
+    robot: "Robot"
+    q: Floats
+    loads: tuple[Load, ...]
+    states: Floats
+    tensions: Floats
+    stable: bool
+    reaction: Floats
+    iterations: int
+    _begin: Any
+    _pulls: Floats
+
+    def __init__(self, robot: "Robot", q: Floats, loads: tuple[Load, ...], tables: Tables, found: Found) -> None:
+        from sinuous.kernels.statics import equilibrium as kernel  # noqa: PLC0415
+
+        tensions = np.full(len(robot.drive), np.nan)
+        tensions[body_of(robot).lines.actuators] = found.tensions
+        reaction = -found.record[kernel.MOMENT : kernel.RECORD_WIDTH]
+        for array in (found.states, tensions, reaction):
+            array.flags.writeable = False
+        self._set(
+            robot=robot,
+            q=q,
+            loads=loads,
+            states=found.states,
+            tensions=tensions,
+            stable=bool(found.record[kernel.UNSTABLE] == 0.0),
+            reaction=reaction,
+            iterations=int(found.record[kernel.ITERATIONS]),
+            _begin=tables,
+            _pulls=found.tensions,
+        )
+
+    def __repr__(self) -> str:
+        deflection = float(np.linalg.norm(self.tip[:3, 3] - self.robot.tip(self.q)[:3, 3]))
+        parts = [f"{len(self.states)} arcs", f"tip moved by {deflection:.4g}", "stable" if self.stable else "unstable"]
+        return call("Equilibrium", parts)
+
+    @cached_property
+    def arcs(self) -> Floats:
+        """Configuration (N, 3) of `body`: bends turned so that no arc is twisted; read-only."""
+        rolls = np.concatenate([[0.0], np.cumsum(self.states[:-1, t.TWIST])])
+        cosine, sine = np.cos(rolls), np.sin(rolls)
+        x, y = self.states[:, 0], self.states[:, 1]
+        result = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
+        result.flags.writeable = False
+        return result
+
+    @cached_property
+    def body(self) -> "Robot":
+        """The body as a robot of arcs, one segment each: `arcs` is its shape. It has no drive, and no load."""
+        return body_robot(self.robot, self.states[:, t.LENGTH], float(self.states[:, t.TWIST].sum()))
+
+    @cached_property
+    def poses(self) -> Floats:
+        """Poses (n, 4, 4) of the ends of all segments in the world, as `Robot.forward` gives those without load."""
+        ends = body_of(self.robot).ends
+        frames = self.body.forward(self.arcs)[ends]
+        rolls = np.cumsum(self.states[:, t.TWIST])[ends]
+        result: Floats = frames @ np.stack([_roll(float(angle)) for angle in rolls])
+        return result
+
+    @property
+    def tip(self) -> Floats:
+        """Pose (4, 4) of the tool (of the tip, without one) in the world."""
+        result: Floats = self.poses[-1] @ self.robot.tool
+        return result
+
+    def forces(self) -> Iterator[tuple[Floats, Floats]]:
+        """Yield where each force and payload pulls, and the force (3,), in world axes; weights of the body are not."""
+        gravity = self.robot.gravity
+        for load in (*self.robot.payload, *self.loads):
+            pose = self.poses[-1 if load.segment is None else load.segment - 1]
+            place = pose[:3, 3] + pose[:3, :3] @ load.position
+            if isinstance(load, Force):
+                yield place, load.force
+            elif gravity is not None:
+                yield place, load.mass * gravity
+
+    def backbone(self, samples: Whole = 20) -> Floats:
+        """Points (N * samples + 1, 3) of the backbone from base to tip, evenly spaced within each arc."""
+        return self.body.backbone(self.arcs, samples)
+
+    def others(self, starts: Whole = 20, seed: Whole = 0) -> list["Equilibrium"]:
+        """Look for other equilibria of the same drive and loads, from scattered shapes; nearest to this first.
+
+        Unstable ones (`stable`) are where a body may stand for a moment before it snaps into a stable one. That none
+        is found does not prove that there is none.
+        """
+        count = checks.integer("starts", starts, 0, 100_000)
+        random = np.random.default_rng(checks.integer("seed", seed, 0, 2**63 - 1))
+        known, size = [self], self.robot.mean_length
+        for _ in range(count):
+            states = self._begin.states.copy()
+            turns = random.normal(size=(len(self.robot), 2)) * random.uniform(0.3, 2.0)
+            own = body_of(self.robot)
+            gives = np.isfinite(self._begin.arcs[:, t.BEND_STIFFNESS])
+            states[gives, :2] = (turns / own.counts[:, None])[own.owners][gives]
+            for descends in (True, False):
+                found = run(self.robot, self._begin._replace(states=states, tensions=self._pulls), descends)
+                if found is not None:
+                    one = Equilibrium(self.robot, self.q, self.loads, self._begin, found)
+                    if all(one.apart(other) > ALIKE * size for other in known):
+                        known.append(one)
+        return sorted(known[1:], key=self.apart)
+
+    def apart(self, other: "Equilibrium") -> float:
+        """Largest distance between ends of arcs of two equilibria of one robot."""
+        first, second = (each.body.forward(each.arcs)[:, :3, 3] for each in (self, other))
+        return float(np.linalg.norm(first - second, axis=-1).max())
+
+
+def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
+    """Return the body of a robot as one of arcs of these lengths (N,), whose tip has rolled by so much (rad)."""
+    owners = body_of(robot).owners
+    alone: dict[str, Any] = {"tendons": None, "chambers": None, "stage": None, "stiffness": None, "name": None}
+    segments = [
+        robot.segments[k].changed(length=float(length), max_bend=2.0 * np.pi, arcs=1, mass=0.0, **alone)
+        for k, length in zip(owners, lengths, strict=True)
+    ]
+    away: Any = {
+        key: tuple(each[k] for k in owners) if isinstance(each := getattr(robot, key), tuple) else each
+        for key in ("clearance", "self_clearance")
+    }
+    uncertainty = robot.uncertainty
+    if uncertainty is not None and isinstance(uncertainty.bound, tuple):
+        away["uncertainty"] = type(uncertainty)(tuple(uncertainty.bound[k] for k in owners), uncertainty.level)
+    tool = _roll(roll) @ robot.tool
+    return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
+
+
+def _roll(angle: float) -> Floats:
+    result = np.eye(4)
+    result[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    return result
+
+
+def find_equilibrium(
+    robot: "Robot", q: Floats, loads: Sequence[Load], displacements: Floats | None = None
+) -> Equilibrium:
+    """Return the equilibrium of a robot whose drive makes it `q` (n, 3) without load.
+
+    Raises
+    ------
+    InputError
+        When nothing has a stiffness, or none was found.
+    """
+    _refuse_rigid(robot)
+    tables = tables_of(robot, q, loads, displacements)
+    return _found(robot, q, loads, tables)
+
+
+def find_pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], q: Floats | None) -> Equilibrium:
+    """Return the equilibrium of a robot whose tendons and chambers have these tensions (m,).
+
+    What they leave alone is as in `q` (n, 3), by default straight and of its mean length.
+    """
+    _refuse_rigid(robot)
+    body = body_of(robot)
+    own = body.lines
+    if q is None:
+        q = np.array([[0.0, 0.0, 0.5 * sum(segment.length)] for segment in robot.segments])
+    tables = tables_of(robot, q, loads)
+    tables.lines[:, t.HELD], tables.lines[:, t.VALUE] = 0.0, tensions[own.actuators]
+    through = (np.arange(len(q)) >= own.sections[:, :1]) & (np.arange(len(q)) <= own.sections[:, 1:])
+    moments = through.T @ (tensions[own.actuators][:, None] * own.arms)
+    bends = body.rest + moments * (q[:, 2] / body.stiffness[:, 0])[:, None]
+    pulled = (body.pulled & np.isfinite(body.stiffness[:, 0]))[body.owners]
+    tables.states[pulled, :2] = (bends / body.counts[:, None])[body.owners][pulled]
+    return _found(robot, q, loads, tables)
+
+
+def _refuse_rigid(robot: "Robot") -> None:
+    if not body_of(robot).gives:
+        raise InputError(
+            "stiffness", "missing", None, "a stiffness of at least one segment; without, nothing gives way"
+        )
+
+
+def _found(robot: "Robot", q: Floats, loads: Sequence[Load], tables: Tables) -> Equilibrium:
+    found = run(robot, tables)
+    if found is None:
+        share = reached(robot, tables)
+        problem = f"no equilibrium was found beyond {100.0 * share:.0f} % of the load"
+        raise InputError("load", problem, list(loads) or "gravity and payload", "a load that the robot can hold")
+    return Equilibrium(robot, q, tuple(loads), tables, found)
+
+
+def run(robot: "Robot", tables: Tables, descends: bool = True) -> Found | None:
+    """Find an equilibrium from where the tables begin; `None` where there is none to be found.
+
+    Where it `descends`, a stable one if there is one near; else any.
+    """
+    found = _run(robot, tables, descends)
+    return found if found.record[0] >= 1.0 else None
+
+
+def reached(robot: "Robot", tables: Tables) -> float:
+    """Share of the load up to which equilibria are found."""
+    return float(_run(robot, tables).record[0])
+
+
+def _run(robot: "Robot", tables: Tables, descends: bool = True) -> Found:
+    from sinuous.kernels.statics.equilibrium import RECORD_WIDTH, equilibrate  # noqa: PLC0415
+    from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+
+    arcs, loads, lines, slopes, states, tensions = tables
+    found = Found(states.copy(), tensions.copy(), np.zeros(RECORD_WIDTH))
+    room = room_for(len(arcs), len(lines), slopes) + states.size + len(lines)
+    body = packing.pose_row(robot.base), arcs, loads, lines, slopes
+    equilibrate(*body, *found[:2], descends, np.empty(room), found.record)
+    return found

@@ -1,0 +1,153 @@
+"""Inverse kinematics as a function of PyTorch: gradients flow through answers, past limits and obstacles.
+
+Tried with PyTorch 2.13. It needs the extra `torch`; nothing else of the package imports it.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from sinuous.derivatives.layers import HostGoals, check_unsolved, lead_of, solved
+from sinuous.errors import InputError
+
+try:
+    import torch
+except ImportError as error:  # pragma: no cover
+    raise InputError("torch", "is not installed", None, "pip install sinuous[torch]") from error
+
+from torch import Tensor
+
+from sinuous.solving.solver import Solver
+
+
+class _Solve(torch.autograd.Function):
+    """Solve goals; the second output holds derivatives, so that gradients of batches are plain algebra."""
+
+    generate_vmap_rule = False
+
+    @staticmethod
+    def forward(
+        positions: Tensor | None,
+        directions: Tensor | None,
+        rotations: Tensor | None,
+        solver: Solver,
+        initial: Any,
+        unsolved: str,
+    ) -> tuple[Tensor, Tensor]:
+        """Return configurations (..., n, 3) and derivatives (..., n, 3, p)."""
+        given = positions, directions, rotations
+        kind = next(each for each in given if each is not None)
+        goals = HostGoals(*(None if each is None else _array(each) for each in given))
+        q, change = solved(solver, goals, None if initial is None else _array(initial), unsolved)
+        own = {"dtype": kind.dtype, "device": kind.device}
+        return torch.as_tensor(q, **own), torch.as_tensor(change, **own)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: Any, output: Any) -> None:
+        """Keep what gradients need."""
+        positions, directions, rotations, *_ = inputs
+        _, change = output
+        ctx.mark_non_differentiable(change)
+        ctx.placed = positions is not None
+        ctx.kind = "directions" if directions is not None else "rotations" if rotations is not None else None
+        turned = directions if directions is not None else rotations
+        kept = change if turned is None else turned
+        ctx.save_for_backward(change, kept)
+        ctx.save_for_forward(change, kept)
+
+    @staticmethod
+    def backward(ctx: Any, *cotangents: Tensor) -> Any:
+        """Gradients by positions, directions, rotations."""
+        change, turned = ctx.saved_tensors
+        whole = torch.einsum("...kc,...kcp->...p", cotangents[0], change)
+        first = whole[..., :3] if ctx.placed else None
+        if ctx.kind is None:
+            return first, None, None, None, None, None
+        omega = whole[..., -3:]
+        if ctx.kind == "directions":
+            size = torch.linalg.vector_norm(turned, dim=-1, keepdim=True)
+            return first, torch.linalg.cross(omega, turned) / size**2, None, None, None, None
+        columns = torch.linalg.cross(omega[..., None, :].expand(turned.shape), turned.transpose(-1, -2))
+        return first, None, 0.5 * columns.transpose(-1, -2), None, None, None
+
+    @staticmethod
+    def jvp(ctx: Any, *tangents: Tensor | None) -> Any:
+        """Motion of the configurations for tangents of positions, directions, rotations."""
+        change, turned = ctx.saved_tensors
+        positions, directions, rotations, *_ = tangents
+        parts = []
+        if ctx.placed:
+            parts.append(change.new_zeros((*change.shape[:-3], 3)) if positions is None else positions)
+        if ctx.kind == "directions":
+            size = torch.linalg.vector_norm(turned, dim=-1, keepdim=True)
+            own = torch.zeros_like(turned) if directions is None else directions
+            parts.append(torch.linalg.cross(turned, own) / size**2)
+        elif ctx.kind == "rotations":
+            own = torch.zeros_like(turned) if rotations is None else rotations
+            axes = torch.linalg.cross(turned.transpose(-1, -2), own.transpose(-1, -2))
+            parts.append(0.5 * axes.sum(dim=-2))
+        return torch.einsum("...kcp,...p->...kc", change, torch.cat(parts, dim=-1)), None
+
+    @staticmethod
+    def vmap(info: Any, in_dims: Any, *inputs: Any) -> Any:
+        """Solve all of a batch at once."""
+        goals = [
+            each
+            if each is None
+            else (each.expand(info.batch_size, *each.shape) if dim is None else each.movedim(dim, 0))
+            for each, dim in zip(inputs[:3], in_dims[:3], strict=True)
+        ]
+        return _Solve.apply(*goals, *inputs[3:]), (0, 0)
+
+
+def _array(tensor: Any) -> Any:
+    """Numbers of a tensor."""
+    if isinstance(tensor, Tensor):
+        return tensor.detach().cpu().numpy().astype(np.float64)
+    return np.asarray(tensor, np.float64)
+
+
+def solve(
+    solver: Solver,
+    positions: Tensor | None = None,
+    *,
+    directions: Tensor | None = None,
+    rotations: Tensor | None = None,
+    initial: Any = None,
+    unsolved: str = "raise",
+) -> Tensor:
+    """Solve goals of the tip; gradients, forward mode and `torch.func.vmap` go through the answers.
+
+    Gradients are those of the nearest answer, see `sinuous.derivatives.derivative.Derivative`. At a kink whatever is
+    active stays as it is.
+
+    Parameters
+    ----------
+    solver : Solver
+    positions : Tensor (..., 3), optional
+    directions : Tensor (..., 3), optional
+        Of the tangent; any length but zero.
+    rotations : Tensor (..., 3, 3), optional
+        Instead of `directions`.
+    initial : array_like (n, 3) or (..., n, 3), optional
+        Constant.
+    unsolved : str
+        `raise`: an answer that is not solved is refused. `best`: its best configuration is returned, and its gradient
+        is zero.
+
+    Returns
+    -------
+    Tensor (..., n, 3)
+        Configurations, of the type of the goals.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    NotSolvedError
+        When a goal is not solved.
+    """
+    lead_of(positions, directions, rotations)
+    q, _ = _Solve.apply(positions, directions, rotations, solver, initial, check_unsolved(unsolved))
+    found: Tensor = q
+    return found

@@ -1,0 +1,33 @@
+"""Every section measures what it says, on a small run."""
+
+import pytest
+
+from benchmarks.derivatives import agreement, calibration, costs
+from benchmarks.derivatives.experiment import SECTIONS, OfDerivatives
+from benchmarks.harness.plan import Plan
+
+PLAN = Plan(quick=True)
+
+
+def test_all_sections_are_there() -> None:
+    assert [name for name, _ in OfDerivatives(PLAN).parts()] == list(SECTIONS)
+
+
+def test_differences_of_each_family_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(agreement, "FAMILIES", {"free": agreement.FAMILIES["free"]})
+    monkeypatch.setattr(agreement, "BESIDE", 1)
+    regular, wrong, worst = agreement.measure(PLAN)
+    assert regular.reached > 90.0
+    assert wrong.reached == 0.0
+    assert worst.reached < agreement.WRONG
+
+
+def test_a_calibration_ends_at_the_hidden_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(calibration, "by_differences", calibration.by_derivatives)
+    lines = list(calibration.measure(PLAN))
+    assert [line.reached < 1e-6 for line in lines if "error" in line.what] == [True, True]
+
+
+def test_costs_have_a_line_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(costs, "REPEATS", 1)
+    assert len(list(costs.measure(PLAN))) == 4

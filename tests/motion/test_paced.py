@@ -1,0 +1,130 @@
+"""Rates are kept by every call that writes times, or the motion says that they are not: judged by differences."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.checks import Floats
+from tests.helpers import refused
+
+ROBOT = sn.Robot.uniform(3, (40.0, 60.0), 2.0, radius=4.0, tendons=sn.Tendons(3, radius=3.0))
+START = np.array([[0.0, 0.0, 50.0]] * 3)
+GOAL = np.array([[0.9, 0.3, 45.0], [-0.8, 0.2, 58.0], [0.5, -1.0, 50.0]])
+BALL = sn.Sphere((40.0, 0.0, 60.0), 10.0)
+TARGETS = [sn.Target((60.0, y, 90.0)) for y in (-20.0, 0.0, 20.0)]
+SLOW = sn.Rates(bend=0.1, length=2.0)
+
+
+def fastest(motion: sn.Motion) -> dict[str, float]:
+    """Largest speeds of a motion, by differences."""
+    dt = np.diff(motion.times)[:, None]
+    moves, pulled = np.diff(motion.q, axis=0), np.diff(motion.robot.to_actuators(motion.q), axis=0)
+    return {
+        "bend": float((np.hypot(moves[..., 0], moves[..., 1]) / dt).max()),
+        "length": float((np.abs(moves[..., 2]) / dt).max()),
+        "actuator": float((np.abs(pulled) / dt).max()),
+    }
+
+
+def keeps(motion: sn.Motion, rates: sn.Rates) -> bool:
+    limits = {"bend": rates.bend, "length": rates.length, "actuator": rates.actuator}
+    seen = fastest(motion)
+    return all(most is None or seen[key] <= float(most) * (1.0 + 1e-9) for key, most in limits.items())
+
+
+@pytest.mark.parametrize("rates", [SLOW, sn.Rates(actuator=0.5), sn.Rates(bend=0.05, actuator=3.0)])
+def test_plans_and_tracks_are_as_fast_as_rates_allow(rates: sn.Rates) -> None:
+    for motion in (
+        sn.plan(ROBOT, START, GOAL, [BALL], rates=rates),
+        sn.track(ROBOT, TARGETS, [BALL], start=START, rates=rates),
+    ):
+        assert motion.solved
+        assert keeps(motion, rates)
+        tight = max(
+            fastest(motion)[key] / getattr(rates, key) for key in ("bend", "length", "actuator") if getattr(rates, key)
+        )
+        assert tight == pytest.approx(1.0)
+        nominal = motion.with_times(np.linspace(0.0, 1.0, len(motion.times)))
+        assert not keeps(nominal, rates)
+
+
+def test_a_duration_is_kept_or_refused() -> None:
+    long = sn.plan(ROBOT, START, GOAL, rates=SLOW, duration=60.0)
+    assert long.solved
+    assert long.times[-1] == pytest.approx(60.0)
+    short = sn.plan(ROBOT, START, GOAL, rates=SLOW, duration=1.0)
+    assert str(short.status) == "rate_bound"
+    assert not short.solved
+    assert keeps(short, SLOW)
+    assert "too short for the rates" in str(short)
+    path = sn.track(ROBOT, TARGETS, start=START, duration=90.0, rates=SLOW)
+    assert path.solved
+    assert path.times[-1] == pytest.approx(90.0)
+    assert keeps(path, SLOW)
+    plain = sn.track(ROBOT, TARGETS, duration=7.0)
+    assert plain.times[[0, -1]] == pytest.approx([0.0, 7.0])
+
+
+def test_times_that_were_asked_for_stay_or_are_refused() -> None:
+    when = [10.0, 40.0, 90.0]
+    kept = sn.track(ROBOT, TARGETS, times=when, rates=SLOW)
+    assert kept.solved
+    np.testing.assert_allclose(kept.times[[knot for knot in kept.waypoint_knots if knot is not None]], when)
+    late = sn.track(ROBOT, TARGETS, times=[0.0, 0.1, 0.2], rates=SLOW)
+    assert str(late.status) == "rate_bound"
+    assert keeps(late, SLOW)
+    refused("duration", lambda: sn.track(ROBOT, TARGETS, times=when, duration=3.0), "one of duration, times")
+
+
+def test_accelerations_hold_at_the_knots() -> None:
+    rates = sn.Rates(bend=0.5, length=20.0, acceleration=sn.Rates(bend=0.2, length=5.0))
+    motion = sn.track(ROBOT, TARGETS, [BALL], start=START, rates=rates)
+    dt = np.diff(motion.times)
+    still = np.zeros((1, 3, 3))
+    speeds = np.concatenate([still, np.diff(motion.q, axis=0) / dt[:, None, None], still])
+    means = 0.5 * (np.append(dt, 0.0) + np.append(0.0, dt))
+    jumps = np.diff(speeds, axis=0) / means[:, None, None]
+    bends, lengths = np.hypot(jumps[..., 0], jumps[..., 1]).max(), np.abs(jumps[..., 2]).max()
+    assert bends <= 0.2 * (1.0 + 1e-9)
+    assert lengths <= 5.0 * (1.0 + 1e-9)
+    assert max(bends / 0.2, lengths / 5.0) == pytest.approx(1.0)
+    assert keeps(motion, rates)
+
+
+def test_what_nothing_limits_takes_as_long_as_it_did() -> None:
+    motion = sn.plan(ROBOT, START, GOAL, rates=sn.Rates(acceleration=sn.Rates(bend=1e9)))
+    np.testing.assert_allclose(motion.times, sn.plan(ROBOT, START, GOAL).times)
+    still = sn.plan(ROBOT, START, START, rates=SLOW)
+    assert still.solved
+    assert math.isfinite(still.times[-1])
+
+
+def test_a_trajectory_is_a_motion_with_its_waypoints() -> None:
+    pytest.importorskip("toppra")
+    rates = sn.Rates(bend=1.0, length=40.0, acceleration=sn.Rates(bend=4.0, length=100.0))
+    motion = sn.track(ROBOT, TARGETS, [BALL], start=START)
+    stopping, blended = motion.timed(rates), motion.timed(rates, blend=2.0)
+    assert stopping.stops > blended.stops
+    assert f"{stopping.stops} stops in corners" in repr(stopping)
+    for timed, near in ((stopping, 1e-6), (blended, 5.0)):
+        found = timed.as_motion()
+        assert found.solved
+        assert found.times[-1] == pytest.approx(timed.duration)
+        assert keeps(found, rates)
+        np.testing.assert_allclose(found.q, timed.at(found.times), atol=1e-9)
+        tips: Floats = ROBOT.tip(found.q)[:, :3, 3]
+        for target, knot in zip(TARGETS, found.waypoint_knots, strict=True):
+            assert knot is not None
+            assert np.linalg.norm(tips[knot] - np.asarray(target.position)) <= near + 0.02
+        again = sn.Motion.from_dict(found.to_dict(), [s.problem for s in found.solutions], found.scene)
+        np.testing.assert_array_equal(again.times, found.times)
+
+
+def test_a_job_keeps_the_rates_of_its_file() -> None:
+    own: dict[str, Any] = {"scene": [BALL], "start": START, "rates": SLOW}
+    assert keeps(sn.Job(ROBOT, goal=GOAL, **own).plan(), SLOW)
+    assert keeps(sn.Job(ROBOT, path=TARGETS, **own).track(), SLOW)
+    assert not keeps(sn.Job(ROBOT, path=TARGETS, **own).track(rates=None), SLOW)

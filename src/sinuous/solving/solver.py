@@ -27,6 +27,7 @@ from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.at_rest import at_rest
 from sinuous.solution.observed import GAIN
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
@@ -50,6 +51,9 @@ FEW = 10
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
+
+OWN_METHOD = "newton"
+"""The method that goes on from where limits balance the targets."""
 
 Initials = Solution | HasArray | Iterable[Solution | Entry]
 """What many solves may begin from: one for all, or one for each."""
@@ -520,11 +524,19 @@ class Solver:
         if first.code in UNDECIDED:
             self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
+        if first.bound and search.open and self.method == OWN_METHOD and not len(problem.scene):
+            search.take(self._from_rest(first, problem, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
         if learn and search.outcome.code == SOLVED:
             self._strategy.learn(search.outcome.q[None])
         return search.outcome
+
+    def _from_rest(self, first: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Go on from the best within the limits near the best start: descents stop short of corners of limits."""
+        rested = at_rest(problem, first.q)
+        found = self._prepared.run(problem, np.array(rested[None]), (0, 0, self.options.seed, max(0.0, seconds)))
+        return found._replace(source=first.source, starts=0)
 
     def _with_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
         """Move a solution out of contact; see `Prepared.take_room`."""

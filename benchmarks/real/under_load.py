@@ -31,7 +31,7 @@ NEAR = 0.5
 
 def parts(quick: bool) -> Iterator[tuple[str, Measurement]]:
     """What is measured."""
-    count, judged = (20, 2) if quick else (200, 12)
+    count, judged = (10, 2) if quick else (60, 8)
     for sections, spheres, goal in ((3, 0, 0.5e-3), (5, 0, 0.5e-3), (5, 40, 1e-3)):
         yield f"load-{sections}-{spheres}", partial(solves, sections, spheres, count, judged, goal)
 
@@ -47,7 +47,8 @@ def solves(sections: int, spheres: int, count: int, judged: int, goal: float) ->
     random = np.random.default_rng(sections + spheres)
     robot, scene = robot_of(sections), list(_balls(random, spheres))
     solver = sn.Solver(robot, scene)
-    seconds, solved, wrong, errors = [], 0, 0, []
+    seconds, solved, wrong = [], 0, 0
+    errors: list[float] = []
     for target in _targets(random, robot, scene, count):
         began = time.thread_time()
         found = solver.solve(target)

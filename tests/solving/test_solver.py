@@ -376,3 +376,21 @@ def test_wrong_arguments_are_refused(arguments: dict[str, Any], key: str) -> Non
 def test_wrong_targets_and_starts_are_refused(target: Any, start: Any) -> None:
     with pytest.raises(sn.InputError):
         sn.Solver(ROBOTS["stage"]).solve(target, start)
+
+
+def test_what_several_limits_hold_is_found_from_nothing() -> None:
+    """Descents stopped short of a corner of four limits: after 1,000 starts from nothing none had been there."""
+    chambers = sn.Chambers(3, radius=9, length=(35, 80))
+    robot = sn.Robot([sn.Segment((40, 75), chambers=chambers)] * 3, base=sn.pose(direction=(0, 0, -1)))
+    best = np.array([[0.7496, -0.2087, 75], [-0.5556, 0.1445, 75], [2.7936, -0.9061, 60.366]])
+    for scale in (1e-3, 1.0):
+        lines = sn.Chambers(3, radius=9 * scale, length=(35 * scale, 80 * scale))
+        own = sn.Robot([sn.Segment((40 * scale, 75 * scale), chambers=lines)] * 3, base=robot.base)
+        found = sn.solve(own, sn.Target(scale * robot.tip(best)[:3, 3], direction=(0, 0, 1)), max_starts=100)
+        assert found.solved
+        assert found.verify().ok
+    asked = sn.Target((100, 30, -130), direction=(0, 0, 1))
+    beyond = sn.solve(robot, asked, max_starts=100)
+    assert str(beyond.status) == "limit_bound"
+    (nearest,) = [each for each in beyond.explain().remedies if each.change == "target position"]
+    assert np.linalg.norm(np.subtract(nearest.after, (100, 30, -130))) <= 1.71

@@ -25,10 +25,10 @@ from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
 from sinuous.solving.many import read_workers
-from sinuous.solving.options import SolveArguments
+from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
 
-STARTS = 1000
+STARTS, TIME = 100, 0.1
 """Most starts of a target, by default."""
 
 CHUNK = 10_000
@@ -134,7 +134,8 @@ def solve_batch(
     progress : bool
         Whether to say on standard error how far it is.
     **options
-        As for `Solver`, but `max_starts` is 1000 by default: a table may hold many targets that nothing reaches.
+        As for `Solver`, but `max_starts` is 100 and `time` 0.1 s by default: a table may hold many targets that nothing
+        reaches.
 
     Returns
     -------
@@ -147,7 +148,8 @@ def solve_batch(
     UnfinishedError
         When it cannot go on: the disk is full, or the workers are gone. What is done is kept.
     """
-    given: dict[str, Any] = {"max_starts": STARTS, **options}
+    refuse_unknown(options, BatchArguments)
+    given: dict[str, Any] = {"max_starts": STARTS, "time": TIME, **options}
     run = RunOptions(**{key: given.pop(key) for key in RunArguments.__annotations__ if key in given})
     file = None if out is None else Path(out)
     if file is not None:

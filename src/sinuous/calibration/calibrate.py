@@ -163,11 +163,12 @@ def _chosen(drawn: Robot, rows: Measurements, trials: list[Trial], notes: list[s
     state, error = tried(drawn, begun(drawn, part, moves=True))
     if can_stretch(drawn):
         soft = elastic(drawn)
-        other, after = tried(soft, begun(soft, part, moves=True))
+        other, after = tried(soft, begun(soft, part, moves=True, groups=(group(soft, "stretch"),)))
         trials.append(Trial("elastic tendons", error, after, after < BETTER * error))
         if trials[-1].kept:
             drawn, state, error = soft, other, after
-    left = [own for name in ORDER if (own := group(drawn, name)).names]
+    begins = {each.name for each in state.values.groups}
+    left = [own for name in ORDER if name not in begins and (own := group(drawn, name)).names]
     for _ in range(PASSES):
         for own in tuple(left):
             if _too_many(state, own, rows):

@@ -15,6 +15,7 @@ from sinuous.calibration.parameters import Group, Values, changed
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.robot.robot import Robot
+from sinuous.solution.observed import rotation_of
 
 SOFT = 3.0
 """Medians of the residuals from which on a row counts as an outlier."""
@@ -148,21 +149,10 @@ def moved(state: State, step: Floats) -> State:
     pose = state.pose
     if own:
         pose = np.eye(4)
-        turn = _rotation(step[:3])
+        turn = rotation_of(step[:3])
         pose[:3, :3] = turn @ state.pose[:3, :3]
         pose[:3, 3] = state.pose[:3, 3] + step[3:6]
     return State(pose, state.moves, state.values.with_x(state.values.x + step[own:]))
-
-
-def _rotation(turn: Floats) -> Floats:
-    """Rotation matrix of a rotation vector (Rodrigues)."""
-    angle = float(np.linalg.norm(turn))
-    x, y, z = turn
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    a = np.sinc(angle / np.pi)
-    b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    result: Floats = np.eye(3) + a * cross + b * cross @ cross
-    return result
 
 
 def _slopes(drawn: Robot, state: State, rows: Measurements) -> Floats:

@@ -136,7 +136,8 @@ class PlanSolving(Remembering):
 class BatchSolving(Solving):
     """How each target of a batch is solved."""
 
-    max_starts: MostStarts = 1000
+    max_starts: MostStarts = 100
+    time: Annotated[float, typer.Option(metavar="SECONDS", help="Budget of one target.")] = 0.1
     memory: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; it is only read.")
     ] = None
@@ -334,6 +335,8 @@ def numbered(file: Path | None, number: int, files: int) -> Path | None:
 
 def check_writable(option: str, file: Path, inputs: Sequence[str] = ()) -> None:
     """Refuse a file that cannot be written, or is one of the `inputs`; a file that was not there still is not."""
+    if str(file) == "-":
+        raise InputError(option, "is no file", "-", "the name of a file")
     if any(Path(name).resolve() == file.resolve() for name in inputs):
         raise InputError(option, "would overwrite a problem file", str(file), "another file")
     there = file.exists()

@@ -33,7 +33,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solving.between.steps import Prover, Steps, load_motions
-from sinuous.solving.options import SolveArguments, SolveOptions
+from sinuous.solving.options import SolveArguments, SolveOptions, refuse_unknown
 from sinuous.solving.solver import Initial, Solver
 
 TIME = 5.0
@@ -165,6 +165,7 @@ class Planner:
 
     def __init__(self, robot: Robot, scene: SceneLike | None = None, **options: Unpack[PlanArguments]) -> None:
         given: dict[str, Any] = dict(options)
+        refuse_unknown(given, PlanArguments)
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
         self._shortcuts = checks.integer("shortcuts", given.pop("shortcuts", 0), 0, MOST_SHORTCUTS)

@@ -23,7 +23,7 @@ from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solution.solution import Solution
-from sinuous.solving.options import SolveArguments
+from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Initial, Solver
 
 ROOM = 0.02
@@ -107,6 +107,7 @@ def track(
     InputError
         When an argument is not what it should be; nothing is solved then.
     """
+    refuse_unknown(options, TrackArguments, "start", "deviation", "shortest", "times", "progress")
     given: dict[str, Any] = dict(options)
     path = read_target_sets(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
     wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)

@@ -123,7 +123,9 @@ class Lines(Frozen):
     @property
     def stiffnesses(self) -> Floats:
         """Stiffness (m,) of each line; infinite where it is rigid."""
-        return np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
+        result: Floats = np.full(len(self.angles), math.inf if self.stiffness is None else self.stiffness)
+        result.flags.writeable = False
+        return result
 
     def __init_subclass__(cls) -> None:
         """Put the parameters of all lines before those of a kind of them."""
@@ -153,6 +155,7 @@ class Lines(Frozen):
         if self.stiffness is None:
             return self.displacements
         result: Floats = self.displacements - np.array(self.tensions)[::-1] / self.stiffnesses[:, None]
+        result.flags.writeable = False
         return result
 
     @property

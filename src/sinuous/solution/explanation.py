@@ -83,7 +83,7 @@ class Explanation(NotebookMixin):
         lines += _labelled("least left", in_words(self.nearest, self.segments, values=True))
         lines += _labelled("would help", [str(each) for each in self.remedies])
         if self.status is not Status.SOLVED and not self.remedies and self.untried != LOADED:
-            lines.append("  nothing that was tried would help")
+            lines.append("  Nothing that was tried would help.")
         if self.untried:
             lines.append(f"  {self.untried}")
         return "\n".join(lines)

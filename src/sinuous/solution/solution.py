@@ -518,7 +518,7 @@ class Solution(NotebookMixin):
             ("position", self.position_error),
             ("angle", self.angle_error),
             ("clearance", self.clearance),
-            ("from self", self.self_clearance),
+            ("off itself", self.self_clearance),
         ):
             if value is not None:
                 unsure = self.problem.robot.uncertainty if label == "clearance" else None

@@ -16,6 +16,7 @@ from sinuous.reprs import ShortRepr, call
 from sinuous.robot.actuation import Actuator
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.observed import Observed
 
 CONSTRAINTS: tuple[StepConstraint, ...] = get_args(StepConstraint)
 """What may hold a step back, in the order of `sinuous.kernels.velocity.layout`."""
@@ -90,27 +91,31 @@ class Step:
         Seconds.
     scene : Snapshot
         The obstacles as they were then.
+    observed : Observed or None
+        By how much the real robot was elsewhere than its model, where that was measured.
     """
 
-    __slots__ = ("_active", "_answer", "_q", "_wanted", "initial")
+    __slots__ = ("_active", "_answer", "_q", "_wanted", "initial", "observed")
 
     initial: Floats
+    observed: Observed | None
     _wanted: Wanted
     _answer: Floats
     _q: Floats
     _active: tuple[Active, ...]
 
-    def __init__(self, wanted: Wanted, initial: Floats, answer: Floats) -> None:
+    def __init__(self, wanted: Wanted, initial: Floats, answer: Floats, observed: Observed | None = None) -> None:
         q = answer[t.SHAPE : t.SHAPE + initial.size].reshape(initial.shape)
         q.setflags(False)  # type: ignore[call-arg]  # by position: by its name it takes three times as long
         for name, value in zip(("_wanted", "initial", "_answer", "_q"), (wanted, initial, answer, q), strict=True):
             object.__setattr__(self, name, value)
+        object.__setattr__(self, "observed", observed)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"cannot set {name!r}: Step is frozen")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self._wanted, np.array(self.initial), np.array(self._answer))
+        return _restored, (self._wanted, np.array(self.initial), np.array(self._answer), self.observed)
 
     @property
     def q(self) -> Floats:
@@ -257,6 +262,6 @@ class Step:
         return Active(CONSTRAINTS[kind], place)
 
 
-def _restored(wanted: Wanted, initial: Floats, answer: Floats) -> Step:
+def _restored(wanted: Wanted, initial: Floats, answer: Floats, observed: Observed | None = None) -> Step:
     initial.setflags(write=False)
-    return Step(wanted, initial, answer)
+    return Step(wanted, initial, answer, observed)

@@ -131,3 +131,16 @@ class SolveOptions:
 def _each(key: str, value: OneEach | None) -> float | tuple[float, ...] | None:
     """Check what is demanded of every segment; how many there are says the robot."""
     return None if value is None else checks.one_each(key, value, None, "segment")
+
+
+def refuse_unknown(given: Mapping[str, Any], known: type, *more: str) -> None:
+    """Refuse options that a call does not have; `known` declares those that it has, and all of them are listed.
+
+    Raises
+    ------
+    InputError
+    """
+    names = (*more, *known.__annotations__)
+    for key, value in given.items():
+        if key not in names:
+            raise InputError(key, "is not known", value, "one of " + ", ".join(names))

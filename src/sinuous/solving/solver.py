@@ -9,7 +9,7 @@ from typing import Any, Self, Unpack
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Entry, HasArray, Number, Rows, Truth, Vector, Whole
+from sinuous.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
 from sinuous.kernels.compiling.tiers import code_first
@@ -27,6 +27,8 @@ from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.at_rest import at_rest
+from sinuous.solution.observed import GAIN
 from sinuous.solution.route_class import RouteClass
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import ManyProblems, Solutions
@@ -49,6 +51,9 @@ FEW = 10
 
 Initial = Solution | Rows
 """What a solve may begin from: a solution, or a configuration (n, 3)."""
+
+OWN_METHOD = "newton"
+"""The method that goes on from where limits balance the targets."""
 
 Initials = Solution | HasArray | Iterable[Solution | Entry]
 """What many solves may begin from: one for all, or one for each."""
@@ -402,6 +407,10 @@ class Solver:
         rates: Rates | None = None,
         clearance: Number | None = None,
         velocity: Rows | None = None,
+        measured: Stack | None = None,
+        places: Vector | None = None,
+        gain: Number = GAIN,
+        delay: Whole = 0,
     ) -> Step:
         """Go on from a configuration with a twist of the tip, or towards a target, for one tick of a control loop.
 
@@ -429,6 +438,18 @@ class Solver:
         velocity : array_like (n, 3), optional
             Of the tick before: what an acceleration starts from. Limits, rates and obstacles come first.
 
+        measured : array_like (3,), (4, 4), (n, 2) or (k, 3), optional
+            Where the real robot is: the position or pose of its tool, the bends of its segments (from a fibre), or
+            points of its body at `places`, in the world; NaN was not seen. What the model misses is taken for a
+            disturbance that varies slowly, and the target is met by the real robot. `q` then has to be the step before,
+            which carries what is known of it. Proofs are of the model: see `uncertainty` of the robot.
+        places : array_like (k,), optional
+            Shares of the length of the body, increasing, 1 = its end.
+        gain : float
+            Of the observer: share of what is new that a tick takes over; less of it is slower, and less moved by noise.
+        delay : int
+            Ticks by which the measurement is late.
+
         Returns
         -------
         Step
@@ -439,7 +460,9 @@ class Solver:
             When an argument is not what it should be.
         """
         self._refuse_load("step")
-        own: Step = self._control.step(q, twist, dt, target=target, rates=rates, clearance=clearance, velocity=velocity)
+        limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
+        seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
+        own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)
         return own
 
     def __repr__(self) -> str:
@@ -501,11 +524,19 @@ class Solver:
         if first.code in UNDECIDED:
             self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
+        if first.bound and search.open and self.method == OWN_METHOD and not len(problem.scene):
+            search.take(self._from_rest(first, problem, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
         if learn and search.outcome.code == SOLVED:
             self._strategy.learn(search.outcome.q[None])
         return search.outcome
+
+    def _from_rest(self, first: Outcome, problem: Problem, seconds: float) -> Outcome:
+        """Go on from the best within the limits near the best start: descents stop short of corners of limits."""
+        rested = at_rest(problem, first.q)
+        found = self._prepared.run(problem, np.array(rested[None]), (0, 0, self.options.seed, max(0.0, seconds)))
+        return found._replace(source=first.source, starts=0)
 
     def _with_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
         """Move a solution out of contact; see `Prepared.take_room`."""

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous import checks
-from sinuous.arguments import Number, Rows, Vector
+from sinuous.arguments import Number, Rows, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import FAILED, GIVEN, LATE, RATE_BOUND, SOLVED, TARGET_WIDTH, Outcome
@@ -23,6 +23,7 @@ from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solution.observed import GAIN, corrected, observe
 from sinuous.solution.solution import Solution
 from sinuous.solution.step import Step, Wanted
 from sinuous.solving.options import SolveOptions
@@ -178,6 +179,10 @@ class ControlLoop:
         rates: Rates | None = None,
         clearance: Number | None = None,
         velocity: Rows | None = None,
+        measured: Stack | None = None,
+        places: Vector | None = None,
+        gain: Number = GAIN,
+        delay: Whole = 0,
     ) -> Step:
         """Make one tick; see `Solver.step`."""
         shape = len(self._robot), 3
@@ -185,6 +190,9 @@ class ControlLoop:
         if dt is None:
             raise InputError("dt", "missing", None, "a number greater than 0")
         seconds = checks.number("dt", dt, above=0.0)
+        known, observed = q.observed if isinstance(q, Step) else None, None
+        if known is not None or measured is not None:
+            observed = observe(self._robot, own, known, measured, places, gain, delay)
         if (twist is None) == (target is None):
             problem = "missing" if twist is None else "stands beside target"
             raise InputError("twist", problem, twist, "one of twist, target")
@@ -192,6 +200,8 @@ class ControlLoop:
             kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS
         else:
             targets = (target,) if isinstance(target, Target) else target_list("target", target)
+            if observed is not None:
+                targets = tuple(corrected(self._robot, each, observed) for each in targets)
             kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)
         wish = self._wish if clearance is None else checks.number("clearance", clearance, low=0.0)
         if rates is not None and not isinstance(rates, Rates):
@@ -203,7 +213,8 @@ class ControlLoop:
         scene = self._scene.snapshot()
         asked = Asked(kind, motion, rows, 1, self._beyond(wish), self._time)
         answer = self._tick(scene, asked, own, limits, seconds, before if limits.accelerates else None)
-        return Step(Wanted(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited), own, answer)
+        wanted = Wanted(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
+        return Step(wanted, own, answer, observed)
 
     def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
         """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""

@@ -143,7 +143,7 @@ def _of_search(solution: Solution) -> dict[str, str]:
     rows = {
         "proof": "" if solution.reason is None else str(solution.reason),
         "held by": "; ".join(binding),
-        "won by": str(solution.start),
+        "found from": str(solution.start),
     }
     return {label: value for label, value in rows.items() if value}
 

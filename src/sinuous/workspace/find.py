@@ -18,7 +18,7 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.many import read_workers
-from sinuous.solving.options import SolveArguments
+from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
 from sinuous.workspace.grid import Voxels, directions_of
 from sinuous.workspace.reach import Reach
@@ -98,6 +98,7 @@ def reach(
         problem, grid or version.
     """
     began = clock.perf_counter()
+    refuse_unknown(options, ReachArguments, "spacing", "directions")
     given: dict[str, Any] = {"max_starts": 1, "routes": False, **options}
     if not isinstance(robot, Robot):
         raise InputError("robot", "", robot, "a Robot")

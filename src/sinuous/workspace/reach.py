@@ -127,7 +127,9 @@ class Reach(NotebookMixin, Frozen):
         return Volume(unit * int(found.sum()), 0.5 * unit * surface, unit * int(possible.sum()))
 
     def why(self, point: Vector) -> dict[str, int]:
-        """Count what is said of the directions at the voxel that holds a point (3,), in words; with its obstacle.
+        """Count the directions at the voxel that holds a point (3,) by their verdicts, in the words of `Verdict`.
+
+        Where an obstacle takes most of them away it is named: `most in the way: ball`, and how many it takes.
 
         Raises
         ------
@@ -136,9 +138,9 @@ class Reach(NotebookMixin, Frozen):
         """
         at = self._index(point)
         counts = np.bincount(self.verdicts[at], minlength=len(Verdict))
-        told = {Verdict(code).sentence: int(count) for code, count in enumerate(counts) if count}
+        told = {Verdict(code).name.lower(): int(count) for code, count in enumerate(counts) if count}
         obstacle = int(self.obstacles[at])
-        if obstacle >= 0:
+        if obstacle >= 0 and counts[Verdict.OBSTACLE]:
             told[f"most in the way: {self.names[obstacle]}"] = int(counts[Verdict.OBSTACLE])
         return told
 

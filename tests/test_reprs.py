@@ -21,6 +21,8 @@ from tests.helpers import refused
 from tests.scene.shapes import cube
 
 LONG = "a name that goes on and on and on until nobody wants to read it any more"
+DRAWN = sn.Robot([sn.Segment(1.0, tendons=sn.Tendons(3, 0.1))])
+SETTINGS = DRAWN.to_actuators([[[0.02 * i, 0.3, 1.0]] for i in range(24)])
 ROBOT = sn.Robot.uniform(40, (0.8, 1.2), tendons=sn.Tendons(3, 0.1), radius=0.05, base=sn.pose((1, 2, 3)), name=LONG)
 TARGET = sn.Target((1.0, 0.5, 30.0), direction=(0.1, 0.2, 1.0))
 SCENE = sn.Scene([sn.Sphere((0.0, 30.0, 0.0), 1.0, name=LONG)])
@@ -38,6 +40,8 @@ OBJECTS: list[Any] = [
     *(ROBOT, ROBOT.segments[0], sn.Segment(1, chambers=sn.Chambers(4, 0.1, length=(0.5, 2.0)))),
     sn.Chambers(angles=np.arange(9.0), radius=0.123456789, names=[f"{LONG} {i}" for i in range(9)]),
     sn.Tendons(3, 0.1, displacement=(-0.1, 0.2)),
+    sn.Uncertainty(0.2),
+    sn.calibrate(DRAWN, SETTINGS, DRAWN.tip(DRAWN.from_actuators(SETTINGS))[:, :3, 3], fit=["base"]),
     sn.Stage(40.0, 1 / 3, LONG, LONG),
     sn.Memory(ROBOT),
     sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),

@@ -105,3 +105,16 @@ def test_what_is_said_of_values_is_checked_and_kept(tmp_path: object) -> None:
             grid_of(samples(), **wrong)
     with pytest.raises(sn.InputError, match="exact"):
         grid_of(samples() < 0.0, exact=True)
+
+
+@pytest.mark.parametrize("said", [{}, {"exact": False}])
+def test_a_lower_bound_blocks_neither_start_nor_goal_of_a_plan(said: dict[str, object]) -> None:
+    """0.05 of a distance: beside a body in the open it is less than the radius, which is no overlap."""
+    start = np.array([[0.0, 0.0, 0.3]] * 3)
+    goal = np.array([[-0.2, 0.0, 0.3]] * 3)
+    for obstacle in (field_of(0.05, **said), grid_of(0.05 * samples(), exact=False)):
+        motion = sn.plan(ROBOT, start, goal, [obstacle], time=0.2)
+        assert motion.status is sn.Status.TIME_LIMIT
+    within = np.array([[0.9, 0.0, 0.4]] * 3)
+    told = sn.plan(ROBOT, within, goal, [sn.Sphere(ROBOT.tip(within)[:3, 3], 0.1)], time=0.2)
+    assert told.status is sn.Status.START_BLOCKED

@@ -42,6 +42,9 @@ DETERMINED = 0.5
 SOFT_GROUPS = ("stretch", "stiffness", "rest")
 """Groups that only robots with elastic actuators have."""
 
+SOFT_START: tuple[GroupName, ...] = ("stretch", "offsets", "stiffness")
+"""Groups with which elastic tendons are compared with rigid ones: alone, a wrong softness is no better."""
+
 CANDIDATES = 400
 """Settings of which `suggest` takes the best."""
 
@@ -163,11 +166,15 @@ def _chosen(drawn: Robot, rows: Measurements, trials: list[Trial], notes: list[s
     state, error = tried(drawn, begun(drawn, part, moves=True))
     if can_stretch(drawn):
         soft = elastic(drawn)
-        other, after = tried(soft, begun(soft, part, moves=True))
+        start = tuple(group(soft, name) for name in SOFT_START)
+        many = 6 + sum(len(each.names) for each in start)
+        fits = NUMBERS_EACH * many <= 3 * int(np.isfinite(rows.points[..., 0]).sum())
+        other, after = tried(soft, begun(soft, part, moves=True, groups=start if fits else start[:1]))
         trials.append(Trial("elastic tendons", error, after, after < BETTER * error))
         if trials[-1].kept:
             drawn, state, error = soft, other, after
-    left = [own for name in ORDER if (own := group(drawn, name)).names]
+    begins = {each.name for each in state.values.groups}
+    left = [own for name in ORDER if name not in begins and (own := group(drawn, name)).names]
     for _ in range(PASSES):
         for own in tuple(left):
             if _too_many(state, own, rows):

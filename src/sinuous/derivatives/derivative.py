@@ -67,7 +67,8 @@ class Derivative:
         Whether there is a derivative. There is none at a singular shape, and none at a kink: an active limit or contact
         is in the way of some changes, and not of the opposite ones. The arrays below then keep whatever is active as it
         is, and `one_sided` and `jvp` tell what happens in a direction. Nor is an answer regular that preferences have
-        chosen, or that was moved out of contact: its derivatives are those of the nearest answer.
+        chosen, or that was moved out of contact, nor one of a robot that gravity
+        bends: its derivatives are those of the nearest answer without load.
     singular : bool
         Whether the rows of the targets depend on each other: not every small change of the targets can be followed.
     active : tuple of Active

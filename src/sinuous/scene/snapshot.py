@@ -270,9 +270,12 @@ class Nearest(NamedTuple):
     obstacle: str | None
 
 
-def least_gap(points: Floats, radii: Floats, scene: Snapshot) -> Nearest:
-    """Least of `distance - radius` over points (m, 3) with radii (m,), and where it is: along a body it is quickest."""
-    return _least(points, radii, scene, False)
+def least_gap(points: Floats, radii: Floats, scene: Snapshot, above: bool = False) -> Nearest:
+    """Least of `distance - radius` over points (m, 3) with radii (m,), and where it is: along a body it is quickest.
+
+    `above`: of upper bounds of distances, where only bounds of them are known.
+    """
+    return _least(points, radii, scene, above)
 
 
 def room_at(place: Floats, scene: Snapshot) -> Nearest:

@@ -103,9 +103,12 @@ def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:
 
 
 def find_overlap(robot: Robot, scene: Snapshot, q: Floats) -> Worst:
-    """The deepest overlap of `q` (n, 3) with an obstacle or with itself; its amount is not positive without any."""
+    """The deepest overlap of `q` (n, 3) with an obstacle or with itself; its amount is not positive without any.
+
+    Where only bounds of distances are known it overlaps what an upper bound says.
+    """
     ends = np.concatenate([robot.base[None], robot.forward(q)])
-    clearance, itself = compiled_clearance(robot, scene, q), nearest_meeting(robot, q, ends)
+    clearance, itself = compiled_clearance(robot, scene, q, above=True), nearest_meeting(robot, q, ends)
     return max(_as_worst(clearance, itself), key=lambda worst: worst.amount)
 
 
@@ -137,7 +140,9 @@ def _seen(problem: Problem, q: Floats) -> Meeting:
     return Meeting(deepest.clearance, (deepest.other_segment or deepest.segment, deepest.segment))
 
 
-def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats) -> tuple[float, int | None, str | None]:
+def compiled_clearance(
+    robot: Robot, scene: Snapshot, q: Floats, above: bool = False
+) -> tuple[float, int | None, str | None]:
     """Least clearance beyond what is demanded, its segment (1 = first) and obstacle: as `measures.body` has it."""
     if len(scene) == 0:
         return math.inf, None, None
@@ -147,6 +152,6 @@ def compiled_clearance(robot: Robot, scene: Snapshot, q: Floats) -> tuple[float,
     before = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
     free = before[:, None] + np.linspace(0.0, lengths, SAMPLES + 1, axis=-1) >= robot.mount
     segments = np.broadcast_to(np.arange(len(robot))[:, None], free.shape)[free]
-    nearest = least_gap(points[places[free]], np.array(robot.needed_radii)[segments], scene)
+    nearest = least_gap(points[places[free]], np.array(robot.needed_radii)[segments], scene, above)
     segment = None if nearest.place is None else int(segments[nearest.place]) + 1
     return nearest.distance, segment, nearest.obstacle

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sinuous.measures.obstacles import measure
-from sinuous.scene.meshes.bodies import bodies_overlap
+from sinuous.scene.meshes.bodies import bodies_overlap, cuts_itself
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.scene import Scene
 from tests.helpers import random_rotation, refused
@@ -97,3 +97,62 @@ def test_a_thin_wall_between_overlapping_bodies_is_never_free(second: Triangles)
     refused("engine", lambda: Scene([mesh]).prepare(), "cuts through itself")
     inside = np.array([[0.4985, 0.3, 0.2], [0.4985, 0.0, 0.0]])
     assert (Scene(mesh.bodies()).distance(inside) < 0.0).all()
+
+
+def torus(radius: float, thick: float = 0.3, count: tuple[int, int] = (24, 12)) -> Triangles:
+    """A surface in one piece, which cuts through itself where it is thicker than its ring is wide; a little rough."""
+    a, b = np.meshgrid(*(np.linspace(0.0, 2.0 * np.pi, n, endpoint=False) for n in count), indexing="ij")
+    ring = radius + thick * np.cos(b)
+    places = np.stack([ring * np.cos(a), ring * np.sin(a), thick * np.sin(b)], axis=-1).reshape(-1, 3)
+    here = np.arange(a.size).reshape(a.shape)
+    next_a, next_b = np.roll(here, -1, axis=0), np.roll(here, -1, axis=1)
+    both = np.roll(next_a, -1, axis=1)
+    faces = [np.stack(each, axis=-1).reshape(-1, 3) for each in ((here, next_a, both), (here, both, next_b))]
+    return places + 1e-3 * np.random.default_rng(0).uniform(-1.0, 1.0, places.shape), np.concatenate(faces)
+
+
+def at_a_corner(other: Triangles) -> Triangles:
+    """A cube and another body whose first vertex is that of the cube: one piece."""
+    vertices, faces = together(cube(), other)
+    shift = vertices[0] - vertices[len(cube()[0])]
+    vertices[len(cube()[0]) :] += shift
+    faces[faces == len(cube()[0])] = 0
+    return vertices, faces
+
+
+@pytest.mark.parametrize(
+    ("body", "cuts"),
+    [
+        (cube(), False),
+        (ball(2), False),
+        (inverted(ball(2)), False),
+        (torus(1.0), False),
+        (torus(0.305), False),
+        (torus(0.297), True),
+        (inverted(torus(0.297)), True),
+        (torus(0.2), True),
+        (at_a_corner(cube(0.5)), True),  # within the cube, in the planes of three of its faces
+        (at_a_corner(sized(cube(), -0.5)), False),  # beside it
+        (together(torus(1.0), cube(0.1, (5.0, 0.0, 0.0))), False),
+        (together(cube(0.1, (5.0, 0.0, 0.0)), torus(0.297)), True),
+    ],
+)
+@pytest.mark.parametrize("place", [(1.0, 0.0), (1e-3, 0.0), (1.0, 40.0)])
+def test_a_surface_that_cuts_itself_is_found_however_little_it_does(
+    body: Triangles, cuts: bool, place: tuple[float, float]
+) -> None:
+    vertices, faces = turned(body, np.random.default_rng(3), *place)
+    assert cuts_itself(vertices, faces) == cuts
+
+
+def test_a_surface_that_cuts_itself_is_a_shell() -> None:
+    """Which side a place is on is not known: nothing is called inside, and the surface is kept clear of."""
+    vertices, faces = torus(0.297)
+    mesh = Mesh(vertices, faces, name="ring")
+    assert not mesh.watertight
+    assert mesh.defects == ("its surface cuts through itself, so it is used as a shell and not as a solid",)
+    assert Mesh(*torus(0.305)).watertight
+    refused("inside", lambda: Mesh(vertices, faces, inside=True), "cuts through itself")
+    within = Scene([mesh]).distance([(0.297, 0.0, 0.0)])
+    assert within == pytest.approx(measure(mesh, np.array([[0.297, 0.0, 0.0]])))
+    assert (within > 0.2).all()

@@ -3,9 +3,12 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.scene.meshes.mending import Integers, cones, pieces, winding_numbers
+
+Flags = NDArray[np.bool_]
 
 
 def apart(vertices: Floats, faces: Integers) -> list[Integers]:
@@ -63,8 +66,17 @@ def _boxes(vertices: Floats, faces: Integers, piece: Integers, count: int) -> tu
 AT_ONCE = 100_000
 """Pairs of triangles that are held against each other at once."""
 
+NEIGHBOURS = 4096
+"""The same of triangles of one surface: most pairs are neighbours, and small sets have few others."""
+
 TOUCHING = 1e-12
 """What counts as no distance of a corner from the plane of a triangle, relative to the extent of both pieces."""
+
+ROUNDED, PLACED = 1e-13, 4e-16
+"""What counts as no volume of a tetrahedron, in cubes of its size; and more, in squares of that times the extent."""
+
+MOST_ASKED = 300_000
+"""Triangles up to which a surface is held against itself: it takes some 20 us a triangle."""
 
 INWARDS = 1e-7
 """How far below its surface a body is looked at, relative to its extent."""
@@ -108,6 +120,72 @@ def bodies_overlap(vertices: Floats, faces: Integers) -> bool:
     )
 
 
+def cuts_itself(vertices: Floats, faces: Integers) -> bool:
+    """Whether a surface in one piece cuts through itself, or overlaps itself: exactly, however little it does.
+
+    Then the closest triangle does not tell which side a place is on. Triangles that have at most one vertex in common
+    must not cross. Where they only touch, what is just below them must be inside once. Surfaces of more than
+    `MOST_ASKED` triangles are not asked.
+
+    Parameters
+    ----------
+    vertices : ndarray (v, 3)
+    faces : ndarray (f, 3)
+        Closed and facing outwards, cavities inwards.
+    """
+    if len(faces) > MOST_ASKED:
+        return False
+    piece = pieces(vertices, faces)
+    return any(_cuts_itself(vertices, faces[piece == k]) for k in range(int(piece.max()) + 1))
+
+
+def _cuts_itself(vertices: Floats, faces: Integers) -> bool:
+    corners = vertices[faces] - 0.5 * (vertices[faces].min(axis=(0, 1)) + vertices[faces].max(axis=(0, 1)))
+    extent = float(np.abs(corners).max())
+    normals = _normals(corners)
+    touching: set[int] = set()
+    for first, second in _box_pairs(corners, corners, NEIGHBOURS):
+        once = first < second
+        common = (faces[first[once], :, None] == faces[second[once], None, :]).sum(axis=(1, 2))
+        i, j, common = first[once][common < 2], second[once][common < 2], common[common < 2]
+        size = np.maximum(np.ptp(corners[i], axis=1).max(axis=1), np.ptp(corners[j], axis=1).max(axis=1))
+        tiny = ROUNDED * size + PLACED * extent
+        met = _planes_meet(corners, normals, i, j, tiny, common) & _planes_meet(corners, normals, j, i, tiny, common)
+        i, j, common, small = i[met], j[met], common[met], (size**2 * tiny)[met]
+        for one, other in ((i, j), (j, i)):
+            crossing, near = _edges_meet(corners[one], corners[other], small)
+            if crossing.any():
+                return True
+            touching |= {*i[near & (common == 0)].tolist(), *j[near & (common == 0)].tolist()}
+    return bool(touching) and _covered_twice(corners, np.array(sorted(touching), np.intp))
+
+
+def _planes_meet(corners: Floats, normals: Floats, i: Integers, j: Integers, tiny: Floats, common: Integers) -> Flags:
+    """Whether triangles `j` (m,) reach to both sides of the planes of triangles `i` (m,), but for a common corner."""
+    heights = np.einsum("mkx,mx->mk", corners[j] - corners[i, :1], normals[i])
+    slack = np.where(common > 0, -tiny, tiny)
+    result: Flags = (heights.min(axis=1) <= slack) & (heights.max(axis=1) >= -slack)
+    return result
+
+
+def _normals(corners: Floats) -> Floats:
+    """Unit normals (f, 3) of triangles (f, 3, 3)."""
+    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(sides / np.linalg.norm(sides, axis=1)[:, None])
+
+
+def _covered_twice(corners: Floats, asked: Integers) -> bool:
+    """Whether what is just below some triangles of a surface (f, 3, 3) is inside more than once, or not at all.
+
+    Of a cavity the material is outside of the surface: what is just below must not be inside.
+    """
+    normals, middles = _normals(corners[asked]), corners[asked].mean(axis=1)
+    step = INWARDS * float(np.ptp(corners.reshape(-1, 3), axis=0).max())
+    below = winding_numbers(middles - step * normals, corners)
+    outwards = cones(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)).sum() > 0.0
+    return bool((np.abs(below - float(outwards)) > 0.5).any())
+
+
 def _inside(body: Floats, other: Floats, touching: bool) -> bool:
     """Whether what is just below the surface of a body (f, 3, 3) lies within another one, with its cavities."""
     sides = np.cross(body[:, 1] - body[:, 0], body[:, 2] - body[:, 0])
@@ -137,7 +215,7 @@ def _cross(one: Floats, other: Floats) -> tuple[bool, bool]:
     return False, near
 
 
-def _box_pairs(one: Floats, other: Floats) -> Iterator[tuple[Integers, Integers]]:
+def _box_pairs(one: Floats, other: Floats, at_once: int = AT_ONCE) -> Iterator[tuple[Integers, Integers]]:
     """Numbers (m,) of triangles of both sets whose boxes meet, some pairs at a time: large sets are halved."""
     lows, highs = [t.min(axis=1) for t in (one, other)], [t.max(axis=1) for t in (one, other)]
     todo = [(np.arange(len(one)), np.arange(len(other)))]
@@ -149,7 +227,7 @@ def _box_pairs(one: Floats, other: Floats) -> Iterator[tuple[Integers, Integers]
             at[((low[at] <= box_high) & (high[at] >= box_low)).all(axis=1)]
             for low, high, at in zip(lows, highs, own, strict=True)
         )
-        if len(i) * len(j) <= AT_ONCE:
+        if len(i) * len(j) <= at_once:
             meet = ((lows[0][i, None] <= highs[1][j]) & (highs[0][i, None] >= lows[1][j])).all(axis=-1)
             a, b = np.nonzero(meet)
             yield i[a], j[b]
@@ -162,18 +240,23 @@ def _box_pairs(one: Floats, other: Floats) -> Iterator[tuple[Integers, Integers]
 
 def _edges_cross(edges: Floats, triangles: Floats, extent: float) -> tuple[bool, bool]:
     """Whether an edge of a triangle (m, 3, 3) passes through the other one, and whether one only just may."""
-    crossing = touching = False
+    crossing, touching = _edges_meet(edges, triangles, TOUCHING * extent**3)
+    return bool(crossing.any()), bool(touching.any())
+
+
+def _edges_meet(edges: Floats, triangles: Floats, small: float | Floats) -> tuple[Flags, Flags]:
+    """The same for each pair (m,); volumes up to `small` (m,) are none."""
+    crossing, touching = np.zeros((2, len(edges)), bool)
     a, b, c = np.moveaxis(triangles, 1, 0)
     for k in range(3):
         p, q = edges[:, k], edges[:, (k + 1) % 3]
         sides = np.stack([_volume(p, a, b, c), _volume(q, a, b, c)])
         about = np.stack([_volume(p, q, a, b), _volume(p, q, b, c), _volume(p, q, c, a)])
-        small = TOUCHING * extent**3
         apart = ((sides > small).all(axis=0)) | ((sides < -small).all(axis=0))
         apart |= (about > small).any(axis=0) & (about < -small).any(axis=0)
         sure = (np.abs(sides) > small).all(axis=0) & (np.abs(about) > small).all(axis=0)
-        crossing = crossing or bool((~apart & sure).any())
-        touching = touching or bool((~apart & ~sure).any())
+        crossing |= ~apart & sure
+        touching |= ~apart & ~sure
     return crossing, touching
 
 

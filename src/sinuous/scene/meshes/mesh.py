@@ -13,7 +13,7 @@ from sinuous.arguments import Number, Orientation, Rows, Triangles, Truth, Vecto
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.reprs import text
-from sinuous.scene.meshes.bodies import apart
+from sinuous.scene.meshes.bodies import apart, cuts_itself
 from sinuous.scene.meshes.mending import Integers, mend
 from sinuous.scene.obstacles import Obstacle
 from sinuous.scene.reading import Placement, Source, check_file, needed
@@ -125,6 +125,9 @@ class Mesh(Obstacle):
     ) -> None:
         places = checks.points("vertices", vertices)
         clean, used, solid, defects = mend(places, _indices(faces, len(places)))
+        if solid and cuts_itself(clean, used):
+            solid = False
+            defects.append("its surface cuts through itself, so it is used as a shell and not as a solid")
         width, within = checks.number("thickness", thickness, low=0.0), checks.truth("inside", inside)
         if width > 0.0 and solid:
             raise InputError("thickness", "is for open meshes", width, "none: this mesh is watertight, a solid")

@@ -24,6 +24,7 @@ KEYS = [
     "self_clearance",
     "demanded_clearance",
     "demanded_self_clearance",
+    "uncertainty",
     "actuators",
     "tensions",
     "worst",
@@ -256,9 +257,9 @@ def test_what_several_files_need_is_compiled_before_the_first_is_answered(
     events: list[str] = []
 
     def noted(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*arguments: Any) -> Any:
+        def call(*arguments: Any, **named: Any) -> Any:
             events.append(name)
-            return function(*arguments)
+            return function(*arguments, **named)
 
         return call
 

@@ -35,7 +35,7 @@ def test_json_has_totals_and_waypoints(capsys: pytest.CaptureFixture[str], probl
     assert [len(track["waypoints"]) for track in (whole, half, single)] == [3, 3, 1]
     own = [key for key in KEYS if key not in ("file", "prepare_seconds")]
     assert all(list(waypoint) == own for waypoint in whole["waypoints"])
-    totals = [key for key in KEYS if key not in ("q", "actuators", "start", "route_class")]
+    totals = [key for key in KEYS if key not in ("q", "actuators", "tensions", "uncertainty", "start", "route_class")]
     assert [key for key in whole if key in KEYS] == totals
     assert whole["seconds"] > sum(waypoint["seconds"] for waypoint in whole["waypoints"])
     assert half["worst"] == half["waypoints"][1]["worst"]

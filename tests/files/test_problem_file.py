@@ -255,7 +255,7 @@ BAD = {
     "robot: {segments: {length: 1, tendons: {count: 2, radius: 1, names: [a]}}}": "robot.segments.tendons.names: "
     "expected a list of 2 names, got ['a']",
     "robot: 3": "robot: expected a mapping with segments, radius, mount, base, tool, self_collision, actuators, name, "
-    "clearance, self_clearance, got 3",
+    "clearance, self_clearance, uncertainty, stiffness, mass, arcs, gravity, payload, got 3",
     ROBOT + "scene: {}": "scene: expected a list of obstacles, got {}",
     ROBOT + "scene: [ball]": "scene[0]: expected a mapping with sphere, box, capsule, cylinder, half_space ... 'ball'",
     ROBOT + "scene: [{spere: {}}]": "scene[0].spere: expected perhaps sphere ... (unknown key)",

@@ -307,9 +307,8 @@ def test_what_is_asked_wrongly_is_refused_by_name() -> None:
     ask: Callable[..., Any] = solver.solve_many
     target = sn.Target((0, 0, 3.9))
     refused("targets", ask, "nothing is asked", "positions=")
-    refused("targets[1]", lambda: ask([target, [1.0, 2.0, 3.0]]), "a Target", "for positions use positions=")
-    refused("targets[1]", lambda: ask([target, (0, 0, 1)]), "for positions use positions=")
-    refused("targets[0]", lambda: ask([places[0]]), "for positions use positions=")
+    refused("targets[1]", lambda: ask([target, [1.0, 2.0]]), "a Target", "for positions use positions=")
+    refused("targets[0]", lambda: ask([places[0, :2]]), "for positions use positions=")
     refused("targets", lambda: ask(places), "a list of targets", "for positions use positions=")
     refused_each("targets", (target, "abc", 3, {"position": 1}), ask, "a list of targets")
     refused_each("targets[0]", ([3], [None], ["abc"]), ask, "a Target")

@@ -60,7 +60,7 @@ def calibrate(
     fit: Names | None = None,
     places: Sequence[Number] | HasArray | None = None,
     markers: Rows | None = None,
-    groups: Sequence[object] | None = None,
+    groups: Sequence[object] | NDArray[Any] | None = None,
     unit: Number = 1.0,
     frame: Frame = "base",
 ) -> Calibration:

@@ -59,7 +59,7 @@ def design(
     minimise: str | Iterable[str],
     robots: Whole = ROBOTS,
     budget: Number = TIME,
-    engine: Any = "threads",
+    engine: object = "threads",
     workers: Whole | None = None,
     out: str | Path | None = None,
     progress: bool = False,

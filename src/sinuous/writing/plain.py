@@ -24,7 +24,8 @@ def described(noun: Frozen) -> dict[str, Any]:
         value = getattr(noun, noun._arguments.get(name, name), None)
         value = _TURNS[name](value) if name in _TURNS else plain(value)
         default = None if parameter.default is parameter.empty else plain(parameter.default)
-        if value is not None and value != default:
+        nothing = value is None or (value == [] and default is None)
+        if not nothing and value != default:
             result[name] = value
     return result
 

@@ -1,24 +1,21 @@
 """Equilibria of a body of arcs: what Python calls."""
 
 from sinuous.kernels.compile import entry, kernel
-from sinuous.kernels.maths.vectors import Array, put_vec
+from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.statics import layout as t
 from sinuous.kernels.statics.newton import (
     LENGTHS,
     MOST_ITERATIONS,
     TAUT,
-    TENSIONS,
     WANTED,
     Body,
     Space,
-    along,
     answer_lines,
     carve,
     descend,
     look,
 )
 from sinuous.kernels.statics.pulls import solve_taut
-from sinuous.kernels.statics.sweeps import move, solve
 
 SHARE, ITERATIONS, UNSTABLE, LEFT, MOMENT, FORCE = 0, 1, 2, 3, 4, 7
 """Columns of a record: share of the loads for which an equilibrium was found; Newton steps; how many directions lower
@@ -161,59 +158,3 @@ def _leave(x: Array, tensions: Array, body: Body, space: Space, rest: Array, tri
         _start_taut(body.lines, tensions, space)
         return
     _judge(x, tensions, body, space, record)
-
-
-@entry
-def sensitivities(
-    base: Array,
-    arcs: Array,
-    loads: Array,
-    lines: Array,
-    slopes: int,
-    x: Array,
-    tensions: Array,
-    wanted: Array,
-    lengthened: Array,
-    buffer: Array,
-    out: Array,
-) -> None:
-    """Fill `out` (p, N + 1, 6): twists `(omega, v)` of the ends of all arcs, in world axes about the base.
-
-    In each row of `wanted` (p, N, 4) residuals change by so much, and in that of `lengthened` (p, t) held lengths.
-    """
-    space, _ = carve(buffer, x.shape[0], lines.shape[0], slopes)
-    for j in range(12):
-        space.frames[0, j] = base[0, j]
-    look(x, tensions, Body(arcs, loads, lines), 1.0, False, space)
-    answer_lines(lines, x.shape[0], space)
-    for i in range(lines.shape[0]):
-        space.small[TAUT, i] = (
-            1.0 if lines[i, t.HELD] > 0.0 and (tensions[i] > 0.0 or lines[i, t.PUSHES] > 0.0) else 0.0
-        )
-    for p in range(wanted.shape[0]):
-        _answer(wanted[p], lengthened[p], lines, space)
-        omega, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for k in range(x.shape[0]):
-            omega, v = move(k, space.step, omega, v, space.stages)
-            put_vec(out[p], k + 1, 0, omega)
-            put_vec(out[p], k + 1, 3, v)
-
-
-@kernel
-def _answer(wanted: Array, lengthened: Array, lines: Array, space: Space) -> None:
-    """Fill the step of states that belongs to a change of residuals and of held lengths."""
-    count = space.step.shape[0]
-    solve(wanted, space.stages, space.step)
-    held = 0.0
-    for i in range(lines.shape[0]):
-        held += space.small[TAUT, i]
-        space.small[WANTED, i] = along(lines, i, space.step, space) - lengthened[i]
-        space.small[TENSIONS, i] = 0.0
-    if held == 0.0:
-        return
-    solve_taut(space.matrix, space.small[WANTED], space.small[TAUT], space.small[TENSIONS], space.scratch[: len(lines)])
-    for i in range(lines.shape[0]):
-        if space.small[TAUT, i] > 0.0:
-            for k in range(count):
-                for j in range(4):
-                    space.step[k, j] -= space.small[TENSIONS, i] * space.changes[i * count + k, j]

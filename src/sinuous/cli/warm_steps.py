@@ -26,6 +26,7 @@ from sinuous.solving.solver import Solver
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
 MOVING = Scene([Moving(Sphere((9.0, 0.0, 0.0), 0.5), [0.0], [(0.0, 0.0, 0.0)])])
 FAR = Scene([Sphere((9.0, 0.0, 0.0), 0.5)])
+HEAVY = ROBOT.changed(mass=1.0, gravity=(0.0, 0.0, -9.81), stiffness=100.0)
 TARGET = Target((0.5, 0.0, 1.5))
 
 
@@ -67,6 +68,9 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
         Step("motions", _motions),
         Step("plans", _plans),
         Step("control loops", _loops),
+        Step("derivatives", partial(_derivatives, None)),
+        Step("derivatives among obstacles", partial(_derivatives, FAR)),
+        Step("shapes under load", _shapes_under_load),
     ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
@@ -82,6 +86,16 @@ def _plans() -> None:
 
 def _loops() -> None:
     Solver.prepared(ROBOT, FAR, SolveOptions.of({})).step([[0.0, 0.0, 1.0]] * len(ROBOT), (0.0,) * 6, 1.0)
+
+
+def _derivatives(scene: Scene | None) -> None:
+    solver = Solver.once(ROBOT, scene)
+    solver.solve(TARGET).derivative()
+    solver.solve_many([TARGET]).derivative()
+
+
+def _shapes_under_load() -> None:
+    HEAVY.shape([[0.0, 0.0, 1.0]] * len(ROBOT))
 
 
 def _kinematics() -> None:

@@ -205,9 +205,6 @@ class Solver:
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
         outcome = self._look(problem, given) if blocked else self._first(problem, given, budget)
         if outcome.code != SOLVED:
-            if outcome.code in UNDECIDED:
-                with no_work():
-                    self._strategy.load()
             outcome = self._go_on(outcome, problem, given, budget[3])
         outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
@@ -522,7 +519,8 @@ class Solver:
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float, learn: bool = True) -> Outcome:
         """Ask the other start sources until something is decided."""
         if first.code in UNDECIDED:
-            self._strategy.load()
+            with no_work():  # compiling is no solving
+                self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
         if first.bound and search.open and self.method == OWN_METHOD and not len(problem.scene):
             search.take(self._from_rest(first, problem, search.seconds_left))

@@ -96,5 +96,6 @@ def test_every_entry_is_in_one_piece() -> None:
 def test_methods_that_are_not_asked_for_are_left_out() -> None:
     named = [step.what for step in steps(["dls", "dls"])]
     geometry = ["kinematics", "distances", "classes of routes", "motions", "plans", "control loops"]
-    assert named == [*geometry, "the method dls"]
+    bodies = ["derivatives", "derivatives among obstacles", "shapes under load"]
+    assert named == [*geometry, *bodies, "the method dls"]
     assert {step.what for step in steps()} >= {f"the method {name}" for name in METHODS if name != "newton"}

@@ -90,7 +90,7 @@ def _loops() -> None:
 
 def _derivatives(scene: Scene | None) -> None:
     solver = Solver.once(ROBOT, scene)
-    solver.solve(TARGET).derivative()
+    _ = solver.solve(TARGET).derivative().clearance
     solver.solve_many([TARGET]).derivative()
 
 

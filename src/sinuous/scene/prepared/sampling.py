@@ -4,7 +4,6 @@ import hashlib
 import itertools
 import math
 import os
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.kernels.tables import COUNT, ITEM_KIND, LEVELS, TRIANGLES
 from sinuous.scene.prepared import kept
+from sinuous.work_time import work_time
 
 CELLS, ENTRIES = 29_000, 1_900_000
 """Most cells about a mesh, and most triangles of all their lists: 16 MB."""
@@ -54,7 +54,7 @@ SLABS = 64
 WORTH_KEEPING = 0.1
 """Seconds of computing from which samples are kept on disk."""
 
-VERSION = 1
+VERSION = 2
 """Raised when the samples of the same obstacle come out differently."""
 
 
@@ -119,7 +119,7 @@ def _compute(
 ) -> tuple[Floats, float]:
     """Sample by slabs, in threads: the kernel runs without the interpreter's lock. Return the seconds, too.
 
-    Compiling does not count: it would have small arrays kept.
+    Neither compiling nor interpreting counts: they would have small arrays kept.
     An interrupt waits for the slabs that are under way, and not for the others.
     """
     from sinuous.kernels.fields import solids  # noqa: PLC0415
@@ -132,7 +132,7 @@ def _compute(
     if len(discs):
         solids.enclose(table, store, discs)
     solids.sample(table, store, discs, np.empty(WORKSPACE), 0, 0, values)  # compiled, or loaded, and nothing sampled
-    began = time.perf_counter()
+    began = work_time()
     steps = np.linspace(0, shape[0], SLABS + 1).astype(int)
     cuts = np.unique([*(steps[:-1] // EDGE * EDGE), shape[0]]).tolist()
     with ThreadPoolExecutor(min(THREADS, os.cpu_count() or 1)) as threads:
@@ -148,4 +148,4 @@ def _compute(
         except BaseException:
             threads.shutdown(wait=False, cancel_futures=True)
             raise
-    return values, time.perf_counter() - began
+    return values, work_time() - began

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 import sinuous as sn
 from sinuous import methods
+from sinuous.designing.design import Design
 from sinuous.export.chain import JointChain
 from sinuous.reprs import LONGEST, text
 from sinuous.solution.binding import Binding
@@ -44,6 +45,8 @@ OBJECTS: list[Any] = [
     sn.calibrate(DRAWN, SETTINGS, DRAWN.tip(DRAWN.from_actuators(SETTINGS))[:, :3, 3], fit=["base"]),
     sn.Stage(40.0, 1 / 3, LONG, LONG),
     sn.Memory(ROBOT),
+    sn.Cover([sn.Target((0, 0, 1))] * 9, 0.5),
+    Design(("length",), (), None, (), (), 12345, 3, 4, 1.5),
     sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),
     *(SCENE, SCENE.snapshot()),
     *(sn.Sphere((1 / 3, 2 / 3, 1e-9), 1 / 7, inside=True, name=LONG), sn.HalfSpace((0, 0, 0), (1, 2, 3))),

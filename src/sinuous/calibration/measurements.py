@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,7 +90,7 @@ def read(
     measured: Stack,
     places: Sequence[Number] | HasArray | None,
     markers: Rows | None,
-    groups: Sequence[object] | None,
+    groups: Sequence[object] | NDArray[Any] | None,
     unit: Number,
 ) -> Measurements:
     """Check what was measured; see `sinuous.calibrate`."""
@@ -161,7 +161,7 @@ def _points(
     return np.array(points), tuple(kinds), np.ones(count)
 
 
-def _labels(groups: Sequence[object] | None, count: int) -> tuple[str, ...]:
+def _labels(groups: Sequence[object] | NDArray[Any] | None, count: int) -> tuple[str, ...]:
     if groups is None:
         return tuple(f"rows {count * i // FOLDS} to {max(0, count * (i + 1) // FOLDS - 1)}" for i in _blocks(count))
     labels = tuple(str(label) for label in groups)

@@ -43,7 +43,7 @@ class Space:
     Parameters
     ----------
     template : Robot
-    vary : mapping of str to (low, high), or list of values
+    vary : mapping of str to (low, high) or list
         Fields as for `sweep`, and elements of lists: `base.position[2]`. A tuple of two numbers, or a mapping
         `{range: [low, high]}`, is a range; anything else lists values.
 

@@ -76,7 +76,7 @@ def design(
     tasks : mapping or iterable of (Target, list of Target, Follow, Cover, or Move)
         As for `assess`.
     scene : Scene or list of obstacles, optional
-    vary : mapping of str to (low, high), or list of values
+    vary : mapping of str to (low, high) or list
         Fields of the robot file, as for `sweep`, and elements of lists like `base.position[2]`: each with a range (a
         tuple of two numbers) or a list of values.
     minimise : str or two of them

@@ -16,7 +16,7 @@ from sinuous.errors import warn_of
 
 Given = list[tuple[Chosen, Output]]
 
-LINES = "speed, clutter, wild, many, motion, derivatives, real"
+LINES = "speed, clutter, wild, many, motion, derivatives, design, real"
 
 
 @pytest.fixture

@@ -270,7 +270,9 @@ def test_the_nearest_is_no_farther_than_the_best_that_was_found(seed: int) -> No
         assert then.solved
         assert then.verify().ok
         assert ("start" in remedy.to_dict()) == (remedy.start is not None) == ("start" in str(remedy))
-    assert math.dist(remedies["target position"].after, place) <= 1.1 * solution.position_error
+    assert solution.angle_error is not None
+    off = solution.position_error + BELLOWS.mean_length * solution.angle_error  # it may miss the direction, too
+    assert math.dist(remedies["target position"].after, place) <= 1.1 * off
 
 
 def test_a_body_is_not_allowed_to_run_through_itself() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from functools import partial
+from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -106,7 +107,8 @@ def _kinematics() -> None:
 
 
 def _distances() -> None:
-    corners = np.vstack([np.zeros(3), np.eye(3)])
+    # at a place of its own each time: samples of a mesh that was met before are read from the disk
+    corners = np.vstack([np.zeros(3), np.eye(3)]) + perf_counter() % 1.0
     scene = Scene([Mesh(corners, [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])])
     scene.distance([1.0, 1.0, 1.0])
     least_gap(corners, np.zeros(len(corners)), scene.snapshot())

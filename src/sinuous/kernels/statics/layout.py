@@ -60,5 +60,3 @@ moves with bends and length (3 vectors in the world), and where that is from the
 what its state adds to the moment of the loads about the base (4 vectors)."""
 
 STAGE_WIDTH = 112
-
-TWIST_WIDTH = 6

@@ -10,13 +10,13 @@ Masses are nominal, there is no gravity, and links do not touch each other; they
 import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+from xml.etree.ElementTree import Element, SubElement
 
 from sinuous.checks import Floats
 from sinuous.export.chain import Joint, Link
 from sinuous.export.drives import STEP, Drive, DrivenChain, couplings
 from sinuous.export.urdf import THIN, TURNING
-from sinuous.writing.documents import written
+from sinuous.writing.documents import write_xml
 
 STIFF = "0.005 1"
 """Time (s) in which an equality is restored, and its damping ratio."""
@@ -33,10 +33,7 @@ def write_mjcf(file: str | Path, driven: DrivenChain) -> None:
     InputError
         When the file cannot be written.
     """
-    tree = ElementTree(model_element(driven))
-    indent(tree)
-    with written(file):
-        tree.write(Path(file), encoding="utf-8", xml_declaration=True)
+    write_xml(file, model_element(driven))
 
 
 def model_element(driven: DrivenChain) -> Element:

@@ -7,13 +7,13 @@ that collide.
 
 import math
 from pathlib import Path
-from xml.etree.ElementTree import Element, ElementTree, SubElement, indent
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.export.chain import Joint, JointChain, Link
-from sinuous.writing.documents import written
+from sinuous.writing.documents import write_xml
 
 THIN = 0.005
 """Radius, as a share of the robot's mean length, of an arm that has none, to be looked at."""
@@ -29,10 +29,7 @@ def write_urdf(file: str | Path, chain: JointChain) -> None:
     InputError
         When the file cannot be written.
     """
-    tree = ElementTree(robot_element(chain))
-    indent(tree)
-    with written(file):
-        tree.write(Path(file), encoding="utf-8", xml_declaration=True)
+    write_xml(file, robot_element(chain))
 
 
 def robot_element(chain: JointChain) -> Element:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from xml.etree.ElementTree import Element, ElementTree, indent
 
 from sinuous.errors import InputError
 
@@ -27,6 +28,20 @@ def written(file: str | Path, key: str = "file") -> Iterator[None]:
         yield
     except OSError as error:
         raise InputError(key, f"cannot be written: {error.strerror or error}", str(file), wanted) from None
+
+
+def write_xml(file: str | Path, root: Element) -> None:
+    """Write an element as a document of XML, indented. A file that is there is replaced.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    tree = ElementTree(root)
+    indent(tree)
+    with written(file):
+        tree.write(Path(file), encoding="utf-8", xml_declaration=True)
 
 
 def write_document(file: str | Path, values: Any) -> None:

@@ -12,8 +12,7 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels import tables as k
-from sinuous.kernels.statics import layout as t
-from sinuous.kernels.tables import FAILED, LATE, SOLVED, Outcome
+from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
 from sinuous.packing import pose_row
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
@@ -216,7 +215,8 @@ class UnderLoad:
             self._body = Body(self._robot, problem)
         outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
         held = len(self._robot.drive) == 0 or not self._robot.violations(shape.q)
-        code = FAILED if outcome.code == SOLVED and not held else outcome.code
+        wrong = outcome.code == OUT_OF_REACH or (outcome.code == SOLVED and not held)  # of this shape alone
+        code = FAILED if wrong else outcome.code
         return outcome._replace(q=shape.q.copy(), code=code)
 
 
@@ -240,8 +240,8 @@ def given(q: Floats) -> Outcome:
     return Outcome.from_record(q, [*unknown, *[math.inf] * 4, 0.0, math.inf, 0.0])
 
 
-def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int) -> Outcome:
-    """Correct start after start until the first whose loaded body is proved.
+def corrections(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float) -> Iterator[Outcome]:
+    """Correct start after start until the time is over, and yield what each comes to, proved or not.
 
     Parameters
     ----------
@@ -252,31 +252,30 @@ def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome]
         Solutions without load.
     seconds : float
         Budget.
-    most : int
-        Most starts.
     """
-    began = work_time()
-    best: Outcome | None = None
-    first: Outcome | None = None
-    iterations = count = 0
-    for start in starts:
-        first = start if first is None else first
-        count += 1
-        shape, off, turn, rounds = own.correct(start.q, problem, began + seconds)
-        iterations += start.iterations + rounds
-        if shape is not None:
-            outcome = own.judge(shape, problem, began + seconds - work_time())
-            outcome = outcome._replace(position_error=off, angle_error=turn, source=start.source, route=start.route)
-            if best is None or outcome.code == SOLVED or outcome.merit < best.merit:
-                best = outcome
-        if best is not None and best.code == SOLVED:
+    end = work_time() + seconds
+    for count, start in enumerate(starts, 1):
+        shape, off, turn, rounds = own.correct(start.q, problem, end)
+        if shape is None:
+            found = given(start.q)
+        else:
+            found = own.judge(shape, problem, end - work_time())._replace(position_error=off, angle_error=turn)
+        found = found._replace(source=start.source, route=start.route)
+        yield found._replace(iterations=start.iterations + rounds, starts=1)
+        if count >= STARTS or work_time() >= end:
+            return
+
+
+def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int) -> Outcome:
+    """Correct starts until the first whose loaded body is proved; `most`: so many at most. See `corrections`."""
+    began, best, count, iterations = work_time(), None, 0, 0
+    for found in corrections(own, problem, starts, seconds):
+        count, iterations = count + 1, iterations + found.iterations
+        if best is None or found.code == SOLVED or found.merit < best.merit:
+            best = found
+        if best.code == SOLVED or count >= most:
             break
-        if count >= min(most, STARTS) or work_time() - began >= seconds:
-            break
+    assert best is not None
     spent = work_time() - began
-    if best is None:
-        assert first is not None
-        best = first._replace(code=FAILED)
-    late = best.code != SOLVED and spent >= seconds
-    code = LATE if late else best.code
+    code = LATE if best.code != SOLVED and spent >= seconds else best.code
     return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

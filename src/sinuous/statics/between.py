@@ -1,16 +1,16 @@
 """How far a loaded body leaves the straight way between two of its shapes, while its motors run evenly: a proof.
 
-From state `x0` at one drive to `x1` at another, let `x(s)` be linear. The equilibrium at `s` is the root of the gradient
-`r(y; s)` of the energy. In the norm `|u|^2 = sum m_j u_j^2`, m the stiffness of every coordinate:
+From state `x0` at one drive to `x1` at another, let `x(s)` be linear. The equilibrium at `s` is the root of the
+gradient `r(y; s)` of the energy. In the norm `|u|^2 = sum m_j u_j^2`, m the stiffness of every coordinate:
 
 - `r(x(s); s)` is looked at in places of s; between two it is at most 1/8 of its largest second derivative more: R;
 - where `u' H u >= c |u|^2` for the second derivative H of the energy all around, y of `|y - x(s)| <= rho`, and
   `R <= c rho`, there is exactly one root in that ball at every s (Kantorovich; monotone operators), and it is within
   `R / c`. As the roots go on steadily, they are the equilibria that the body passes through.
 
-c is the least eigenvalue half-way, less what third derivatives can change. All of them are bounded by one rule: a tangent
-of the body is a product of rotations, whose m-th derivative along `u` is at most `A^m`, A the sum of the angles of u
-up to there. A line that follows the arcs pulls with a convex energy, where nothing twists, however taut or slack it is.
+c is the least eigenvalue half-way, less what third derivatives can change. All of them are bounded by one rule: a
+tangent of the body is a product of rotations, whose m-th derivative along `u` is at most `A^m`, A the sum of the angles
+of u up to there. A line that follows the arcs pulls with a convex energy, where nothing twists, however taut it is.
 """
 
 from typing import NamedTuple

@@ -77,6 +77,11 @@ class Rest:
         result: Floats = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
         return result
 
+    @property
+    def shown(self) -> Floats:
+        """The same; as nothing loads it, where no equilibrium was found."""
+        return self.tables.states[:, [0, 1, 3]] if self.states is None else self.arcs
+
     @cached_property
     def frames(self) -> Floats:
         """Frames (1, N + 1, 12) of the base and of the ends of all arcs, without their roll."""
@@ -97,7 +102,7 @@ class Rest:
         return pose @ self.robot.tool if at_tip else pose
 
     def jacobian(self, segment: int | None) -> Floats:
-        """Derivative (6, 3 n) of that pose, `(omega, v)` in world axes, while arcs keep what they deviate from even ones."""
+        """Derivative (6, 3 n) of that pose, `(omega, v)` in world axes, while arcs deviate so from even ones."""
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
         count, own, robot = len(self.arcs), body_of(self.robot), self.robot
@@ -164,7 +169,18 @@ class Way:
         arcs, loads, lines, slopes, _, _ = tables
         x, tensions = ((1.0 - share) * a + share * b for a, b in zip(one.found, other.found, strict=True))
         left, out = np.empty(x.shape), np.empty((x.size if softness else 0, *x.shape))
-        soften(self._base, arcs, loads, lines, slopes, x, tensions, np.empty(room_for(len(x), len(lines), slopes)), left, out)
+        soften(
+            self._base,
+            arcs,
+            loads,
+            lines,
+            slopes,
+            x,
+            tensions,
+            np.empty(room_for(len(x), len(lines), slopes)),
+            left,
+            out,
+        )
         return tables, left, out.reshape(len(out), x.size)
 
 

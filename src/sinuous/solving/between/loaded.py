@@ -30,7 +30,7 @@ KEPT = 256
 
 
 class Piece(NamedTuple):
-    """A part of a step: shares at which it begins and ends, both shapes (2, N, 3), and how far aside the body may be."""
+    """A part of a step: shares where it begins and ends, both shapes (2, N, 3), and how far aside the body may be."""
 
     begin: float
     end: float
@@ -68,9 +68,7 @@ class Ways:
         return found
 
 
-def prove_way(
-    ways: Ways, q0: Floats, q1: Floats, prove: Callable[[Piece], Floats], end: float
-) -> Floats:
+def prove_way(ways: Ways, q0: Floats, q1: Floats, prove: Callable[[Piece], Floats], end: float) -> Floats:
     """Answer (14,) about a step: proved where every piece is, else `SAMPLED` where shapes are clear, else undecided.
 
     Parameters
@@ -82,8 +80,9 @@ def prove_way(
         When the time is over, see `work_time`.
     """
     one, other = ways.at(q0), ways.at(q1)
+    nothing: Floats = unproved(1)[0]
     if one.states is None or other.states is None:
-        return unproved(1)[0]
+        return nothing
     way = Way(one, other)
     done: list[tuple[float, float, Floats]] = []
     left = [(0.0, 1.0, one, other)] if ways.bounded or one is other else []
@@ -99,7 +98,7 @@ def prove_way(
         middle = 0.5 * (begin + last)
         near = way.rest(middle) if last - begin > 0.5**HALVINGS and work_time() < end else a
         if near is a or near.states is None or one is other:
-            done.append((begin, last, unproved(1)[0] if answer is None else answer))
+            done.append((begin, last, nothing if answer is None else answer))
             bounded = answer is not None
             break
         left += [(middle, last, near, b), (begin, middle, a, near)]
@@ -116,7 +115,8 @@ def _sampled(one: Rest, other: Rest, prove: Callable[[Piece], Floats]) -> Floats
     way = Way(one, other)
     rests = [one, *map(way.rest, np.linspace(0.0, 1.0, SAMPLES)[1:-1].tolist()), other]
     if any(each.states is None for each in rests):
-        return unproved(1)[0]
+        nothing: Floats = unproved(1)[0]
+        return nothing
     arcs = np.stack([each.arcs for each in rests])
     middles = np.ascontiguousarray(0.5 * (arcs[:-2:2] + arcs[2::2]))
     frames = np.empty((2, len(middles), arcs.shape[1] + 1, 12))

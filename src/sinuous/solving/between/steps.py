@@ -184,7 +184,6 @@ class Prover:
         prove_motions(self._group, self._scene_group, knots, known, drifts, terms, self._workspace, answers)
         return answers
 
-
     def _prove_under_load(
         self, ways: Ways, knots: Floats, slack: float, seconds: float, times: Floats | None
     ) -> Floats:

@@ -17,6 +17,7 @@ from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budg
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.prepared import Call
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -623,6 +624,11 @@ class SolvesAgain:
     def max_starts(self) -> int | None:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
+
+    @property
+    def preferences(self) -> Preferences:
+        """What answers are chosen by."""
+        return self.options.prefer
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""

@@ -120,7 +120,8 @@ def test_a_goal_that_overlaps_is_blocked_and_one_beyond_its_limits_is_refused() 
     assert motion.worst is not None
     assert motion.worst.obstacle == "ball"
     with pytest.raises(
-        InputError, match=r"^goal: expected a configuration within all limits, .*\(length of segment 1 is 0.3 beyond its limit\)"
+        InputError,
+        match=r"^goal: expected a configuration within all limits, .*\(length of segment 1 is 0.3 beyond its limit\)",
     ):
         sn.plan(ROBOT, bent, [[0.0, 0.0, 1.5]] * 4)
 

@@ -250,7 +250,9 @@ class Timed:
         if self.duration is not None:
             checks.number("--duration", self.duration, above=0.0)
             if self.timed:
-                raise InputError("--duration", "cannot be combined with --timed", self.duration, "one of --duration, --timed")
+                raise InputError(
+                    "--duration", "cannot be combined with --timed", self.duration, "one of --duration, --timed"
+                )
         if self.blend is not None:
             checks.number("--blend", self.blend, above=0.0)
             if not self.timed:

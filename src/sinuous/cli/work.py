@@ -91,7 +91,9 @@ def track_files(
         _refuse(one.problem, "goal")
         _check_timed(one.problem, timed)
         if timed.duration is not None and one.problem.times is not None:
-            raise InputError("--duration", "cannot be combined with times", timed.duration, "one of both", one.problem.file)
+            raise InputError(
+                "--duration", "cannot be combined with times", timed.duration, "one of both", one.problem.file
+            )
 
     def prepare(problem: ProblemFile, **options: Any) -> Tracker:
         options["prefer"] = problem.prefer or None  # without any, those of `track`

@@ -529,7 +529,9 @@ def _text(motion: Motion) -> str:
 def reached_in_words(motion: Motion) -> str:
     """Say how many waypoints the motion comes to: a plan may know a shape for its goal, and no way there."""
     reached, count = len(motion.solutions) - motion.waypoint_knots.count(None), len(motion.solutions) + motion.remaining
-    return f"{reached} of {count} waypoints reached" if count > 1 else f"the target is {'' if reached else 'not '}reached"
+    if count > 1:
+        return f"{reached} of {count} waypoints reached"
+    return "the target is reached" if reached else "the target is not reached"
 
 
 def _sentence(motion: Motion) -> str:

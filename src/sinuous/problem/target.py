@@ -188,7 +188,9 @@ class Target(Frozen):
         matrix = any_rotation(rotation, xyzw)
         if is_pose(position):
             if matrix is not None or direction is not None:
-                raise InputError("position", "cannot be combined with a rotation or direction", position, "3 finite numbers")
+                raise InputError(
+                    "position", "cannot be combined with a rotation or direction", position, "3 finite numbers"
+                )
             whole = as_pose("position", position)
             position, matrix = whole[:3, 3], whole[:3, :3]
         if position is None and direction is None and matrix is None:

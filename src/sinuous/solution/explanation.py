@@ -90,8 +90,8 @@ class Explanation(NotebookMixin):
         lines += _labelled("nearly at", in_words(self.nearest, self.segments, values=True))
         lines += _labelled("would help", [str(each) for each in self.remedies])
         none = self.status is not Status.SOLVED and not self.remedies and self.untried != LOADED
-        said = [each for each in ("" if self.obstacles_matter else ALONE, NOTHING if none else "", self.untried) if each]
-        return "\n".join([*lines, *(f"  {each[0].upper()}{each[1:]}." for each in said)])
+        said = "" if self.obstacles_matter else ALONE, NOTHING if none else "", self.untried
+        return "\n".join([*lines, *(f"  {each[0].upper()}{each[1:]}." for each in said if each)])
 
     def __repr__(self) -> str:
         counted = [f"{len(self.binding)} binding", f"{len(self.remedies)} remedies"]

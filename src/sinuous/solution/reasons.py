@@ -116,7 +116,7 @@ def base_in(problem: Problem) -> Reason:
 
 
 def closed_in(problem: Problem, cell: float) -> Reason:
-    """The obstacle nearest to the most distal target, which no route leads to; `cell`: edge of the cells that proved it."""
+    """The obstacle nearest to the most distal target, where no route leads; `cell`: edge of cells that proved it."""
     ends = [(each.segment or len(problem.robot), each.position) for each in problem.targets]
     last, place = max(((end, place) for end, place in reversed(ends) if place is not None), key=itemgetter(0))
     longest = sum(segment.length[1] for segment in problem.robot.segments[:last])

@@ -371,8 +371,8 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
 
     if not every or case.status is Status.OUT_OF_REACH:  # which is proved without a look at them
         return
-    alone = case.problem.changed(scene=scene.without(every))
-    free = trials.quick(alone) or trials.whole(alone)
+    bare = case.problem.changed(scene=scene.without(every))
+    free = trials.quick(bare) or trials.whole(bare)
     if free is None:
         trials.obstacles_matter = trials.left <= 0.0
         return

@@ -526,7 +526,8 @@ class Solution(NotebookMixin):
                 parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
             parts.append(f"  route          {self.route_class}")
-        parts.append(f"  effort         {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")
+        effort = f"{self.iterations} iterations from {self.starts} starts"
+        parts.append(f"  effort         {effort}, {duration(self.seconds)}")
         parts.append("  q              " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 17))
         values = self.problem.robot.drive.in_words(self.actuators or {})
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)

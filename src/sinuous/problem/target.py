@@ -283,11 +283,11 @@ def is_place(value: Any) -> bool:
 
 def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
     """Rows (t, 15) of all targets, for this robot; laid out as `sinuous.kernels.tables` says."""
+    if len(targets) == 1 and targets[0].segment is None:  # most are: what a solve asks first
+        return targets[0]._table
     for i, target in enumerate(targets):
         if target.segment is not None and target.segment > len(robot):
             raise InputError(f"targets[{i}].segment", "", target.segment, f"a segment from 1 to {len(robot)}")
-    if len(targets) == 1:
-        return targets[0]._table
     return np.concatenate([target._table for target in targets])
 
 

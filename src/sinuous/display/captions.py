@@ -4,9 +4,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sinuous.motion.motion import Motion
+from sinuous.motion.motion import Motion, reached_in_words
 from sinuous.solution.solution import Solution
 from sinuous.words import duration
+
+STARTS = {
+    "given": "the initial configuration",
+    "arc": "a single arc",
+    "random": "a random configuration",
+    "route": "a route through free space",
+    "remembered": "a configuration in the memory",
+}
+"""What sentences call the kinds of starts."""
 
 
 def words_of(status: str) -> str:
@@ -23,7 +32,7 @@ def caption(answers: Sequence[Solution | Motion]) -> str:
     if isinstance(answer, Solution) or not answer.solutions:
         return f"{words_of(answer.status)}{clear}, {duration(answer.seconds)}"
     begun = "" if answer.solved else f"{words_of(answer.status)}: "
-    return f"{begun}{_waypoints(answer)}{clear}"
+    return f"{begun}{reached_in_words(answer)}{clear}"
 
 
 def told_apart(solutions: Sequence[Solution]) -> list[str]:
@@ -52,6 +61,11 @@ def rows_of(answer: Solution | Motion) -> dict[str, str]:
     return {label: value for label, value in rows.items() if value}
 
 
+def start_in_words(start: str) -> str:
+    """What a solution was found from: `a single arc`."""
+    return STARTS[start]
+
+
 def number(value: float | None, behind: str = "", before: str = "") -> str:
     """A number with three digits between two texts; nothing where there is none, or it is infinite."""
     return "" if value is None or value == float("inf") else f"{before}{value:.3g}{behind}"
@@ -76,7 +90,7 @@ def _of_motion(motion: Motion) -> dict[str, str]:
     between = f"{motion.between} clear" if motion.between == "proved" else motion.between
     times = f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots" if moves else ""
     return {
-        "waypoints": _waypoints(motion, "") if motion.solutions else "",
+        "target": reached_in_words(motion) if motion.solutions else "",
         "worst": "" if motion.worst is None else str(motion.worst),
         "between": between if moves else "",
         "time": times,
@@ -84,8 +98,3 @@ def _of_motion(motion: Motion) -> dict[str, str]:
         "largest step": f"{bend:.3g} rad, {length:.3g} of length",
         "effort": duration(motion.seconds),
     }
-
-
-def _waypoints(motion: Motion, noun: str = "waypoints ") -> str:
-    solved = sum(solution.solved for solution in motion.solutions)
-    return f"{solved} of {len(motion.solutions) + motion.remaining} {noun}solved"

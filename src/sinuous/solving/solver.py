@@ -17,6 +17,7 @@ from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budg
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.prepared import Call
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -198,16 +199,25 @@ class Solver:
             scene, blocked = self._look_at_base()
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
-        given = self._given(initial)
+        given, reference = self._no_initial, None
+        if initial is not None:
+            given = self._given(initial)
+            reference = given[0]
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
         if within is not None:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
-        outcome = self._look(problem, given) if blocked else self._first(problem, given, budget)
+        if blocked:
+            outcome = self._look(problem, given)
+        elif self.options.memory is None:
+            outcome = self._prepared.run(problem, given, budget, reference)
+        else:
+            outcome = self._from_memory(problem, given, budget)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
-        outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
+        if outcome.clearance < self._prepared.grazing:
+            outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_under_load(
@@ -538,10 +548,8 @@ class Solver:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
 
-    def _first(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
+    def _from_memory(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
         """Make the first call: from the initial configuration, or else from remembered shapes; then from own starts."""
-        if self.options.memory is None:
-            return self._prepared.run(problem, given, budget, given[0] if len(given) else None)
         if len(given):
             first = self._prepared.run(problem, given, budget, given[0])
         else:
@@ -663,6 +671,11 @@ class SolvesAgain:
     def max_starts(self) -> int | None:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
+
+    @property
+    def preferences(self) -> Preferences:
+        """What answers are chosen by."""
+        return self.options.prefer
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""

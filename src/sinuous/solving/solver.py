@@ -506,7 +506,6 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        self._refuse_load("step")
         limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
         seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
         own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)

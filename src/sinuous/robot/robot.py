@@ -611,7 +611,7 @@ def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
     if robot.hangs:
         wanted = "none: take robot.changed(gravity=None) for the robot without load"
-        raise InputError("gravity", "only solve and shape know loads", robot.gravity, wanted)
+        raise InputError("gravity", "here loads are not known", robot.gravity, wanted)
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

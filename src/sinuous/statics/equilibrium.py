@@ -213,6 +213,13 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
     return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
 
 
+def longest_body(robot: "Robot") -> "Robot":
+    """Return the body of a robot at its greatest lengths, straight: of its group, lengths and tool change."""
+    own = body_of(robot)
+    longest = np.array([segment.length[1] for segment in robot.segments]) / own.counts
+    return body_robot(robot, longest[own.owners], 0.0)
+
+
 def _roll(angle: float) -> Floats:
     result = np.eye(4)
     result[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]

@@ -117,7 +117,12 @@ PIECES = (
         ),
     ),
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
-    Piece("shapes under load", 8, ("kernels.statics.equilibrium.equilibrate",), waits=True),
+    Piece(
+        "shapes under load",
+        8,
+        ("kernels.statics.equilibrium.equilibrate", "kernels.statics.flexibility.soften"),
+        waits=True,
+    ),
     Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
     Piece("derivatives", 6, ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE)),
     Piece(

@@ -124,11 +124,17 @@ PIECES = (
         waits=True,
     ),
     Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
-    Piece("derivatives", 6, ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE)),
+    Piece(
+        "derivatives",
+        6,
+        ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE),
+        most=FEW,
+    ),
     Piece(
         "derivatives among obstacles",
         9,
         tuple(f"kernels.derivative.query.{name}" for name in ("derive", "derive_many", "find_contacts")),
+        most=FEW,
     ),
     Piece(
         "the method opti_path",

@@ -217,7 +217,7 @@ class MotionOutput(Output):
 
             checks.number("--rate", self.rate, above=0.0)
             if self.csv is None:
-                raise InputError("--rate", "is for --csv", self.rate, "--csv FILE beside it")
+                raise InputError("--rate", "is for --csv", self.rate, "--csv FILE, too")
         super().check(files)
 
 
@@ -250,11 +250,13 @@ class Timed:
         if self.duration is not None:
             checks.number("--duration", self.duration, above=0.0)
             if self.timed:
-                raise InputError("--duration", "stands beside --timed", self.duration, "one of --duration, --timed")
+                raise InputError(
+                    "--duration", "cannot be combined with --timed", self.duration, "one of --duration, --timed"
+                )
         if self.blend is not None:
             checks.number("--blend", self.blend, above=0.0)
             if not self.timed:
-                raise InputError("--blend", "is for --timed", self.blend, "--timed beside it")
+                raise InputError("--blend", "is for --timed", self.blend, "--timed, too")
 
 
 def with_groups(command: Callable[..., int]) -> Callable[..., None]:

@@ -60,11 +60,11 @@ def solve_files(
     output.check(files)
     kind = None if by is None else checks.choice("--by", by, KINDS)
     if by is not None and count is None:
-        raise InputError("--by", "is for --all", by, "--all COUNT beside it")
+        raise InputError("--by", "is for --all", by, "--all COUNT, too")
     if count is not None:
         checks.integer("--all", count, 1, MOST_ALTERNATIVES)
         if why:
-            raise InputError("--all", "stands beside --why", count, "one of --all, --why")
+            raise InputError("--all", "cannot be combined with --why", count, "one of --all, --why")
     read = read_all(files, solving.demands)
     for one in read:
         _refuse(one.problem, "path", "goal", "moving")
@@ -91,7 +91,9 @@ def track_files(
         _refuse(one.problem, "goal")
         _check_timed(one.problem, timed)
         if timed.duration is not None and one.problem.times is not None:
-            raise InputError("--duration", "stands beside times", timed.duration, "one of both", one.problem.file)
+            raise InputError(
+                "--duration", "cannot be combined with times", timed.duration, "one of both", one.problem.file
+            )
 
     def prepare(problem: ProblemFile, **options: Any) -> Tracker:
         options["prefer"] = problem.prefer or None  # without any, those of `track`
@@ -136,7 +138,7 @@ def plan_files(
 def _check_timed(problem: ProblemFile, timed: Timed) -> None:
     """Refuse `--timed` where nothing says how fast the robot may be, or obstacles move."""
     if timed.timed and not problem.rates:
-        raise InputError("rates", "missing, beside --timed", None, "how fast the robot may be", problem.file)
+        raise InputError("rates", "missing, and --timed needs them", None, "how fast the robot may be", problem.file)
     if timed.timed and problem.scene.snapshot().moves:
         raise InputError("--timed", "obstacles move", True, "rates alone, which are kept in any case", problem.file)
 

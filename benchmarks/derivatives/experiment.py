@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 
+from benchmarks.derivatives import agreement
 from benchmarks.derivatives.families import FAMILIES
 from benchmarks.harness.experiment import Measurement, OfSections
 from benchmarks.harness.plan import Plan
@@ -28,6 +29,6 @@ class OfDerivatives(OfSections):
         """One section is one piece; of agreement each family is one, so that a run goes on after the last."""
         for name, measure in super().parts():
             if name == "agreement":
-                yield from ((f"{name} {family}", partial(measure, family=family)) for family in FAMILIES)
+                yield from ((f"{name} {family}", partial(agreement.measure, self.plan, family)) for family in FAMILIES)
             else:
                 yield name, measure

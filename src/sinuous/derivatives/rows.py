@@ -46,7 +46,7 @@ class KeptRows:
         return cls(problem, plan, answer, q)
 
     def at(self, q: Floats) -> "KeptRows":
-        """Return those of another configuration, or of where it comes to by a Newton step, if that meets the targets."""
+        """Return those of another configuration, or of a Newton step from there, which meets the targets."""
         found = self.found(self.problem, self.plan, q)
         found.q = self.plan.workspace[: q.size].reshape(q.shape).copy()
         return found

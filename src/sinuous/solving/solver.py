@@ -203,10 +203,13 @@ class Solver:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
-        outcome = self._look(problem, given) if blocked else self._first(problem, given, budget)
+        starts = given if len(given) else self._strategy.remembered(problem._rows[None])[0]
+        outcome = self._look(problem, given) if blocked else self._first(problem, starts, budget, len(given) > 0)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
         outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
+        if outcome.code == SOLVED:
+            self._strategy.learn(outcome.q[None], None if len(given) else starts[None])
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_under_load(
@@ -322,9 +325,9 @@ class Solver:
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
-            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
-            many.learn()
+            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
             many.take_room(budget[3])
+            many.learn()
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -498,25 +501,13 @@ class Solver:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
 
-    def _first(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
-        """Make the first call: from the initial configuration, or else from remembered shapes; then from own starts."""
-        if self.options.memory is None:
-            return self._prepared.run(problem, given, budget, given[0] if len(given) else None)
-        if len(given):
-            first = self._prepared.run(problem, given, budget, given[0])
-        else:
-            starts = self._strategy.remembered(problem._rows[None])[0]
-            first = self._prepared.run(problem, starts, budget)
-            if first.source == GIVEN and len(starts):
-                first = first._replace(source=REMEMBERED)
-                if first.code == SOLVED:
-                    self._strategy.learn(first.q[None], starts[first.starts - 1][None])
-                return first
-        if first.code == SOLVED:
-            self._strategy.learn(first.q[None])
-        return first
+    def _first(self, problem: Problem, starts: Floats, budget: Budget, given: bool) -> Outcome:
+        """Make the first call: from what is `given`, or else from remembered shapes (k, n, 3); then from own starts."""
+        first = self._prepared.run(problem, starts, budget, starts[0] if given else None)
+        remembered = not given and first.source == GIVEN and len(starts)
+        return first._replace(source=REMEMBERED) if remembered else first
 
-    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float, learn: bool = True) -> Outcome:
+    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
         if first.code in UNDECIDED:
             with no_work():  # compiling is no solving
@@ -526,8 +517,6 @@ class Solver:
             search.take(self._from_rest(first, problem, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
-        if learn and search.outcome.code == SOLVED:
-            self._strategy.learn(search.outcome.q[None])
         return search.outcome
 
     def _from_rest(self, first: Outcome, problem: Problem, seconds: float) -> Outcome:

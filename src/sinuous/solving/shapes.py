@@ -171,6 +171,13 @@ class Shapes:
                 self._graph = self.version, graph
             return self._graph[1]
 
+    @property
+    def everything(self) -> "Graph":
+        """All shapes and motions, as they are now; numbers of shapes are those that are kept."""
+        with self._lock:
+            poses = self._poses[: self._count].copy()
+            return Graph(self._robot, self.q, poses, self._edges)
+
 
 class Graph:
     """Shapes (m, n, 3) that proved motions join, at one moment.

@@ -5,13 +5,13 @@ import io
 import subprocess
 import sys
 import tokenize
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import typer
 
-from sinuous.cli.app import execute
+from benchmarks.harness.command import command
 from sinuous.errors import InputError
 
 ROOT = Path(__file__).parents[1]
@@ -91,10 +91,6 @@ def table(now: dict[str, Size], before: dict[str, Size]) -> Iterator[str]:
         yield f"| {room} | " + " | ".join(f"{number:,}" for number in row) + " |"
 
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
-
-
-@app.command()
 def run(
     against: Annotated[str | None, typer.Option(metavar="COMMIT", help="Show this commit beside it.")] = None,
 ) -> None:
@@ -103,15 +99,7 @@ def run(
     typer.echo("\n".join(table(sizes(here()), before)))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Default: those of the process.
-    """
-    return execute(app, "python -m benchmarks.rooms", arguments)
+main = command(run, "benchmarks.rooms")
 
 
 if __name__ == "__main__":

@@ -11,19 +11,16 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from statistics import fmean, median
-from time import thread_time
 from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
 
-from benchmarks.harness.experiment import chosen
-from benchmarks.harness.quiet import ignore_suspicions
-from benchmarks.places import FAMILIES, Place, make
+from benchmarks.clutter.by_family import LIMIT, PATIENCE, Alone, Count, Pieces, Seed, of_places, timed
+from benchmarks.harness.command import command
+from benchmarks.places import Place, make
 from benchmarks.places.place import right
-from benchmarks.solvers.parallel import in_processes
 from sinuous import checks
-from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
 from sinuous.kernels.tables import ROUTE, SOURCES
 from sinuous.solving.attempts import ATTEMPTS
@@ -35,12 +32,6 @@ EVERYTHING = "everything"
 
 OFF = tuple(name for name in ATTEMPTS if name not in ("passages", "remembered"))
 """What is switched off in turn: `solve` knows no passages, and there is no memory."""
-
-LIMIT = 1.0
-"""Seconds of CPU time in which a place has to be solved."""
-
-PATIENCE = 3.0
-"""Budget of a solve on the clock, in units of that: the machine may be busy."""
 
 MOVES_SOLVED, MOVES_TIME = 0.01, 0.10
 """Share of the places of a family that is lost, and share by which its p95 changes, from which on an attempt counts."""
@@ -79,10 +70,7 @@ def examined(place: tuple[str, int], off: Sequence[str] = OFF) -> list[Row]:
 def _row(at: Place, off: str) -> tuple[Row, bool]:
     without = () if off == EVERYTHING else (off,)
     solver = Solver(at.robot, at.scene, tolerance=at.tolerance, time=PATIENCE * LIMIT, without=without)
-    for _ in range(2):
-        began = thread_time()
-        solution = solver.solve(at.targets)
-        spent = thread_time() - began
+    solution, spent = timed(solver, at)
     solved = solution.solved and spent <= LIMIT and right(at, solution.q)
     opened = solution.solved and solution.start != SOURCES[ROUTE] and solution.starts <= OPENING
     return Row(at.family, at.seed, off, solved, 1e3 * (spent if solved else LIMIT)), opened
@@ -124,48 +112,28 @@ def _moves(whole: Sequence[Row], without: Sequence[Row]) -> bool:
     return lost > MOVES_SOLVED * len(whole) or _figures(without)[2] > (1.0 + MOVES_TIME) * _figures(whole)[2]
 
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
-
-
-@app.command()
 def run(
-    piece: Annotated[
-        list[str] | None, typer.Option(metavar="FAMILY", help="Only this family, or a pattern; repeat for more.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Place i of a family is 1000 * seed + i.")] = 0,
-    count: Annotated[int, typer.Option(help="Places of each family.")] = 60,
+    piece: Pieces = None,
+    seed: Seed = 0,
+    count: Count = 60,
     only: Annotated[
         list[str] | None, typer.Option(metavar="NAME", help="Switch off only this attempt; repeat for more.")
     ] = None,
-    alone: Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")] = False,
+    alone: Alone = False,
     out: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Keep what each place took.")] = None,
 ) -> None:
     """Print what each attempt of the solver brings, by family of places."""
-    checks.integer("--seed", seed, 0, 2**31 // 1000 - 1)
-    checks.integer("--count", count, 1, 1000)
-    names = list(FAMILIES)
-    families = [name for name in names if not piece or name in chosen(names, piece)]
     off = OFF if not only else tuple(checks.choice("--only", name, OFF) for name in only)
     if out is not None:
         check_writable("--csv", out)
-    ignore_suspicions()
-    places = [(family, 1000 * seed + i) for family in families for i in range(count)]
-    rows = [row for found in in_processes(partial(examined, off=off), places, alone=alone) for row in found]
+    rows = of_places(partial(examined, off=off), piece, seed, count, alone)
     if out is not None:
         with out.open("w", newline="", encoding="utf-8") as file:
             csv.writer(file).writerows([Row._fields, *rows])
     typer.echo("\n".join(tables(rows)))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Default: those of the process.
-    """
-    return execute(app, "python -m benchmarks.clutter.ablation", arguments)
+main = command(run, "benchmarks.clutter.ablation")
 
 
 if __name__ == "__main__":

@@ -10,26 +10,19 @@ import math
 import sys
 from collections.abc import Iterator, Sequence
 from statistics import median
-from time import thread_time
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import typer
 
-from benchmarks.harness.experiment import chosen
-from benchmarks.harness.quiet import ignore_suspicions
+from benchmarks.clutter.by_family import LIMIT, PATIENCE, Alone, Count, Pieces, Seed, of_places, timed
+from benchmarks.harness.command import command
 from benchmarks.judges.clearances import least_clearance
-from benchmarks.places import FAMILIES, Place, make
+from benchmarks.places import Place, make
 from benchmarks.places.place import right
-from benchmarks.solvers.parallel import in_processes
-from sinuous import checks
-from sinuous.cli.app import execute
 from sinuous.solving.solver import Solver
 
 WAYS = ("as ever", "demanded", "thicker", "without room")
-
-LIMIT, PATIENCE = 1.0, 3.0
-"""Seconds of CPU time in which a place has to be solved; budget on the clock, in units of that."""
 
 SHARE = 0.5
 """Of the clearance of the hidden shape, what is demanded."""
@@ -64,10 +57,7 @@ def _row(at: Place, way: str, demanded: float) -> Row:
     solver = Solver(robot, at.scene, tolerance=at.tolerance, time=PATIENCE * LIMIT)
     if way == "without room":
         solver._prepared.grazing = -math.inf
-    for _ in range(2):
-        began = thread_time()
-        solution = solver.solve(at.targets)
-        spent = thread_time() - began
+    solution, spent = timed(solver, at)
     solved = solution.solved and spent <= LIMIT and right(at, solution.q)
     clearance = float(least_clearance(at.robot, at.scene, solution.q[None])[0]) if solved else 0.0
     kept = clearance >= demanded * (1.0 - 1e-9)
@@ -93,37 +83,17 @@ def tables(rows: Sequence[Row]) -> Iterator[str]:
             )
 
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
-
-
-@app.command()
 def run(
-    piece: Annotated[
-        list[str] | None, typer.Option(metavar="FAMILY", help="Only this family, or a pattern; repeat for more.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Place i of a family is 1000 * seed + i.")] = 0,
-    count: Annotated[int, typer.Option(help="Places of each family.")] = 60,
-    alone: Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")] = False,
+    piece: Pieces = None,
+    seed: Seed = 0,
+    count: Count = 60,
+    alone: Alone = False,
 ) -> None:
     """Print what a demanded clearance, and room that is taken, cost by family of places."""
-    checks.integer("--seed", seed, 0, 2**31 // 1000 - 1)
-    checks.integer("--count", count, 1, 1000)
-    names = list(FAMILIES)
-    families = [name for name in names if not piece or name in chosen(names, piece)]
-    ignore_suspicions()
-    places = [(family, 1000 * seed + i) for family in families for i in range(count)]
-    typer.echo("\n".join(tables([row for found in in_processes(examined, places, alone=alone) for row in found])))
+    typer.echo("\n".join(tables(of_places(examined, piece, seed, count, alone))))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Default: those of the process.
-    """
-    return execute(app, "python -m benchmarks.clutter.demanded", arguments)
+main = command(run, "benchmarks.clutter.demanded")
 
 
 if __name__ == "__main__":

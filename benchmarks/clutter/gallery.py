@@ -1,15 +1,14 @@
 """A picture of the places that `clutter` measures, solved: `python -m benchmarks.clutter.gallery FILE`."""
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from benchmarks.harness.command import command
 from benchmarks.pictures.style import INK
 from benchmarks.places import make
-from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
 from sinuous.display.bounds import best_view
 from sinuous.display.captions import caption
@@ -73,25 +72,13 @@ def draw(file: Path, shown: dict[str, int] = SHOWN) -> None:
     figure.savefig(file)
 
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
-
-
-@app.command()
 def run(file: Annotated[Path, typer.Argument(metavar="FILE", help="Picture to write, like places.png.")]) -> None:
     """Draw one place of each kind, solved."""
     check_writable("FILE", file)
     draw(file)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Default: those of the process.
-    """
-    return execute(app, "python -m benchmarks.clutter.gallery", arguments)
+main = command(run, "benchmarks.clutter.gallery")
 
 
 if __name__ == "__main__":

@@ -16,14 +16,14 @@ from typing import Annotated, NamedTuple
 import numpy as np
 import typer
 
-from benchmarks.harness.experiment import chosen
+from benchmarks.clutter.by_family import Alone, Pieces, families_of
+from benchmarks.harness.command import command
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.judges.kinematics import tip_poses
-from benchmarks.places import FAMILIES, Place, make
+from benchmarks.places import Place, make
 from benchmarks.places.place import feasible, right
 from benchmarks.solvers.parallel import in_processes
 from sinuous import checks
-from sinuous.cli.app import execute
 from sinuous.problem.target import Target
 from sinuous.solution.solution import Solution
 from sinuous.solving.memory import Memory
@@ -131,38 +131,22 @@ def table(rows: Sequence[Row]) -> Iterator[str]:
         )
 
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
-
-
-@app.command()
 def run(
-    piece: Annotated[
-        list[str] | None, typer.Option(metavar="FAMILY", help="Only this family, or a pattern; repeat for more.")
-    ] = None,
+    piece: Pieces = None,
     seed: Annotated[int, typer.Option(help="Of the place of each family.")] = 0,
     count: Annotated[int, typer.Option(help="Targets in each place.")] = 200,
-    alone: Annotated[bool, typer.Option("--alone", help="In this process, instead of one for each core.")] = False,
+    alone: Alone = False,
 ) -> None:
     """Print what remembered starts bring, by family of places."""
     checks.integer("--seed", seed, 0, 2**31 - 1)
     checks.integer("--count", count, 1, 10_000)
     ignore_suspicions()
-    names = list(FAMILIES)
-    families = [name for name in names if not piece or name in chosen(names, piece)]
-    rows = list(in_processes(partial(measured, seed=seed, count=count), families, alone=alone))
+    rows = list(in_processes(partial(measured, seed=seed, count=count), families_of(piece), alone=alone))
     typer.echo("\n".join(table(rows)))
     raise typer.Exit(int(any(row.wrong for row in rows)))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Default: those of the process.
-    """
-    return execute(app, "python -m benchmarks.clutter.remembered", arguments)
+main = command(run, "benchmarks.clutter.remembered")
 
 
 if __name__ == "__main__":

@@ -1,24 +1,20 @@
 """One place again: `python -m benchmarks.clutter.replay FAMILY NUMBER [--picture FILE]`."""
 
 import sys
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from benchmarks.clutter.trials import Task, examine
+from benchmarks.harness.command import command
 from benchmarks.harness.quiet import ignore_suspicions
 from benchmarks.places import FAMILIES
 from sinuous import checks
-from sinuous.cli.app import execute
 from sinuous.cli.options import check_writable
 from sinuous.errors import InputError
 
-app = typer.Typer(add_completion=False, rich_markup_mode=None)
 
-
-@app.command()
 def run(
     family: Annotated[str, typer.Argument(metavar="FAMILY", help="Like 'pipe 1.3'.")],
     number: Annotated[int, typer.Argument(metavar="NUMBER", help="The seed that a run says.")],
@@ -42,15 +38,7 @@ def run(
     raise typer.Exit(0 if ours.solved else 1)
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit code.
-
-    Parameters
-    ----------
-    arguments : sequence of str, optional
-        Default: those of the process.
-    """
-    return execute(app, "python -m benchmarks.clutter.replay", arguments)
+main = command(run, "benchmarks.clutter.replay")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 The judge shares no code with the solver. Obstacles with huge coordinates are judged in extended precision.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -10,11 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
+from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.kinematics import body_points
+from benchmarks.judges.self_collision import Flags, surely_clear
 from benchmarks.places.parts.surfaces import Surface, joined
 from benchmarks.wild.obstacles import block_surface, pose_rotation, scene_about
-from benchmarks.wild.robots import robot_with_shapes, shapes_of
+from benchmarks.wild.robots import TIGHTEST, robot_with_shapes, shapes_of
 from benchmarks.wild.worlds import CLEAR, SHAPES, TOLERANCES, World, asked
 from sinuous.checks import Floats
 from sinuous.errors import InputError
@@ -22,6 +25,7 @@ from sinuous.poses import pose
 from sinuous.problem.target import Tolerance
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.grids import Field, Grid
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
@@ -154,6 +158,21 @@ def bounds(seed: int, number: int) -> World:
                 return replace(world, scene=scene, truth=world.scene, time=SHORT)
 
 
+def demands(seed: int, number: int) -> World:
+    """Robots that demand clearances, from obstacles and from themselves, of all segments or of each, or are unsure."""
+    rng = np.random.default_rng([seed, 19, number])
+    while True:
+        robot, q = robot_with_shapes(SHAPES, rng, UNITS)
+        scene = scene_about(robot, q, rng) if len(q) else Scene()
+        robot = demanding(robot, rng)
+        if len(q):
+            q = q[surely_clear(self_body(robot), q) & _gently_bent(robot, q)]
+        if len(q) and len(scene):
+            q = q[Clearances(needed_body(robot), scene).least(q, 0.0) > CLEAR * robot.mean_length]
+        if len(q):
+            return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q)
+
+
 KINDS: dict[str, Callable[[int, int], World]] = {
     "mounts with uneven segments": mounts,
     "units from 1e-9 to 1e9": units,
@@ -161,6 +180,7 @@ KINDS: dict[str, Callable[[int, int], World]] = {
     "overlapping bodies in a mesh": bodies,
     "fields and grids with bounds": bounds,
     "several radii and hinges": radii,
+    "demanded clearances": demands,
 }
 
 
@@ -170,6 +190,28 @@ def _world(robot: Robot, obstacles: list[Obstacle], q: Floats, rng: Generator) -
     if obstacles:
         q = q[Clearances(robot, scene).least(q, 0.0) > CLEAR * robot.mean_length]
     return World(robot, scene, _tolerance(robot, rng), asked(robot, q, rng), q) if len(q) else None
+
+
+def demanding(robot: Robot, rng: Generator) -> Robot:
+    """The robot with at least one of the three demands."""
+    size, which = robot.mean_length, int(rng.integers(1, 8))
+
+    def some(most: float) -> float | list[float]:
+        alike = rng.random() < 0.5
+        values = size * 10.0 ** rng.uniform(-4.0, math.log10(most), len(robot)) * (rng.random(len(robot)) < 0.8)
+        return float(values.max()) if alike else values.tolist()
+
+    return robot.changed(
+        clearance=some(0.1) if which & 1 else 0.0,
+        self_clearance=some(0.05) if which & 2 else 0.0,
+        uncertainty=Uncertainty(some(0.05)) if which & 4 else None,
+    )
+
+
+def _gently_bent(robot: Robot, q: Floats) -> Flags:
+    """Whether shapes (m, n, 3) bend no tighter than a body as thick as is demanded."""
+    norms, radii = np.hypot(q[..., 0], q[..., 1]), np.array(self_body(robot).radii)
+    return np.asarray((norms * radii <= TIGHTEST * q[..., 2]).all(axis=1))
 
 
 def _tolerance(robot: Robot, rng: Generator) -> Tolerance:

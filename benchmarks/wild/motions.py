@@ -1,5 +1,6 @@
-"""Motions of wild worlds, judged: timed in any unit of length, and tracked while an obstacle of a live scene moves."""
+"""Motions of wild worlds, judged: timed, planned, and tracked, stepped and solved while an obstacle moves."""
 
+import threading
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -8,11 +9,13 @@ from numpy.random import Generator
 
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.judges import self_collision
+from benchmarks.judges.bodies import needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import within_limits
 from benchmarks.wild import audit
 from benchmarks.wild.trials import GRACE
-from sinuous import Motion, track
+from benchmarks.wild.worlds import World
+from sinuous import Motion, Solver, plan, track
 from sinuous.checks import Floats
 from sinuous.problem.target import Target
 from sinuous.robot.rates import Rates
@@ -28,6 +31,12 @@ SAMPLES = 400
 
 KNOTS = (3, 40)
 """Knots on the way from one hidden shape to the next."""
+
+TICKS, TICK, TICK_SAMPLES = 20, 0.02, 20
+"""Ticks of a control loop, seconds of each, and configurations of each that are looked at."""
+
+RACES, SHORT = 12, 0.02
+"""Solves while another thread moves an obstacle, and seconds for each."""
 
 WAYPOINTS, BUDGET = 8, 0.2
 """Waypoints of a path in a live scene, and seconds for each."""
@@ -97,13 +106,84 @@ def live(seed: int, number: int) -> Judged:
     motion = track(robot, path, scene, start=world.hidden[0], progress=move, time=BUDGET)
     if len(motion.q) < 2 or motion.between != "proved":
         return Judged(False, "")
-    steps = max(1, SAMPLES // (len(motion.q) - 1))
-    shares = np.arange(steps)[:, None, None] / steps
-    q = np.concatenate([*((1.0 - shares) * a + shares * b for a, b in pairwise(motion.q)), motion.q[-1:]])
-    return Judged(True, _refuted(robot, Scene.of(motion.scene), q))
+    return Judged(True, _refuted(robot, Scene.of(motion.scene), _along(motion.q)))
 
 
-KINDS = {"timed in units from 1e-9 to 1e9": timed, "tracked in a live scene": live}
+def ticks(seed: int, number: int) -> Judged:
+    """Follow a target, or a twist, tick by tick while a ball moves towards the body, and look at each proved step."""
+    world, rng = _strained(seed, number), np.random.default_rng([seed, 20, number])
+    robot, unit = world.robot, world.robot.mean_length
+    far = robot.base[:3, 3] + 5.0 * unit
+    scene = Scene([Sphere(far, 0.1 * unit, name="ball"), *world.scene.obstacles])
+    most = np.array([rng.uniform(0.5, 5.0), unit * rng.uniform(0.1, 3.0)]) if rng.random() < 0.5 else np.full(2, np.inf)
+    rates = Rates(*most.tolist()) if np.isfinite(most).all() else None
+    solver = Solver(robot, scene, time=float(rng.choice([1e-4, 1e-3, 1e-2])))
+    goal, twist = world.targets[-1], rng.normal(size=6) * ([1.0] * 3 + [unit] * 3)
+    q, proved = world.hidden[0], False
+    for _ in range(TICKS):
+        body = robot.backbone(q)
+        place = body[rng.integers(len(body))] + unit * rng.uniform(0.1, 0.6) * rng.normal(size=3)
+        scene.move("ball", position=place - far)
+        if rng.random() < 0.5:
+            step = solver.step(q, dt=TICK, target=goal, rates=rates)
+        else:
+            step = solver.step(q, twist, TICK, rates=rates)
+        false = (
+            _refuted(robot, Scene.of(step.scene), _between(step.initial, step.q, TICK_SAMPLES)) if step.proved else ""
+        )
+        proved, false = proved or step.proved, false or _too_fast(most, step.q - step.initial)
+        if false:
+            return Judged(True, false)
+        q = step.q
+    return Judged(proved, "")
+
+
+def planned(seed: int, number: int) -> Judged:
+    """Plan from one hidden shape to another, and look at the whole motion."""
+    world = _strained(seed, number)
+    if len(world.hidden) < 2:
+        return Judged(False, "")
+    motion = plan(world.robot, world.hidden[0], world.hidden[-1], world.scene, time=BUDGET)
+    if len(motion.q) < 2 or motion.between != "proved":
+        return Judged(False, "")
+    return Judged(True, _refuted(world.robot, world.scene, _along(motion.q)))
+
+
+def raced(seed: int, number: int) -> Judged:
+    """Solve while another thread moves an obstacle, and look at each answer in the scene that it names."""
+    world, rng = _strained(seed, number), np.random.default_rng([seed, 22, number])
+    robot, unit = world.robot, world.robot.mean_length
+    far = robot.base[:3, 3] + 5.0 * unit
+    scene = Scene([Sphere(far, 0.2 * unit, name="ball"), *world.scene.obstacles])
+    body = robot.backbone(world.hidden[0])
+    places = body + 0.3 * unit * rng.normal(size=body.shape)
+    done = threading.Event()
+
+    def move() -> None:
+        while not done.is_set():
+            for place in places:
+                scene.move("ball", position=place - far)
+
+    mover = threading.Thread(target=move)
+    mover.start()
+    try:
+        solver = Solver(robot, scene, tolerance=world.tolerance, time=SHORT)
+        found = [solver.solve(targets) for targets in world.targets[:RACES]]
+    finally:
+        done.set()
+        mover.join()
+    solved = [each for each in found if each.solved]
+    wrong = [_refuted(robot, Scene.of(each.problem.scene), each.q[None]) for each in solved]
+    return Judged(bool(solved), next(filter(None, wrong), ""))
+
+
+KINDS = {
+    "timed in units from 1e-9 to 1e9": timed,
+    "tracked in a live scene": live,
+    "ticks of a control loop in a live scene": ticks,
+    "plans between hidden shapes": planned,
+    "solved while another thread moves an obstacle": raced,
+}
 
 
 def lines_of(kind: str, judged: list[Judged]) -> list[Line]:
@@ -123,13 +203,36 @@ def _way(one: Floats, other: Floats, count: int, rng: Generator) -> Floats:
     return (1.0 - share) * one + share * other + aside * [1.0, 1.0, 0.0]
 
 
+def _strained(seed: int, number: int) -> World:
+    """A world in any unit; every second one of a robot that demands clearances."""
+    return (audit.demands if number % 2 else audit.units)(seed, number)
+
+
+def _along(q: Floats) -> Floats:
+    """Configurations (k, n, 3) along a motion with knots (m, n, 3), about `SAMPLES` of them."""
+    count = max(1, SAMPLES // (len(q) - 1))
+    return np.concatenate([*(_between(a, b, count) for a, b in pairwise(q)), q[-1:]])
+
+
+def _between(one: Floats, other: Floats, count: int) -> Floats:
+    """Configurations (count, n, 3) from one to before another, linear in q."""
+    shares = np.arange(count)[:, None, None] / count
+    return np.asarray((1.0 - shares) * one + shares * other)
+
+
+def _too_fast(most: Floats, change: Floats) -> str:
+    """Say whether a tick changes bends or lengths by more than the rates (2,) allow."""
+    fastest = np.array([np.hypot(change[:, 0], change[:, 1]).max(), np.abs(change[:, 2]).max()]) / TICK
+    return "rates" if (fastest > most * (1.0 + EXCESS)).any() else ""
+
+
 def _refuted(robot: Robot, scene: Scene, q: Floats) -> str:
     """Say what is wrong with configurations (m, n, 3): a limit, an obstacle, the body itself; or nothing."""
     slack = GRACE * robot.mean_length
     if not within_limits(robot, q).all():
         return "limits"
-    if len(scene) and Clearances(robot, scene).least(q, 0.0).min() < -slack:
+    if len(scene) and Clearances(needed_body(robot), scene).least(q, 0.0).min() < -slack:
         return "overlap"
-    if robot.self_collision == "avoid" and self_collision.look(robot, q, 0.0).least.min() < -slack:
+    if robot.self_collision == "avoid" and self_collision.look(self_body(robot), q, 0.0).least.min() < -slack:
         return "overlap with itself"
     return ""

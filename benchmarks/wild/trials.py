@@ -5,6 +5,7 @@ from time import perf_counter
 
 import numpy as np
 
+from benchmarks.judges.bodies import measured_body, needed_body, self_body
 from benchmarks.judges.clearances import Clearances
 from benchmarks.judges.judge import ROUNDING, Flags, target_errors, within_limits
 from benchmarks.judges.self_collision import look
@@ -18,11 +19,12 @@ IMPOSSIBLE = (Status.OUT_OF_REACH, Status.TARGET_BLOCKED, Status.BASE_BLOCKED, S
 """What no problem may be called: it has a hidden solution."""
 
 TARGET, LIMITS, OVERLAP, SELF_OVERLAP = "target missed", "limits", "overlap", "overlap with itself"
+DEMAND = "less clearance than is demanded"
 CLEARANCE, SELF_CLEARANCE = "clearance overstated", "self-clearance overstated"
 
 EXCEPTION = "exception"
 
-FALSE = (TARGET, LIMITS, OVERLAP, SELF_OVERLAP, CLEARANCE, SELF_CLEARANCE, *map(str, IMPOSSIBLE), EXCEPTION)
+FALSE = (TARGET, LIMITS, OVERLAP, SELF_OVERLAP, DEMAND, CLEARANCE, SELF_CLEARANCE, *map(str, IMPOSSIBLE), EXCEPTION)
 """Kinds of false claims: of what is called solved, then words for what is not; and a call that ended in no answer."""
 
 GRACE = 1e-9
@@ -95,13 +97,22 @@ def _wrong(world: World, claims: dict[int, Solution]) -> dict[str, Flags]:
     """Where solutions that are called solved are wrong, kind by kind."""
     robot, q = world.robot, np.array([solution.q for solution in claims.values()])
     slack = GRACE * robot.mean_length
-    found = {TARGET: ~_at_targets(world, list(claims), q), LIMITS: ~within_limits(robot, q)}
+    found = {
+        TARGET: ~_at_targets(world, list(claims), q),
+        LIMITS: ~within_limits(robot, q),
+        DEMAND: np.zeros(len(q), bool),
+    }
     if len(world.scene):
-        said = _said(claims, "clearance")
-        gaps = Clearances(robot, world.truth or world.scene).least(q, max(0.0, float(np.nanmax(said))))
+        scene, said = world.truth or world.scene, _said(claims, "clearance")
+        gaps = Clearances(measured_body(robot), scene).least(q, max(0.0, float(np.nanmax(said))))
         found |= {OVERLAP: gaps < -slack, CLEARANCE: said > gaps + slack}
-    gaps = look(robot, q, 0.0).least
-    return found | {SELF_OVERLAP: gaps < -slack, SELF_CLEARANCE: _said(claims, "self_clearance") > gaps + slack}
+        if np.any(robot.clearance):
+            found[DEMAND] |= Clearances(needed_body(robot), scene).least(q, 0.0) < -slack
+    gaps, thick = look(robot, q, 0.0).least, self_body(robot)
+    left = gaps if thick is robot else look(thick, q, 0.0).least
+    least = float(np.min(robot.self_clearance))
+    found[DEMAND] |= left < -slack
+    return found | {SELF_OVERLAP: gaps < -slack, SELF_CLEARANCE: _said(claims, "self_clearance") > left + least + slack}
 
 
 def _said(claims: dict[int, Solution], name: str) -> Floats:

@@ -6,60 +6,70 @@ and each is worth what it takes in machine code. Every thread has a time of its 
 """
 
 import math
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from threading import get_ident
 from time import perf_counter
 
 LOOK = 5e-9
 """Seconds of a look, compiled (see `kernels.clock`)."""
 
 
-class _Thread(threading.local):
-    """Time of one thread.
+@dataclass(slots=True)
+class _Call:
+    """An interpreted call that is under way.
 
     Attributes
     ----------
-    left_out : float
-        Seconds until now that were no work.
-    since : float or None
-        When the interpreted call that is under way began, by the time of work; `None` where there is none.
-    looks : int
-        Of that call, until now.
+    since : float
+        When it began, by the time of work.
     until : float
         When it has taken too long, by `time.perf_counter`.
+    looks : int
+        Until now.
     """
 
-    left_out = 0.0
-    since: float | None = None
-    looks = 0
-    until = math.inf
+    since: float
+    until: float
+    looks: int = 0
 
 
 class TooLongError(BaseException):
     """Raised within an interpreted call that takes longer than it may."""
 
 
-_thread = _Thread()
+_calls: dict[int, _Call] = {}
+"""Interpreted calls that are under way, by thread: nearly always none."""
+
+_left_out: ContextVar[float] = ContextVar("left_out", default=0.0)
+"""Seconds of this thread, until now, that were no work: a solve reads it twice; a `threading.local` takes longer."""
+
+
+def _call() -> _Call | None:
+    """The interpreted call of this thread."""
+    return _calls.get(get_ident()) if _calls else None
 
 
 def work_time() -> float:
     """Seconds of work; differences count, within one thread."""
-    if _thread.since is None:
-        return perf_counter() - _thread.left_out
-    if perf_counter() > _thread.until:
+    if not _calls or (call := _call()) is None:
+        return perf_counter() - _left_out.get()
+    if perf_counter() > call.until:
         raise TooLongError
-    return _thread.since + LOOK * _thread.looks
+    return call.since + LOOK * call.looks
 
 
 def interpreting() -> bool:
     """Say whether an interpreted call is under way in this thread."""
-    return _thread.since is not None
+    return _call() is not None
 
 
 def looked(looks: int) -> None:
     """Count looks of the interpreted call that is under way."""
-    _thread.looks += looks
+    if (call := _call()) is not None:
+        call.looks += looks
 
 
 @contextmanager
@@ -71,18 +81,18 @@ def counting_looks(most: float = math.inf) -> Iterator[None]:
     TooLongError
         Where it is asked for the time after so many seconds on the wall.
     """
-    if _thread.since is not None:  # an entry that an entry calls
+    if interpreting():  # an entry that an entry calls
         yield
         return
-    began = work_time()
-    _thread.since, _thread.looks, _thread.until = began, 0, perf_counter() + most
+    call = _calls[get_ident()] = _Call(work_time(), perf_counter() + most)
     try:
         yield
     except TooLongError:
-        _thread.looks = 0  # it is done again
+        call.looks = 0  # it is done again
         raise
     finally:
-        _thread.since, _thread.left_out = None, perf_counter() - began - LOOK * _thread.looks
+        del _calls[get_ident()]
+        _left_out.set(perf_counter() - call.since - LOOK * call.looks)
 
 
 @contextmanager
@@ -92,5 +102,5 @@ def no_work() -> Iterator[None]:
     try:
         yield
     finally:
-        if _thread.since is None:
-            _thread.left_out = perf_counter() - began
+        if not interpreting():
+            _left_out.set(perf_counter() - began)

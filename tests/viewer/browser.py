@@ -55,6 +55,17 @@ def opened(browser: Any, address: str) -> Any:
     return tab
 
 
+def choose(tab: Any, label: str, entry: str) -> None:
+    """Choose an entry of a list."""
+    tab.get_by_role("combobox", name=label, exact=True).click()
+    tab.get_by_role("option", name=entry, exact=True).click()
+
+
+def inputs(tab: Any, label: str) -> Any:
+    """The fields for numbers beside a label."""
+    return tab.locator(f"//label[text()='{label}']/ancestor::div[contains(@class, 'Flex-root')][1]//input")
+
+
 def until(holds: Callable[[], object], what: str) -> None:
     """Wait until something holds."""
     end = time.monotonic() + PATIENCE

@@ -3,6 +3,7 @@
 Where obstacles move, what is asked is asked at the time that is shown.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import sinuous as sn
 from sinuous.display.contents import straight
 from sinuous.errors import InputError
+from sinuous.viewer.history import History
 from sinuous.viewer.model import Model
 from sinuous.viewer.saving import loaded, saved
 from sinuous.viewer.solvers import QUICK, Solvers
@@ -23,7 +25,7 @@ GATE = sn.Moving(sn.Sphere((0, 0, 0), 0.5, name="gate"), [1, 3], [(1, 0, 2), (1,
 
 def model(**values: object) -> Model:
     parts: dict[str, object] = {"target": sn.Target((1, 0, 2)), "scene": [BALL]}
-    return Model(sn.Job(ROBOT, **(parts | values)))  # type: ignore[arg-type]
+    return Model(sn.Job(**({"robot": ROBOT} | parts | values)))  # type: ignore[arg-type]
 
 
 def moving(**values: object) -> Model:
@@ -112,6 +114,74 @@ def test_a_shape_that_is_bent_by_hand_stays_until_something_is_asked() -> None:
     np.testing.assert_array_equal(page.question().initial[1], (0.5, -0.25, 0.9))
     with pytest.raises(InputError, match="segment"):
         page.bend(3, 0, 0, 1)
+
+
+def test_an_actuator_gets_its_value_and_others_change_as_little_as_they_can() -> None:
+    tendons = sn.Tendons(3, 0.05, gain=[100, -100, 20], offset=7)
+    page = model(robot=sn.Robot.uniform(2, (0.8, 1.2), max_bend=2, tendons=tendons))
+    page.bend(0, 0.3, -0.2, 1.0)
+    before = page.actuators
+    page.drive(1, before[1] + 3.0)
+    after = page.actuators
+    assert np.isclose(after[1], before[1] + 3.0, atol=1e-12)
+    np.testing.assert_allclose(after[3:], before[3:], atol=1e-12)  # the motors of other segments hold
+    displaced = (after - before)[:3] / tendons.gain
+    np.testing.assert_allclose(displaced, displaced[1] * np.array([-0.5, 1.0, -0.5]), atol=1e-12)
+    with pytest.raises(InputError, match="actuator"):
+        page.drive(6, 0.0)
+
+
+def test_elastic_tendons_keep_the_values_that_somebody_gave_them() -> None:
+    tendons = sn.Tendons(3, 0.05, stiffness=100.0)
+    segments = [sn.Segment(1.0, max_bend=2, tendons=tendons, stiffness=0.5)] * 2
+    page = model(robot=sn.Robot(segments))
+    page.solve_from_here()
+    before = page.actuators
+    page.drive(0, before[0] + 0.02)
+    assert page.actuators.tolist() == [before[0] + 0.02, *before[1:]]
+    np.testing.assert_allclose(page.q, page.robot.from_actuators(page.actuators, page.q))
+    page.solve_from_here()
+    np.testing.assert_allclose(page.actuators, page.robot.to_actuators(page.q))
+
+
+def test_what_was_decided_is_taken_back_step_by_step() -> None:
+    page, history = model(), History()
+
+    def step(key: str, change: Callable[[], object]) -> None:
+        before = page.moment
+        change()
+        assert not before.decided_like(page.moment)
+        history.note(key, before)
+
+    first = page.job
+    step("target", lambda: page.place_target(0, np.array([0.9, 0.1, 2.0])))
+    second = page.job
+    step("limits", lambda: page.limit(None, max_bend=1.0))
+    page.grasp(0)
+    step("slider", lambda: page.bend(0, 0.1, 0.0, 1.0))
+    step("slider", lambda: page.bend(0, 0.2, 0.0, 1.0))  # one step: the same slider goes on
+    bent = page.q
+    page.come_back(history.undo(page.moment))
+    assert not page.by_hand
+    assert page.robot.segments[0].max_bend == 1.0
+    page.come_back(history.undo(page.moment))
+    assert page.job is second
+    page.come_back(history.undo(page.moment))
+    assert page.job is first
+    now = page.moment
+    assert history.undo(now) is now
+    for _ in range(3):
+        page.come_back(history.redo(page.moment))
+    assert page.by_hand
+    assert page.q is bent
+    now = page.moment
+    assert history.redo(now) is now
+    page.come_back(history.undo(now))
+    step("delete", page.delete)
+    page.come_back(history.undo(page.moment))
+    page.grasp(0)
+    page.come_back(history.undo(page.moment))
+    assert page.grasped == 0
 
 
 def test_limits_change_for_one_segment_or_all() -> None:

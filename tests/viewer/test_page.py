@@ -13,7 +13,7 @@ import sinuous as sn
 from sinuous.viewer.nodes import rotation_of
 from sinuous.viewer.page import Page
 from tests.helpers import Floats
-from tests.viewer.browser import PATIENCE, chromium, frames, opened, pixels, projected, until
+from tests.viewer.browser import PATIENCE, choose, chromium, frames, inputs, opened, pixels, projected, until
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
 JOB = sn.Job(ROBOT, sn.Target((1, 0, 2)), [sn.Sphere((0.2, 0.9, 1.2), radius=0.25, name="ball")])
@@ -25,6 +25,10 @@ GOAL = sn.Job(
 )
 GATE = sn.Moving(sn.Sphere((0, 0, 0), 0.5, name="gate"), [0, 2, 3], [(1, 0, 2), (1, 0, 2), (1, 3, 2)])
 MOVING = sn.Job(ROBOT, sn.Target((1, 0, 2)), [GATE], start=[[-0.3, 0.0, 1.0]] * 3, rates=sn.Rates(bend=0.8, length=0.3))
+DRIVEN = sn.Job(
+    sn.Robot.uniform(3, (0.5, 0.9), max_bend=2, radius=0.08, tendons=sn.Tendons(3, 0.05, gain=100, unit="mm")),
+    sn.Target((1, 0.2, 1.2), direction=(1, 0, 0)),
+)
 PATH = sn.Job(ROBOT, path=[sn.Target((1, y, 2)) for y in (0.0, 0.1, 0.2)])
 
 
@@ -175,6 +179,64 @@ def test_a_slider_bends_a_segment(page: Page, fresh: Any) -> None:
     until(lambda: fresh.locator(".badge").first.inner_text() == "bent by hand", "what is said of it")
     fresh.get_by_role("button", name="Solve from here").click()
     until(lambda: page.model.answer is not None and not page.model.by_hand, "an answer")
+
+
+def test_an_actuator_is_pulled_and_taken_back(page: Page, fresh: Any) -> None:
+    load(page, fresh, DRIVEN)
+    fresh.get_by_role("tab", name="Shape").click()
+    choose(fresh, "sliders", "actuators")
+    fresh.get_by_text("s1.t1, mm").wait_for()
+    settled(page)
+    before = page.model.actuators
+    slider = fresh.get_by_role("slider").first
+    slider.focus()
+    for _ in range(5):
+        fresh.keyboard.press("ArrowRight")
+    until(lambda: page.model.by_hand and page.model.actuators[0] > before[0] + 0.01, "a tendon that was pulled")
+    np.testing.assert_allclose(page.model.actuators[:3].sum(), 0.0, atol=1e-9)
+    np.testing.assert_allclose(page.model.actuators[3:], before[3:], atol=1e-9)
+    fresh.locator(".badge", has_text="bent by hand").wait_for()
+    slider.focus()
+    fresh.keyboard.press("Control+z")
+    until(lambda: not page.model.by_hand, "what was before")
+    fresh.get_by_role("button", name="Redo").click()
+    until(lambda: page.model.by_hand, "the tendon pulled again")
+    fresh.get_by_role("button", name="Undo").click()
+    fresh.locator(".badge", has_text="bent by hand").wait_for(state="detached")
+    np.testing.assert_allclose(page.model.actuators, before, atol=0.01)
+
+
+def test_a_direction_is_typed_and_the_shape_saved_as_csv(page: Page, fresh: Any, tmp_path: Path) -> None:
+    load(page, fresh, DRIVEN)
+    z = inputs(fresh, "direction").last
+    z.fill("-1")
+    z.press("Tab")
+    wanted = np.array([1.0, 0.0, -1.0]) / np.sqrt(2.0)
+    typed = sn.Target((1, 0.2, 1.2), direction=wanted)
+    until(lambda: page.model.targets[0].equals(typed), "the direction")
+    settled(page)
+    fresh.get_by_role("tab", name="File").click()
+    with fresh.expect_download() as download:
+        fresh.get_by_role("button", name="Save as CSV").click()
+    download.value.save_as(tmp_path / "shape.csv")
+    header, row = (tmp_path / "shape.csv").read_text().splitlines()
+    numbers = dict(zip(header.split(","), map(float, row.split(",")), strict=True))
+    assert numbers["s1.bend_x"] == page.model.q[0, 0]
+    assert numbers["s2.t3"] == page.model.actuators[5]
+
+
+def test_the_view_is_fitted(page: Page, fresh: Any) -> None:
+    camera = camera_of(page)
+    camera.position = np.array([30.0, 40.0, 50.0])
+    camera.look_at = np.array([30.0, 0.0, 50.0])
+    still(page, fresh)
+    fresh.keyboard.press("f")
+    until(lambda: np.linalg.norm(camera_of(page).position) < 20.0, "the robot in view")
+    still(page, fresh)
+    for point in ROBOT.backbone(page.model.q):
+        x, y = projected(camera_of(page), point)
+        assert 0 < x < camera.image_width
+        assert 0 < y < camera.image_height
 
 
 def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:

@@ -155,7 +155,7 @@ def solve_batch(
     if file is not None:
         check_results("out", file)
     elif run.shard is not None:
-        raise InputError("shard", "needs a file of results", run.shard, "out= beside it")
+        raise InputError("shard", "needs a file of results", run.shard, "out=, too")
     solver = Solver(robot, scene, **given)
     initial = None if run.initial is None else checks.array("initial", run.initial, (len(robot), 3))
     work = Work(solver, initial, run.warm)

@@ -49,7 +49,7 @@ def read_engine(engine: str, dask: str | None) -> str:
     if dask is None:
         return engine
     if engine != "threads":
-        raise InputError("--dask", "stands beside --engine", dask, "one of --engine, --dask")
+        raise InputError("--dask", "cannot be combined with --engine", dask, "one of --engine, --dask")
     if dask != "local" and "://" not in dask:
         raise InputError("--dask", "", dask, "tcp://HOST:PORT of a scheduler, or local")
     return "dask" if dask == "local" else dask

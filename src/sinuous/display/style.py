@@ -88,8 +88,12 @@ def scaled(share: float) -> Rgb:
 def by_bending(robot: Robot, q: Floats) -> list[Rgb]:
     """Colours of the segments in a configuration (n, 3): how much of its largest bend each one has."""
     bends = np.hypot(q[:, 0], q[:, 1])
-    most = [min(s.max_bend, c * s.length[1]) for s, c in zip(robot.segments, robot.curvatures, strict=True)]
-    return [scaled(float(share)) for share in np.minimum(1.0, bends / np.maximum(most, 1e-300))]
+    return [scaled(float(share)) for share in np.minimum(1.0, bends / np.maximum(largest_bends(robot), 1e-300))]
+
+
+def largest_bends(robot: Robot) -> Floats:
+    """The largest bend (n,) of each segment, rad, at its greatest length."""
+    return np.array([min(s.max_bend, c * s.length[1]) for s, c in zip(robot.segments, robot.curvatures, strict=True)])
 
 
 def by_clearance(clearances: Sequence[float], far: float) -> list[Rgb]:

@@ -78,5 +78,3 @@ class Exploration(ShortRepr):
     def _shown(self) -> Iterator[str]:
         yield f"{self.shapes} shapes"
         yield f"{self.motions} motions"
-
-

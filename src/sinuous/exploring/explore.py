@@ -1,4 +1,4 @@
-"""`explore`: a roadmap of one robot in one place (PRM, Kavraki et al. 1996), in rounds that any number of workers share.
+"""`explore`: a roadmap of one robot in one place (PRM, Kavraki et al. 1996), in rounds that workers share.
 
 What a round tries is drawn from the seed, its number, and what the rounds before it found. Positions anywhere are met
 by the solver; positions near the tip of a shape are met from there, and shapes are moved aside, both about tips where
@@ -10,7 +10,6 @@ the share that is covered is one of positions that the roadmap was not made of.
 import json
 import math
 import time as clock
-from collections.abc import Callable
 from typing import Any, Unpack
 
 import numpy as np
@@ -34,8 +33,9 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene, SceneLike, as_scene
 from sinuous.solving.many import read_workers
 from sinuous.solving.memory import Explored, Memory
-from sinuous.solving.options import SolveArguments, SolveOptions
-from sinuous.solving.shapes import Graph, Whole as Numbers
+from sinuous.solving.options import SolveArguments, SolveOptions, refuse_unknown
+from sinuous.solving.shapes import Graph
+from sinuous.solving.shapes import Whole as Numbers
 from sinuous.workspace.grid import reach_of
 
 TIME = 60.0
@@ -53,8 +53,8 @@ EVEN, JOINS = 24, 8
 ACROSS = 20
 """Spacings from the base to the farthest place, where none is given."""
 
-FAR = 2.0
-"""Most that a position beside a shape is away from its tip, in spacings."""
+NEAREST, FARTHEST = 0.05, 2.0
+"""How far a position beside a shape is away from its tip at most, in spacings: each order of magnitude as often."""
 
 NEAR = 16
 """Shapes nearby that a task is told."""
@@ -65,21 +65,29 @@ TESTS = 400
 PAIRS = 64
 """Motions that are proved again together."""
 
+OWN: dict[str, Any] = {
+    "starts": None,
+    "rounds": None,
+    "spacing": None,
+    "engine": "threads",
+    "workers": None,
+    "progress": False,
+}
+"""Options that no solve has, and their defaults."""
 
-def explore(
-    robot: Robot,
-    scene: SceneLike | None = None,
-    time: Number = TIME,
-    *,
-    memory: Memory | None = None,
-    starts: Batch | None = None,
-    rounds: Whole | None = None,
-    spacing: Number | None = None,
-    engine: object = "threads",
-    workers: Whole | None = None,
-    progress: Truth = False,
-    **options: Unpack[SolveArguments],
-) -> Exploration:
+
+class ExploreArguments(SolveArguments, total=False):
+    """Options of `explore` as keyword arguments."""
+
+    starts: Batch | None
+    rounds: Whole | None
+    spacing: Number | None
+    engine: object
+    workers: Whole | None
+    progress: Truth
+
+
+def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[ExploreArguments]) -> Exploration:
     """Fill a memory ahead: shapes of a robot in a place that stays, and proved motions between them.
 
     Solves with this memory begin from these shapes, and `plan` walks along the motions. It is done in rounds, and what
@@ -93,7 +101,7 @@ def explore(
     scene : Scene or list of obstacles, optional
         In which nothing moves.
     time : float
-        Seconds; the round that is under way is finished.
+        Seconds, by default 60; the round that is under way is finished.
     memory : Memory, optional
         To be filled; by default a new one. Shapes that it holds are joined, too.
     starts : array_like (n, 3) or (m, n, 3), optional
@@ -127,12 +135,16 @@ def explore(
     began = clock.perf_counter()
     if not isinstance(robot, Robot):
         raise InputError("robot", "", robot, "a Robot")
-    place, seconds = as_scene(scene), checks.number("time", time, low=0.0)
-    if "memory" in options or "time" in options:  # pragma: no cover - they are arguments of their own
-        raise AssertionError
-    chosen = SolveOptions.of({"max_starts": STARTS, **options})
-    most = math.inf if rounds is None else checks.integer("rounds", rounds, 0, 2**31 - 1)
-    near = reach_of(robot) / ACROSS if spacing is None else checks.number("spacing", spacing, above=0.0)
+    given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
+    refuse_unknown(given, ExploreArguments)
+    own = {key: given.pop(key, default) for key, default in OWN.items()}
+    place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
+    memory = given.pop("memory", None)
+    chosen = SolveOptions.of(given)
+    most = math.inf if own["rounds"] is None else checks.integer("rounds", own["rounds"], 0, 2**31 - 1)
+    near = reach_of(robot) / ACROSS
+    if own["spacing"] is not None:
+        near = checks.number("spacing", own["spacing"], above=0.0)
     kept = Memory(robot) if memory is None else memory
     if not isinstance(kept, Memory):
         raise InputError("memory", "", memory, "a Memory")
@@ -143,12 +155,12 @@ def explore(
         raise InputError("scene", f"{name} moves", name, "obstacles that stand still")
     check_sizes(robot, place)
     warn_of(suspicions(robot, snapshot))
-    wanted = _starts(chosen.demanded_of(robot), starts)
+    wanted = _starts(chosen.demanded_of(robot), own["starts"])
     explorer = Explorer(chosen.demanded_of(robot), Scene.of(snapshot), chosen)
-    count = read_workers(workers)
+    count = read_workers(own["workers"])
     with (
-        closing_engine(engine, explorer, count) as ready,
-        ProgressBar(math.ceil(seconds) if checks.truth("progress", progress) else 0) as bar,
+        closing_engine(own["engine"], explorer, count) as ready,
+        ProgressBar(math.ceil(seconds) if checks.truth("progress", own["progress"]) else 0) as bar,
     ):
         run = _Run(explorer, kept, near, ready)
         run.prepare(wanted, chosen.seed)
@@ -244,7 +256,10 @@ class _Run:
     def _done(self, chunks: list[Block]) -> list[Block]:
         """Have chunks done by the workers."""
         found: dict[int, Block] = {}
-        keep: Callable[[Chunk, Block], None] = lambda chunk, block: found.__setitem__(chunk.number, block)  # noqa: E731
+
+        def keep(chunk: Chunk, block: Block) -> None:
+            found[chunk.number] = block
+
         dispatcher = Dispatcher(self._engine, (Chunk(i, i, raw) for i, raw in enumerate(chunks)), keep)
         dispatcher.run()
         if dispatcher.failed:
@@ -270,14 +285,15 @@ class _Draws:
         if count:
             others = np.resize([Kind.BESIDE, Kind.ASIDE], ROUND - EVEN)
             joins = min(JOINS, int(self._graph.parts.max()))
-            others[: joins] = Kind.JOIN
+            others[:joins] = Kind.JOIN
             kinds = np.concatenate([kinds[:EVEN], others])
         begins = self._where_few(len(kinds)) if count else np.full(len(kinds), -1)
         joining = np.flatnonzero(kinds == Kind.JOIN)
         begins[joining] = self._of_others(len(joining))
         targets = self._anywhere(len(kinds))
         beside = np.flatnonzero(kinds == Kind.BESIDE)
-        targets[beside] = self._graph.tips[begins[beside]] + FAR * self._spacing * _in_ball(rng, len(beside))
+        far = self._spacing * np.exp(rng.uniform(np.log(NEAREST), np.log(FARTHEST), (len(beside), 1)))
+        targets[beside] = self._graph.tips[begins[beside]] + far * _in_ball(rng, len(beside))
         near = self._near(kinds, begins, targets)
         return {
             "kind": kinds,

@@ -6,6 +6,7 @@ unless an attempt takes longer than `PATIENCE`.
 
 from dataclasses import replace
 from enum import IntEnum
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,11 @@ import numpy as np
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task as Chunk
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import VERDICT
-from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import lever_metric, random_configuration, violated_by
 from sinuous.motion.plan import Workspace, Workspaces
 from sinuous.motion.planning.find import find_path
 from sinuous.motion.planning.query import Deadline, Query
-from sinuous.motion.planning.walk import Walks
+from sinuous.motion.planning.walk import is_clear
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
@@ -39,7 +38,7 @@ DRAWS = 64
 DRAWS_TO_JOIN, TURNS_TO_JOIN = 1024, 4
 """Draws of trees between two parts, and turns of all planners where these do not meet."""
 
-SHORTEST = 0.02
+SHORTEST = 1e-3
 """Share of the way to a random shape that is gone at least: most go less far, each order of magnitude as often."""
 
 SHORTER = 4
@@ -93,7 +92,7 @@ class Explorer:
         """Do the tasks of a chunk, or prove the motions between pairs of shapes."""
         with self._workspaces.lent(self.scene.snapshot()) as work:
             if "pairs" in chunk.raw:
-                return {"clear": np.array([self._proves(work, pair) for pair in chunk.raw["pairs"]], np.bool_)}
+                return {"clear": np.array([is_clear(work.prover, *pair) for pair in chunk.raw["pairs"]], np.bool_)}
             found = _Found(len(self.robot))
             for i in range(len(chunk.raw["kind"])):
                 task = {name: values[i] for name, values in chunk.raw.items()}
@@ -108,7 +107,7 @@ class Explorer:
         if kind is Kind.JOIN:
             self._join(work, found, begin, int(task["own"]), numbers, near, seed, deadline)
             return 0
-        q = self._moved(work, begin, seed, deadline) if kind is Kind.ASIDE else self._met(kind, task["target"], begin)
+        q = self._moved(work, begin, seed) if kind is Kind.ASIDE else self._met(kind, task["target"], begin)
         if q is None:
             return 0
         order = np.argsort(self._apart(q, near), kind="stable")
@@ -123,7 +122,7 @@ class Explorer:
             solution = self._solvers[1].solve(Target(target), begin, time=PATIENCE)
         return np.array(solution.q) if solution.solved else None
 
-    def _moved(self, work: Workspace, begin: Floats, seed: int, deadline: Deadline) -> Floats | None:
+    def _moved(self, work: Workspace, begin: Floats, seed: int) -> Floats | None:
         """Move a shape towards a random one, as far as that is proved."""
         rng = np.random.default_rng(seed)
         away = random_configuration(self.robot, rng) - begin
@@ -133,7 +132,7 @@ class Explorer:
         share = np.exp(rng.uniform(np.log(SHORTEST), 0.0))
         for _ in range(SHORTER):
             q: Floats = begin + share * away
-            if violated_by(self.robot, q) is None and _joins(work, begin, q, seed, deadline):
+            if violated_by(self.robot, q) is None and is_clear(work.prover, begin, q):
                 return q
             share *= 0.5
         return None
@@ -145,7 +144,7 @@ class Explorer:
         own = found.add(q[None])
         count = 0
         for number, other in zip(numbers[:TRIES].tolist(), near, strict=False):
-            if deadline.left() > 0.0 and _joins(work, q, other, seed, deadline):
+            if deadline.left() > 0.0 and is_clear(work.prover, q, other):
                 found.edges.append((own, number))
                 count += 1
                 if count == LINKS:
@@ -175,17 +174,9 @@ class Explorer:
         if path is not None:
             found.add_way(own, path.q, numbers, near)
 
-    def _proves(self, work: Workspace, pair: Floats) -> bool:
-        return bool(work.prover.prove(pair, slack=1.0)[0, VERDICT] == CLEAR)
-
     def _apart(self, q: Floats, others: Floats) -> Floats:
         moves = ((others - q) * lever_metric(self.robot)).reshape(len(others), q.size)
         return np.sqrt(np.einsum("mk,mk->m", moves, moves))
-
-
-def _joins(work: Workspace, one: Floats, other: Floats, seed: int, deadline: Deadline) -> bool:
-    """Whether the motion from one shape (n, 3) to another is proved clear."""
-    return work.trees.grow(np.stack([one, other]), seed, (0, 0), deadline) is not None
 
 
 class _Found:
@@ -213,7 +204,7 @@ class _Found:
         last = next(int(number) for number, other in zip(numbers, near, strict=True) if np.array_equal(other, q[-1]))
         first = self.add(q[1:-1])
         way = [own, *(first - i for i in range(len(q) - 2)), last]
-        self.edges += zip(way[:-1], way[1:], strict=True)
+        self.edges += pairwise(way)
 
     def block(self) -> Block:
         """Return what travels."""

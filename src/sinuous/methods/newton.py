@@ -119,7 +119,9 @@ class PreparedNewton(Prepared):
     def run(self, problem: Problem, initial: Floats, budget: Budget, reference: Floats | None = None) -> Outcome:
         """Solve one problem; see `Prepared.run`."""
         arguments = self._arguments(problem, initial, budget)
-        outcome = self._within_tensions(Outcome(arguments[-1], *search(*arguments)))
+        outcome = Outcome(arguments[-1], *search(*arguments))
+        if self._bounded:
+            outcome = self._within_tensions(outcome)
         if self._preferences and outcome.code == SOLVED and not self._preferences.satisfied(outcome.clearance):
             left = budget[3] - outcome.seconds
             return self._within_tensions(self._prefer(outcome, problem.scene, problem._rows, reference, left))
@@ -136,7 +138,9 @@ class PreparedNewton(Prepared):
     ) -> None:
         """Solve many problems; see `Prepared.run_many`."""
         super().run_many(scene, rows, initial, budget, answers)
-        for i in np.flatnonzero(answers[:, CODE] == SOLVED).tolist() if self._preferences else ():
+        if self._preferences is None:
+            return
+        for i in np.flatnonzero(answers[:, CODE] == SOLVED).tolist():
             outcome = as_outcomes(answers[i : i + 1])[0]
             if self._preferences.satisfied(outcome.clearance):
                 continue

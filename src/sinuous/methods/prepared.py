@@ -17,6 +17,9 @@ from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
+NO_SCRATCH: tuple[int, Floats] = -1, np.empty(0)
+"""Targets that the scratch of a new thread is enough for, and that scratch."""
+
 
 class Compiled(NamedTuple):
     """The compiled search of a method, and what it needs besides the groups of robot and scene.
@@ -88,7 +91,8 @@ class Prepared:
         self._robot, self._own_robot = robot_group(robot), robot
         self._bounded = robot.drive.elastic is not None and robot.drive.elastic.bounded
         self._settings = settings_group(robot, tolerance, preferences, compiled.options)
-        self._preferences, self._segments = preferences.beyond(robot.least_demanded[0]), len(robot)
+        self._preferences = preferences.beyond(robot.least_demanded[0]) or None  # to ask an object is a call
+        self._segments = len(robot)
         self._local = threading.local()
         self._load(robot, scene.snapshot(), tolerance)
 
@@ -166,10 +170,10 @@ class Prepared:
 
     def _workspace(self, targets: int) -> Floats:
         """Scratch of this thread, for so many targets at once."""
-        if getattr(self._local, "targets", -1) < targets:
-            self._local.targets = targets
-            self._local.workspace = np.empty(self._compiled.workspace(targets))
-        workspace: Floats = self._local.workspace
+        most, workspace = getattr(self._local, "scratch", NO_SCRATCH)
+        if most < targets:
+            workspace = np.empty(self._compiled.workspace(targets))
+            self._local.scratch = targets, workspace
         return workspace
 
 

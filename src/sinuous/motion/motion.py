@@ -502,7 +502,7 @@ class Motion(NotebookMixin, Frozen):
 
     def _shown(self) -> Iterator[str]:
         yield str(self.status)
-        yield from (f"{_count_reached(self)} solved",) if self.solutions else ()
+        yield from (reached_in_words(self),) if self.solutions else ()
         yield f"{len(self.q)} knots"
         yield duration(self.seconds)
 
@@ -526,18 +526,21 @@ def _text(motion: Motion) -> str:
     return "\n".join(parts)
 
 
-def _count_reached(motion: Motion) -> str:
+def reached_in_words(motion: Motion) -> str:
     """Say how many waypoints the motion comes to: a plan may know a shape for its goal, and no way there."""
-    reached = len(motion.solutions) - motion.waypoint_knots.count(None)
-    return f"{reached} of {len(motion.solutions) + motion.remaining} waypoints"
+    reached, count = len(motion.solutions) - motion.waypoint_knots.count(None), len(motion.solutions) + motion.remaining
+    if count > 1:
+        return f"{reached} of {count} waypoints reached"
+    return "the target is reached" if reached else "the target is not reached"
 
 
 def _sentence(motion: Motion) -> str:
     failed = next((i for i, solution in enumerate(motion.solutions) if not solution.solved), None)
     if failed is not None:
         solution = motion.solutions[failed]
-        return f"{_count_reached(motion)}; waypoint {failed + 1}: {solution.worst or solution.sentence}"
-    begun = _count_reached(motion) if motion.solutions else motion.status.sentence
+        which = f"waypoint {failed + 1}: " if len(motion.solutions) + motion.remaining > 1 else ""
+        return f"{reached_in_words(motion)}; {which}{solution.worst or solution.sentence}"
+    begun = reached_in_words(motion) if motion.solutions else motion.status.sentence
     if motion.status is Status.RATE_BOUND and len(motion.q) > 1:
         return f"{begun}; the times that were asked for are too short for the rates"
     if motion.worst is not None:

@@ -196,7 +196,7 @@ class Robot(NotebookMixin, Frozen):
         away = checks.one_each("clearance", clearance, len(listed), "segment")
         apart = checks.one_each("self_clearance", self_clearance, len(listed), "segment")
         if self_collision == "allow" and np.any(apart):
-            raise InputError("self_clearance", "stands beside self_collision: allow", self_clearance, "0")
+            raise InputError("self_clearance", "cannot be combined with self_collision: allow", self_clearance, "0")
         if not (uncertainty is None or isinstance(uncertainty, Uncertainty)):
             raise InputError("uncertainty", "", uncertainty, "Uncertainty or nothing")
         with checks.inside("uncertainty"):

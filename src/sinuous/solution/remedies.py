@@ -21,7 +21,7 @@ from sinuous.solution.residual import residual_of, rotation_between
 from sinuous.solution.status import Status
 from sinuous.solution.trials import Case, Trials
 from sinuous.solution.widening import plain, widenings
-from sinuous.words import listed, number, rounded, rounded_up
+from sinuous.words import degrees, listed, number, rounded, rounded_up
 
 BEST_METHOD = "newton"
 """The method that handles everything."""
@@ -84,22 +84,34 @@ class Remedy(ShortRepr):
         note = f" ({', '.join(notes)})" if notes else ""
         if self.after is None:
             return f"without {self.change}{note}"
-        before = "" if self.before is None else f"{number(self.before, 6)} -> "
-        return f"{self.change}: {before}{number(self.after, 6)}{note}"
+        before = "" if self.before is None else f"{_shown(self.before)} -> "
+        return f"{self.change}: {before}{_shown(self.after)}{note}"
+
+
+def _shown(value: Any) -> str:
+    """Plain values in a sentence; a rotation by its angle and axis."""
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_shown(each)}" for key, each in value.items())
+    if not (isinstance(value, list) and [len(row) for row in value if isinstance(row, list)] == [3, 3, 3]):
+        return number(value, 6)
+    turn = Rotation.from_matrix(value).as_rotvec()
+    angle = float(np.linalg.norm(turn))
+    return f"{degrees(angle)} about {number(turn / angle, 3)}" if angle > 0.0 else "no rotation"
 
 
 Kind = Callable[[Trials, Case], Iterator[Remedy]]
 
 
-def find_remedies(case: Case, end: float) -> tuple[tuple[Remedy, ...], bool]:
-    """Return changes that work, and whether all were tried before `end` (by `work_time`)."""
-    trials = Trials(case, end)
+def find_remedies(trials: Trials, case: Case) -> tuple[Remedy, ...]:
+    """Return changes that work; `trials` knows then whether all were tried before its time was up."""
     kinds = _kinds(case)
     found: list[Remedy] = []
     for i, (kind, part) in enumerate(kinds):
         trials.share(part / sum(other for _, other in kinds[i:]))
         found += kind(trials, case)
-    return tuple(found), trials.complete
+    return tuple(found)
 
 
 def _kinds(case: Case) -> list[tuple[Kind, float]]:
@@ -260,8 +272,8 @@ def _nearest(trials: Trials, case: Case, key: str) -> Iterator[Remedy]:
     tries = []
     for farther in (factor * by for factor in FARTHER):
         after, size = _moved(key, before, farther, tolerance), float(np.linalg.norm(farther))
-        note = f"{number(size)} away" if key == "position" else f"turned by {number(size)} rad"
-        note += f" about {number(farther / size)}" if key == "rotation" else ""
+        note = f"{number(size)} away" if key == "position" else f"turned by {degrees(size)}"
+        note += f" about {number(farther / size, 3)}" if key == "rotation" else ""
         tries.append((changed(farther), Remedy(f"target {key}", before.tolist(), after.tolist(), note)))
     yield from _offered(trials, tries, reached.q)
 
@@ -357,8 +369,12 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     def helps(names: Sequence[str]) -> bool:
         return trials.whole(case.problem.changed(scene=scene.without(names))) is not None
 
-    free = trials.quick(case.problem.changed(scene=scene.without(every))) if every else None
+    if not every or case.status is Status.OUT_OF_REACH:  # which is proved without a look at them
+        return
+    bare = case.problem.changed(scene=scene.without(every))
+    free = trials.quick(bare) or trials.whole(bare)
     if free is None:
+        trials.obstacles_matter = trials.left <= 0.0
         return
     met = [each.obstacle for each in contacts_of(case.problem, free.q, 0.0)]
     held = [None if case.reason is None else case.reason.obstacle, *(each.obstacle for each in case.binding)]

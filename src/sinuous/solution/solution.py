@@ -72,7 +72,7 @@ class Solution(NotebookMixin):
     iterations, starts : int
         Newton iterations in all, and how many starts they came from.
     start : str
-        Which kind of start won: given, arc, route, random.
+        Which kind of start led to it: given, arc, random, route or remembered.
     route : ndarray (k, 3) or None
         Where the start came from a route: its points, from the base to the target; read-only. To be drawn beside the
         body, which may leave it.
@@ -179,7 +179,7 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random, route or remembered."""
+        """Which kind of start led to it: given, arc, random, route or remembered."""
         return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
@@ -364,7 +364,8 @@ class Solution(NotebookMixin):
         if reason is None or reason.obstacle is None or self.status is Status.NO_ROUTE:
             return found
         spare = reason.available - reason.needed
-        first = Binding("clearance", None, reason.obstacle, spare + reason.clearance, reason.clearance)
+        own = reason.obstacle, spare + reason.clearance, reason.clearance
+        first = Binding("clearance", None, *own, inside=reason.inside)
         return (first, *(each for each in found if each.obstacle != reason.obstacle))
 
     def _find_reason(self) -> Reason | None:
@@ -511,25 +512,26 @@ class Solution(NotebookMixin):
     def __str__(self) -> str:
         parts = [f"Solution: {self.status} ({self.sentence})"]
         if self.reason is not None:
-            parts.append(f"  reason     {self.reason}")
+            parts.append(f"  because        {self.reason}")
         if self.worst is not None:
-            parts.append(f"  worst      {self.worst}")
+            parts.append(f"  worst          {self.worst}")
         for label, value in (
-            ("position", self.position_error),
-            ("angle", self.angle_error),
+            ("position error", self.position_error),
+            ("angle error", self.angle_error),
             ("clearance", self.clearance),
-            ("off itself", self.self_clearance),
+            ("self-clearance", self.self_clearance),
         ):
             if value is not None:
                 unsure = self.problem.robot.uncertainty if label == "clearance" else None
-                parts.append(f"  {label:<10} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
+                parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
-            parts.append(f"  route      {self.route_class}")
-        parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")
-        parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
+            parts.append(f"  route          {self.route_class}")
+        effort = f"{self.iterations} iterations from {self.starts} starts"
+        parts.append(f"  effort         {effort}, {duration(self.seconds)}")
+        parts.append("  q              " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 17))
         values = self.problem.robot.drive.in_words(self.actuators or {})
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
-        parts += [f"  {'' if i else 'actuators':<10} {line}" for i, line in enumerate(lines)]
+        parts += [f"  {'' if i else 'actuators':<14} {line}" for i, line in enumerate(lines)]
         return "\n".join(parts)
 
 

@@ -221,7 +221,7 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
 
     @property
     def start(self) -> NDArray[np.str_]:
-        """Which kind of start won (m,): given, arc, random or route."""
+        """Which kind of start led to it (m,): given, arc, random or route."""
         return np.array(SOURCES)[self._answers[:, SOURCE].astype(np.int64)]
 
     @property

@@ -197,19 +197,30 @@ class Solver:
             scene, blocked = self._look_at_base()
         targets = (target,) if isinstance(target, Target) else target_list("target", target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
-        given = self._given(initial)
+        given, reference = self._no_initial, None
+        if initial is not None:
+            given = self._given(initial)
+            reference = given[0]
         budget = self._first_budgets[len(given)] if time is None else self._budget(len(given), time)
         if within is not None:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
-        starts = given if len(given) else self._strategy.remembered(problem._rows[None])[0]
-        outcome = self._look(problem, given) if blocked else self._first(problem, starts, budget, len(given) > 0)
+        starts = given
+        if self.options.memory is not None and not len(given):
+            starts = self._strategy.remembered(problem._rows[None])[0]
+        if blocked:
+            outcome = self._look(problem, given)
+        else:
+            outcome = self._prepared.run(problem, starts, budget, reference)
+            if starts is not given and outcome.source == GIVEN and len(starts):
+                outcome = outcome._replace(source=REMEMBERED)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
-        outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
-        if outcome.code == SOLVED:
-            self._strategy.learn(outcome.q[None], None if len(given) else starts[None])
+        if outcome.clearance < self._prepared.grazing:
+            outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
+        if self.options.memory is not None and outcome.code == SOLVED:
+            self._strategy.learn(outcome.q[None], None if starts is given else starts[None])
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_under_load(
@@ -500,12 +511,6 @@ class Solver:
     def _glance(self, given: int) -> Budget:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
-
-    def _first(self, problem: Problem, starts: Floats, budget: Budget, given: bool) -> Outcome:
-        """Make the first call: from what is `given`, or else from remembered shapes (k, n, 3); then from own starts."""
-        first = self._prepared.run(problem, starts, budget, starts[0] if given else None)
-        remembered = not given and first.source == GIVEN and len(starts)
-        return first._replace(source=REMEMBERED) if remembered else first
 
     def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""

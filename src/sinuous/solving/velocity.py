@@ -194,7 +194,7 @@ class ControlLoop:
         if known is not None or measured is not None:
             observed = observe(self._robot, own, known, measured, places, gain, delay)
         if (twist is None) == (target is None):
-            problem = "missing" if twist is None else "stands beside target"
+            problem = "missing" if twist is None else "cannot be combined with target"
             raise InputError("twist", problem, twist, "one of twist, target")
         if twist is not None:
             kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS

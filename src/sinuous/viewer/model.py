@@ -1,15 +1,16 @@
 """The state of the page of `sinuous view`, and how it changes: without a browser, and without threads."""
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.display.contents import straight
-from sinuous.errors import InputError
+from sinuous.errors import InputError, SuspiciousInput
 from sinuous.methods.registry import name_of
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
@@ -41,6 +42,38 @@ def pace(duration: float) -> float:
     Times are taken for seconds, unless the whole takes longer than people wait.
     """
     return 1.0 if duration <= LONGEST else duration / SHORTENED
+
+
+class Moment(NamedTuple):
+    """What people decided on the page so far, and what was found for it: to come back to.
+
+    Attributes
+    ----------
+    job : Job
+    settings : Settings
+    waypoint : int
+    begin : float
+    by_hand : bool
+        Whether the shape was bent by hand.
+    q : ndarray (n, 3)
+        The shape.
+    motion : Motion or None
+    time : float
+    """
+
+    job: Job
+    settings: Settings
+    waypoint: int
+    begin: float
+    by_hand: bool
+    q: Floats
+    motion: Motion | None
+    time: float
+
+    def decided_like(self, other: "Moment") -> bool:
+        """Whether people decided the same; what was found for it may differ."""
+        same = self.job is other.job and self[1:5] == other[1:5]
+        return same and (self.q is other.q or not self.by_hand)
 
 
 class Model:
@@ -99,7 +132,21 @@ class Model:
         self.time = self.begin = 0.0
         self._there: tuple[Snapshot, float, Snapshot] | None = None
         self._held: tuple[Obstacle, Floats] | None = None
+        self._pulled: Floats | None = None
         self.number += 1
+
+    @property
+    def moment(self) -> Moment:
+        """What was decided and found so far."""
+        own = self.job, self.settings, self.waypoint, self.begin, self.by_hand
+        return Moment(*own, self.q, self.motion, self.time)
+
+    def come_back(self, moment: Moment) -> None:
+        """Ask again what was asked at another moment."""
+        self.job, self.settings, self.waypoint, self.begin, by_hand, self.q, motion, self.time = moment
+        self._asked_anew()
+        self.by_hand, self.motion = by_hand, motion
+        self.grasp(self.grasped if self.grasped is not None and self.grasped < len(self.scene) else None)
 
     @property
     def robot(self) -> Robot:
@@ -169,7 +216,7 @@ class Model:
         self._asked_anew()
 
     def _asked_anew(self) -> None:
-        self.answer = self.beside = None
+        self.answer = self.beside = self._pulled = None
         self.by_hand = False
         self.ghosts, self.motion = [], None
         self.number += 1
@@ -187,6 +234,10 @@ class Model:
         if rotation is not None and target.rotation is not None:
             parts["rotation"] = rotation
         self._replace_target(index, target.changed(**parts))
+
+    def point_target(self, index: int, direction: Floats) -> None:
+        """Set the direction (3,) that a target asks for; any length but 0."""
+        self._replace_target(index, self._target(index).changed(direction=direction))
 
     def ask(self, index: int, what: str) -> None:
         """Ask a target for its position alone, for a direction of the tangent too, or for a whole rotation."""
@@ -247,10 +298,38 @@ class Model:
         """Bend a segment (0 = first) by hand; the shape stays so until something else is asked."""
         k = checks.integer("segment", segment, 0, len(self.robot) - 1)
         row = [checks.number(key, value) for key, value in (("bend_x", bend_x), ("bend_y", bend_y), ("length", length))]
-        q = np.array(self.q)
+        q = np.array(self.shown)
         q[k] = row
+        self._bent(q)
+
+    @property
+    def actuators(self) -> Floats:
+        """Values (m,) of all actuators on the page; where they stretch, those that somebody gave them."""
+        return self.robot.to_actuators(self.shown) if self._pulled is None else self._pulled
+
+    def drive(self, index: int, value: float) -> None:
+        """Give an actuator (0 = first) a value by hand; all others change as little as they can.
+
+        Rigid ones follow: of three tendons around a segment two are paid out where one is pulled.
+        """
+        before, wanted, q = self.actuators, np.array(self.actuators), self.shown
+        i = checks.integer("actuator", index, 0, len(before) - 1)
+        wanted[i] = checks.number(self.robot.actuators[i].name, value)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SuspiciousInput)  # rigid ones contradict each other until all follow
+            found = self.robot.from_actuators(wanted, q)
+        if self.robot.drive.elastic is not None:
+            self._bent(found)
+            self._pulled = wanted
+            return
+        # Least squares of all values go a part of the way; as they are linear, that part is the same for each value.
+        part = float(self.robot.to_actuators(found)[i] - before[i])
+        self._bent(q + (found - q) * ((wanted[i] - before[i]) / part) if part else found)
+
+    def _bent(self, q: Floats) -> None:
+        """Show a shape (n, 3) that somebody made."""
         self.q = q
-        self.answer = self.beside = None
+        self.answer = self.beside = self._pulled = None
         self.by_hand, self.motion = True, None
         self.number += 1
 

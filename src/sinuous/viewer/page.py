@@ -1,12 +1,9 @@
 """The page of `sinuous view`: what browsers show of a session, and what people do in them."""
 
-from viser import ClientHandle
-
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.solution.solution import Solution
-from sinuous.viewer.panel import Panel
-from sinuous.viewer.saving import saved
+from sinuous.viewer.panel import Action, Panel
 from sinuous.viewer.scenery import Scenery
 from sinuous.viewer.server import close_server, light, open_server
 from sinuous.viewer.session import Session
@@ -44,11 +41,12 @@ class Page(Session):
         super().stop()
         close_server(self.server)
 
-    def save(self, client: ClientHandle | None) -> None:
-        """Send the problem on the page to a browser, as a file; an event of the owner."""
-        text = saved(self.model)
-        if client is not None:
-            client.send_file_download("problem.yaml", text.encode(), save_immediately=True)
+    def _actions(self) -> tuple[Action, ...]:
+        return (
+            Action("Undo", "Z", "cmd/ctrl", lambda _: self.undo()),
+            Action("Redo", "Z", "cmd/ctrl+shift", lambda _: self.redo()),
+            Action("Fit view", "F", None, lambda client: self.do("fit", lambda: self.scenery.fit(client))),
+        )
 
     def _build(self) -> None:
         self._answer_quickly()  # so that the camera looks at where the robot first gets to
@@ -56,7 +54,7 @@ class Page(Session):
         self.server.scene.reset()
         light(self.server)
         self.scenery = Scenery(self.server, self)
-        self._panel = Panel(self.server.gui, self, self.save)
+        self._panel = Panel(self.server.gui, self, self._actions())
 
     def _draw(self) -> None:
         model = self.model

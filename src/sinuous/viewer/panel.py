@@ -1,16 +1,16 @@
 """The panel beside the scene: what holds of the shape, and tabs with everything that can be changed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from viser import GuiApi
 
 from sinuous.display.style import CONTACT, SCALE
 from sinuous.viewer import tabs
+from sinuous.viewer.fields import Fields
 from sinuous.viewer.session import Session
 from sinuous.viewer.status import STYLE, framed, scale
-from sinuous.viewer.tabs import Fields
 
 WIDTH = 440.0
 """Width of the panel, in pixels: all tabs stand in one row."""
@@ -47,21 +47,40 @@ class Section:
         self._fields.refresh()
 
 
-class Panel:
-    """The panel of a page; `save` sends the problem on the page to a browser."""
+class Action(NamedTuple):
+    """What is always at hand: a button in the first row, and a key.
 
-    def __init__(self, gui: GuiApi, session: Session, save: Callable[[Any], object]) -> None:
+    Attributes
+    ----------
+    label : str
+    key, modifier : str or None
+        As `GuiApi.add_command` has them.
+    act : callable
+        Told the browser in which it was asked for; returns at once.
+    """
+
+    label: str
+    key: Any
+    modifier: Any
+    act: Callable[[Any], object]
+
+
+class Panel:
+    """The panel of a page; `actions` are its first row."""
+
+    def __init__(self, gui: GuiApi, session: Session, actions: Sequence[Action]) -> None:
         self._session, model = session, session.model
+        _add_actions(gui, actions)
         self._status = gui.add_html("")
         group = gui.add_tab_group()
         entries: list[tuple[str, Callable[[Session, Fields], None], Callable[[], object]]] = [
             ("Target", tabs.target_tab, lambda: (_asked(session), model.job.is_path)),
             ("Motion", tabs.motion_tab, lambda: model.job.is_path),
-            ("Shape", tabs.shape_tab, lambda: (_limits(session), session.first_segment)),
+            ("Shape", tabs.shape_tab, lambda: (_limits(session), session.first_segment, session.sliders)),
             ("Scene", tabs.scene_tab, lambda: None),
             ("Robot", tabs.robot_tab, lambda: model.robot.segment_names),
             ("Solve", tabs.solve_tab, lambda: None),
-            ("File", partial(tabs.file_tab, save), lambda: None),
+            ("File", tabs.file_tab, lambda: None),
         ]
         self._sections = []
         for name, build, made_for in entries if model.targets else entries[1:]:
@@ -89,12 +108,33 @@ class Panel:
         return ""
 
 
+def _add_actions(gui: GuiApi, actions: Sequence[Action]) -> None:
+    """Put actions into a row, and under their keys."""
+    acts = {action.label: action.act for action in actions}
+    row = gui.add_button_group("", tuple(acts))
+
+    @row.on_click
+    async def _(event: Any) -> None:
+        acts[event.target.value](event.client)
+
+    for action in actions:
+        command = gui.add_command(action.label, hotkey=action.key, modifier=action.modifier)
+
+        @command.on_trigger
+        async def _(event: Any, act: Callable[[Any], object] = action.act) -> None:
+            act(event.client)
+
+
 def _asked(session: Session) -> object:
-    return tuple((target.position is None, target.segment) for target in session.model.targets)
+    targets = session.model.targets
+    return tuple(
+        (each.position is None, each.direction is None, each.rotation is None, each.segment) for each in targets
+    )
 
 
 def _limits(session: Session) -> object:
-    return tuple((segment.max_bend, segment.length) for segment in session.model.robot.segments)
+    robot = session.model.robot
+    return tuple((segment.max_bend, segment.length) for segment in robot.segments), robot.actuators
 
 
 def _sizes(session: Session) -> object:

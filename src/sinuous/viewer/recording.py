@@ -9,7 +9,7 @@ import numpy as np
 from viser import ViserServer
 
 from sinuous.checks import Floats
-from sinuous.display.bounds import best_view, bounds_of
+from sinuous.display.bounds import best_view, bounds_of, towards
 from sinuous.display.contents import Arm, Contents, MovingArm
 from sinuous.display.style import ROUTE, TIP_PATH
 from sinuous.scene.moving import Moving
@@ -39,7 +39,7 @@ def record(contents: Contents) -> str:
     bounds = bounds_of(contents)
     server = open_server()
     try:
-        aim(server, bounds, best_view(contents))
+        aim(server.initial_camera, bounds, towards(best_view(contents)))
         obstacles = Obstacles(server.scene, bounds)
         obstacles.show(contents.obstacles_at(0.0))
         for i, (target, place) in enumerate(contents.targets):

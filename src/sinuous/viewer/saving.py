@@ -1,12 +1,16 @@
 """The problem on the page as the text of a file, and files that are brought to the page."""
 
 from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
 from typing import Any
+
+import numpy as np
 
 from sinuous.errors import InputError
 from sinuous.files.documents import parse
 from sinuous.files.problem_file import problem_of
 from sinuous.motion.job import Job
+from sinuous.motion.tables import write_motion
 from sinuous.viewer.model import Model, changed
 from sinuous.writing.documents import yaml_text
 
@@ -34,6 +38,17 @@ def saved(model: Model) -> str:
     begin = f" --begin {model.begin:g}" if command == "plan" and model.begin else ""
     line = f"# sinuous {command} FILE --method {own.method} --seed {own.seed} --time {own.time:g}{begin}\n"
     return line + yaml_text(kept.to_dict(model.folder))
+
+
+def table(model: Model) -> str:
+    """Return the motion on the page as CSV, or the shape as a single row; columns as of `Motion.to_csv`."""
+    q, times = (
+        (model.shown[None], np.array([model.time])) if model.motion is None else (model.motion.q, model.motion.times)
+    )
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "motion.csv"
+        write_motion(file, model.robot, times, q)
+        return file.read_text(encoding="utf-8")
 
 
 def loaded(name: str, content: bytes, folder: Path) -> Job:

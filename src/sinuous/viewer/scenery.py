@@ -5,10 +5,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from viser import LineSegmentsHandle, TransformControlsHandle, ViserServer
+from viser import ClientHandle, LineSegmentsHandle, TransformControlsHandle, ViserServer
 
 from sinuous.checks import Floats
-from sinuous.display.bounds import best_view, bounds_of
+from sinuous.display.bounds import best_view, bounds_of, towards
 from sinuous.display.clearances import clearances
 from sinuous.display.contents import Arm, Contents
 from sinuous.display.style import TIP_PATH, Rgb, by_bending, by_clearance, rgb
@@ -52,13 +52,19 @@ class Scenery:
         self._model = model = session.model
         contents = _contents(model)
         self.bounds = bounds_of(contents)
-        aim(server, self.bounds, best_view(contents))
+        aim(server.initial_camera, self.bounds, towards(best_view(contents)))
         self._obstacles = Obstacles(server.scene, self.bounds, session.choose_obstacle)
         self._bodies: dict[str, Body] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
         self._line: LineSegmentsHandle | None = None
         if model.job.is_path:
             self._show_path()
+
+    def fit(self, client: ClientHandle) -> None:
+        """Let a browser show all that is on the page, from the side that it looks from."""
+        away = client.camera.position - client.camera.look_at
+        with client.atomic():
+            aim(client.camera, bounds_of(_contents(self._model)), away / np.linalg.norm(away))
 
     def show(self, near: Near | None) -> None:
         """Show the model as it is."""
@@ -194,7 +200,7 @@ def _axis(quaternion: Floats) -> Floats:
 
 def _contents(model: Model) -> Contents:
     """What must be on the page: the robot, its goal, and the targets of all waypoints."""
-    shapes = [model.q] if model.job.goal is None else [model.q, model.job.goal]
+    shapes = [model.shown] if model.job.goal is None else [model.shown, model.job.goal]
     contents = Contents(arms=[Arm(model.robot, q) for q in shapes], obstacles=list(model.scene.obstacles))
     for targets in model.job.waypoints:
         for target in targets:

@@ -6,20 +6,19 @@ from contextlib import contextmanager
 
 import numpy as np
 import rich
-from viser import ViserServer
+from viser import CameraHandle, InitialCameraConfig, ViserServer
 
-from sinuous.display.bounds import Bounds, towards
-from sinuous.display.style import View
+from sinuous.checks import Floats
+from sinuous.display.bounds import Bounds
 
 FIELD = math.radians(40.0)
 """Angle that the camera sees, from top to bottom."""
 
 
-def aim(server: ViserServer, bounds: Bounds, view: View) -> None:
-    """Let the camera of the page show all of the bounds from a side."""
+def aim(camera: CameraHandle | InitialCameraConfig, bounds: Bounds, side: Floats) -> None:
+    """Let a camera show all of the bounds from the side that a unit vector (3,) leads to."""
     away = 0.98 * (0.5 * float(np.linalg.norm(bounds.high - bounds.low)) or 0.5) / math.sin(0.5 * FIELD)
-    camera = server.initial_camera
-    camera.position, camera.look_at, camera.fov = bounds.middle + away * towards(view), bounds.middle, FIELD
+    camera.position, camera.look_at, camera.fov = bounds.middle + away * side, bounds.middle, FIELD
     camera.near, camera.far = 0.01 * away, 100.0 * away
 
 

@@ -6,6 +6,7 @@ import time as clock
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable
 from functools import partial
+from typing import Literal
 
 from sinuous.checks import Floats
 from sinuous.display.style import Colouring
@@ -17,7 +18,8 @@ from sinuous.poses import pose
 from sinuous.scene.scene import Scene
 from sinuous.solution.solution import Solution
 from sinuous.viewer.edits import is_quick
-from sinuous.viewer.model import Model, pace
+from sinuous.viewer.history import History
+from sinuous.viewer.model import Model, Moment, pace
 from sinuous.viewer.saving import loaded
 from sinuous.viewer.solvers import QUICK, Question, Solvers
 from sinuous.viewer.workers import Worker
@@ -30,6 +32,10 @@ DETAILS = 0.1
 
 TICK = 1.0 / 30.0
 """Seconds between two pictures of what is played."""
+
+
+Sliders = Literal["bends and lengths", "actuators"]
+"""What the sliders of the shape move."""
 
 
 class Session(ABC):
@@ -52,6 +58,8 @@ class Session(ABC):
     playing : bool
     colouring : str
         What the colours of the body say.
+    sliders : str
+        What the sliders of the shape move.
     first_segment : int
         The first segment, 0 = first, that has sliders.
     answered : callable
@@ -66,7 +74,9 @@ class Session(ABC):
             self.model.q = answer.q
         self.playing = False
         self.colouring: Colouring = "segment"
+        self.sliders: Sliders = "bends and lengths"
         self.first_segment = 0
+        self._history = History()
         self.answered: Callable[[int], object] = lambda number: None
         self._refused, self._asked, self._busy, self._refreshed = "", -1, False, 0.0
         self._stopping = threading.Event()
@@ -96,10 +106,28 @@ class Session(ABC):
         """Post an event that changes the model, in place of one under the same key; returns at once."""
 
         def event() -> None:
+            before, history = self.model.moment, self._history
             change()
+            if not before.decided_like(self.model.moment):
+                history.note(key, before)
             self._refused = ""
 
         self._owner.post(key, event)
+
+    def undo(self) -> None:
+        """Take the last step back, as many times as it is called."""
+        self._owner.post(object(), lambda: self._come_back(self._history.undo))
+
+    def redo(self) -> None:
+        """Do again what was taken back last."""
+        self._owner.post(object(), lambda: self._come_back(self._history.redo))
+
+    def _come_back(self, step: Callable[[Moment], Moment]) -> None:
+        self.playing = False
+        now = self.model.moment
+        moment = step(now)
+        if moment is not now:
+            self.model.come_back(moment)
 
     def wait(self) -> None:
         """Wait until somebody stops the page, or an interrupt comes."""
@@ -247,7 +275,8 @@ class Session(ABC):
         """Show another problem; an event of the owner."""
         self.playing = False
         self.model.load(job)
-        self.first_segment, self.colouring = 0, "segment"
+        self.first_segment, self.colouring, self.sliders = 0, "segment", "bends and lengths"
+        self._history = History()
         self._build()
 
     # What moves

@@ -4,22 +4,25 @@ Every tab is a function that puts fields into the panel.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any, get_args
 
 import numpy as np
-from viser import GuiApi
+from viser.transforms import SO3
 
 from sinuous.checks import Floats
-from sinuous.display.style import Colouring
+from sinuous.display.style import Colouring, largest_bends
 from sinuous.methods.registry import METHODS
 from sinuous.problem.target import Tolerance
+from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.viewer.edits import KINDS, sizes_of
+from sinuous.viewer.fields import Fields, step_of
 from sinuous.viewer.model import ASKED, MOST_SECONDS
-from sinuous.viewer.session import Session
+from sinuous.viewer.saving import saved, table
+from sinuous.viewer.session import Session, Sliders
 
 MOST_TARGETS = 6
 """Targets with fields."""
@@ -34,92 +37,6 @@ NONE, ALL = "none", "all"
 """Entries of lists: no obstacle or method, all segments."""
 
 
-class Fields:
-    """The fields and buttons of a part of the panel.
-
-    A field shows what the model says. What a person puts there, and a button that is pressed, are events of the
-    session, keyed by their labels.
-    """
-
-    def __init__(self, gui: GuiApi, session: Session) -> None:
-        self.gui, self._session = gui, session
-        self._bound: list[tuple[Any, Callable[[], Any]]] = []
-        self._handles: list[Any] = []
-
-    def bind(self, handle: Any, get: Callable[[], Any], changed: Callable[[Any], object]) -> None:
-        """Show `get()` in a field from now on; call `changed` with what a person puts there.
-
-        `changed` runs on the loop of the server and must return at once.
-        """
-        self._bound.append((handle, get))
-        self._handles.append(handle)
-
-        @handle.on_update  # type: ignore[untyped-decorator]
-        async def _(event: Any) -> None:
-            if event.client is not None:
-                changed(handle.value)
-
-    def field(self, handle: Any, get: Callable[[], Any], put: Callable[[Any], object]) -> None:
-        """Show `get()` in a field; `put` changes the model by what a person puts there."""
-        self.bind(handle, get, lambda value: self._session.do(handle.label, partial(put, value)))
-
-    def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> None:
-        """Add a field for a number."""
-        self.field(self.gui.add_number(label, get(), **look), get, put)
-
-    def slider(self, label: str, ends: Sequence[float], step: float, get: Callable[[], Any], put: Any) -> None:
-        """Add a slider from one end to the other."""
-        self.field(self.gui.add_slider(label, ends[0], ends[1], step, get()), get, put)
-
-    def choice(
-        self, label: str, options: Sequence[str], get: Callable[[], str], put: Any, hint: str | None = None
-    ) -> None:
-        """Add a list of which one entry is chosen."""
-        self.field(self.gui.add_dropdown(label, options, hint=hint), get, put)
-
-    def index(
-        self, label: str, names: Callable[[], tuple[str, ...]], get: Callable[[], int], put: Any, hint: str
-    ) -> Any:
-        """Add a list of `names()`, which may change; `get` and `put` count its entries. Return its handle."""
-        handle = self.gui.add_dropdown(label, names(), hint=hint)
-
-        def chosen() -> str:
-            if tuple(handle.options) != names():
-                handle.options = names()
-            return names()[get()]
-
-        def choose(name: str) -> None:
-            if name in names():
-                put(names().index(name))
-
-        self.field(handle, chosen, choose)
-        return handle
-
-    def button(self, label: str, act: Callable[[], object], hint: str | None = None, color: Any = "gray") -> Any:
-        """Add a button; `act` is what happens in the session when it is pressed. Return its handle."""
-        handle = self.gui.add_button(label, hint=hint, color=color)
-        self._handles.append(handle)
-
-        @handle.on_click
-        async def _(_: Any) -> None:
-            self._session.do(label, act)
-
-        return handle
-
-    def refresh(self) -> None:
-        """Show what the model says now; what was refused vanishes from the page so."""
-        for handle, get in self._bound:
-            value = get()
-            if handle.value != value:
-                handle.value = value
-
-    def clear(self) -> None:
-        """Take all fields and buttons from the panel."""
-        for handle in self._handles:
-            handle.remove()
-        self._bound, self._handles = [], []
-
-
 def target_tab(session: Session, fields: Fields) -> None:
     """What is asked, and other solutions."""
     model = session.model
@@ -127,7 +44,7 @@ def target_tab(session: Session, fields: Fields) -> None:
         count = len(model.job.waypoints)
         ends = 1, max(2, count)
         put = lambda value: model.go_to_waypoint(min(value, count) - 1)  # noqa: E731
-        fields.slider("waypoint", ends, 1, lambda: model.waypoint + 1, put)
+        fields.slider("waypoint", ends, lambda: model.waypoint + 1, put, 1)
     for i in range(min(MOST_TARGETS, len(model.targets))):
         _target_fields(session, fields, i)
 
@@ -160,15 +77,27 @@ def _target_fields(session: Session, fields: Fields, i: int) -> None:
     if target.segment is not None and target.segment < len(model.robot):
         whose += f" of {model.robot.segment_names[target.segment - 1]}"
 
-    def position() -> tuple[float, ...]:
-        return tuple(model.target_frame(i)[:3, 3].tolist())
+    def frame() -> Floats:
+        return model.target_frame(min(i, len(model.targets) - 1))
 
     if target.position is not None:
-        x, y, z = position()
-        place = fields.gui.add_vector3(f"target{whose}", (x, y, z), step=step_of(model.robot.mean_length))
-        fields.field(place, position, partial(model.place_target, i))
+        step = step_of(model.robot.mean_length)
+        fields.vector(f"target{whose}", lambda: frame()[:3, 3], partial(model.place_target, i), step)
     hint = "What must be met: the position alone, or the direction of the tangent, or a whole rotation too."
     fields.choice(f"asked{whose}", ASKED, partial(_what, session, i), partial(model.ask, i), hint)
+    if target.direction is not None:
+        hint = "Of the tangent, in the axes of the world; of any length but 0."
+        turned = lambda value: model.point_target(i, value)  # noqa: E731
+        fields.vector(f"direction{whose}", lambda: frame()[:3, 2], turned, 0.001, hint)
+    if target.rotation is not None:
+        hint = "Roll, pitch and yaw in rad: about x, then y, then z of the world, as in URDF."
+        turned = lambda value: model.place_target(i, None, np.array(SO3.from_rpy_radians(*value).as_matrix()))  # noqa: E731
+        fields.vector(f"rotation{whose}", lambda: _angles(frame()), turned, 0.001, hint)
+
+
+def _angles(frame: Floats) -> Floats:
+    """Roll, pitch and yaw (3,) of a pose (4, 4)."""
+    return np.array(SO3.from_matrix(frame[:3, :3]).as_rpy_radians(), np.float64)
 
 
 def _what(session: Session, i: int) -> str:
@@ -187,7 +116,7 @@ def motion_tab(session: Session, fields: Fields) -> None:
         first, last = model.window
         return 0.0 if first == last else float(np.clip(100.0 * (model.time - first) / (last - first), 0.0, 100.0))
 
-    fields.slider("moment, %", (0.0, 100.0), 0.1, moment, lambda value: session.go_to(0.01 * value))
+    fields.slider("moment, %", (0.0, 100.0), moment, lambda value: session.go_to(0.01 * value), 0.1)
     fields.bind(fields.gui.add_checkbox("play", False), lambda: session.playing, session.play)
 
 
@@ -197,29 +126,59 @@ def shape_tab(session: Session, fields: Fields) -> None:
     colours = partial(setattr, session, "colouring")
     fields.choice("colours say", get_args(Colouring), lambda: session.colouring, colours)
     fields.button("Solve from here", model.solve_from_here, "Ask for the target again, from this shape.")
+    if model.robot.actuators:
+        fields.choice("sliders", get_args(Sliders), lambda: session.sliders, partial(setattr, session, "sliders"))
     last = len(model.robot) - AT_ONCE
     if last > 0:
         show = lambda value: setattr(session, "first_segment", value - 1)  # noqa: E731
-        fields.slider("from segment", (1, last + 1), 1, lambda: session.first_segment + 1, show)
-    for k in range(session.first_segment, min(len(model.robot), session.first_segment + AT_ONCE)):
-        name, segment = model.robot.segment_names[k], model.robot.segments[k]
+        fields.slider("from segment", (1, last + 1), lambda: session.first_segment + 1, show, 1)
+    seen = range(session.first_segment, min(len(model.robot), session.first_segment + AT_ONCE))
+    sliders = _of_segments if session.sliders == "bends and lengths" else _of_actuators
+    for label, ends, get, put in sliders(session, seen):
+        if ends[0] < ends[1]:
+            fields.slider(label, ends, get, put)
+
+
+Slider = tuple[str, tuple[float, float], Callable[[], Any], Callable[[float], object]]
+"""A label, both ends, and how a value is told and changed."""
+
+
+def _of_segments(session: Session, seen: range) -> Iterator[Slider]:
+    """Yield sliders for bends and lengths of segments (0 = first)."""
+    for k in seen:
+        name, segment = session.model.robot.segment_names[k], session.model.robot.segments[k]
         bend = (-segment.max_bend, segment.max_bend)
         for c, (what, ends) in enumerate((("bend_x", bend), ("bend_y", bend), ("length", segment.length))):
-            if ends[0] < ends[1]:
-                get, put = partial(_coordinate, session, k, c, ends), partial(_bend, session, k, c)
-                fields.slider(f"{name} {what}", ends, step_of(ends[1] - ends[0]), get, put)
+            get = partial(lambda k, c: session.model.shown[k, c], k, c)
+            yield f"{name} {what}", ends, get, partial(_bend, session, k, c)
+
+
+def _of_actuators(session: Session, seen: range) -> Iterator[Slider]:
+    """Yield sliders for the actuators that end at these segments (0 = first)."""
+    model = session.model
+    ends = value_ranges(model.robot).tolist()
+    for i, actuator in enumerate(model.robot.actuators):
+        if actuator.segment - 1 in seen:
+            unit = f", {actuator.unit}" if actuator.unit else ""
+            get, put = partial(lambda i: model.actuators[i], i), partial(model.drive, i)
+            yield actuator.name + unit, (ends[i][0], ends[i][1]), get, put
+
+
+def value_ranges(robot: Robot) -> Floats:
+    """Least and largest values (m, 2) of all actuators: their limits, and what limits of the segments leave of them."""
+    drive, ends = robot.drive, np.array([segment.length for segment in robot.segments])
+    slopes = drive.value_jacobian.reshape(len(drive), len(robot), 3)
+    bends = np.hypot(slopes[..., 0], slopes[..., 1]) @ largest_bends(robot)
+    lengths = np.sort(slopes[..., 2, None] * ends, axis=-1).sum(axis=1) + drive.motors.offset[:, None]
+    limits = np.array([actuator.limits for actuator in robot.actuators]).reshape(-1, 2)
+    ranges: Floats = np.clip(lengths + np.stack([-bends, bends], axis=-1), limits[:, :1], limits[:, 1:])
+    return ranges
 
 
 def _bend(session: Session, k: int, c: int, value: float) -> None:
     row = session.model.shown[k].tolist()
     row[c] = value
     session.model.bend(k, *row)
-
-
-def _coordinate(session: Session, k: int, c: int, ends: tuple[float, float]) -> float:
-    """A coordinate of the shape, as the slider shows it: rounded to its steps, and within its ends."""
-    digits = round(-math.log10(step_of(ends[1] - ends[0])))
-    return float(np.clip(round(float(session.model.shown[k, c]), digits), *ends))
 
 
 def scene_tab(session: Session, fields: Fields) -> None:
@@ -312,21 +271,14 @@ def solve_tab(session: Session, fields: Fields) -> None:
     fields.number("tolerance, rad", lambda: tolerance().angle, turned, step=1e-4, hint="Of directions and rotations.")
 
 
-def file_tab(save: Callable[[Any], object], session: Session, fields: Fields) -> None:
+def file_tab(session: Session, fields: Fields) -> None:
     """Save what is on the page, load another problem."""
     hint = "A problem file that says exactly what is on the page."
-    button = fields.gui.add_button("Save as YAML", hint=hint)
+    fields.file("Save as YAML", "problem.yaml", partial(saved, session.model), hint)
+    hint = "Times, bends, lengths and values of all actuators: of the motion, or of the shape on the page."
+    fields.file("Save as CSV", "motion.csv", partial(table, session.model), hint)
     upload = fields.gui.add_upload_button("Load a problem", color="gray", mime_type=".yaml,.yml,.json")
-
-    @button.on_click
-    async def _(event: Any) -> None:
-        session.do(("save", event.client_id), lambda: save(event.client))
 
     @upload.on_upload
     async def _(_: Any) -> None:
         session.load(upload.value.name, upload.value.content)
-
-
-def step_of(size: float) -> float:
-    """A step to type and drag lengths of this size in: a thousandth, rounded to a power of ten."""
-    return float(10.0 ** math.floor(math.log10(max(size, 1e-300) / 300.0)))

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.clutter.ablation import EVERYTHING, LIMIT, OFF, Row, examined, main, tables
+from benchmarks.clutter.ablation import EVERYTHING, OFF, Row, examined, main, tables
+from benchmarks.clutter.by_family import LIMIT
 
 
 def test_tables_say_what_is_lost_and_what_is_slower() -> None:

@@ -1,5 +1,6 @@
 """Every kind of false claim is seen: each is planted once."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import sinuous as sn
 from benchmarks.wild import trials
 from benchmarks.wild.trials import (
     CLEARANCE,
+    DEMAND,
     FALSE,
     LIMITS,
     OVERLAP,
@@ -78,6 +80,19 @@ def test_a_clearance_that_is_overstated(solution: Solution) -> None:
     near = world([sn.Sphere((0.5, 0.0, 1.5), 0.39)])
     assert kinds(near, solution) == {CLEARANCE}
     assert kinds(world(BESIDE), changed(solution, clearance=0.11)) == {CLEARANCE}
+
+
+def test_a_clearance_that_is_demanded_and_not_kept(solution: Solution) -> None:
+    """The ball is 0.1 from the body."""
+    for demand, false in ((0.0999, set()), (0.1001, {DEMAND})):
+        asked = world(BESIDE)
+        assert kinds(replace(asked, robot=ROBOT.changed(clearance=demand)), solution) == false
+
+
+def test_a_body_that_is_unsure_is_measured_thicker(solution: Solution) -> None:
+    unsure = ROBOT.changed(uncertainty=sn.Uncertainty(0.01))
+    assert kinds(replace(world(BESIDE), robot=unsure), changed(solution, clearance=0.0899)) == set()
+    assert kinds(replace(world(BESIDE), robot=unsure), changed(solution, clearance=0.0901)) == {CLEARANCE}
 
 
 def test_a_body_that_runs_through_itself(solution: Solution) -> None:

@@ -17,7 +17,7 @@ from benchmarks.wild import audit, branches, calls, curled, doors, experiment, m
 from benchmarks.wild.audit import KINDS
 from benchmarks.wild.experiment import Wild
 from benchmarks.wild.tally import MANY, Tally
-from benchmarks.wild.trials import OVERLAP, Trial, examine
+from benchmarks.wild.trials import FALSE, OVERLAP, Trial, examine
 from benchmarks.wild.worlds import World
 from sinuous.errors import InputError
 from sinuous.problem.target import Target, Tolerance
@@ -55,7 +55,7 @@ def test_it_runs_and_goes_on_where_it_was(
     assert conduct(Wild(Plan(quick=True)), Output(tmp_path, json=True)) == 0
     report = json.loads(capsys.readouterr().out)
     assert report["correct"]
-    assert [line["reached"] for line in report["lines"] if line["what"].startswith("false")] == [0] * 12
+    assert [line["reached"] for line in report["lines"] if line["what"].startswith("false: ")] == [0] * len(FALSE)
     assert len(calls) - before == 8  # the block that was interrupted and the one after it, each once more to load
     assert set(report["problems"]) == {"3 segments", "5 segments", "8 segments", "wild", "units"}
 

@@ -21,7 +21,7 @@ from sinuous.problem.target import Target, target_table
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
-from sinuous.solving.shapes import Graph, Whole
+from sinuous.solving.shapes import POSE_SIZE, Graph, Whole
 
 CLOSEST, LINKS = 64, 2
 """Shapes with the nearest poses of which those with the nearest configurations are tried, and to how many an end is
@@ -66,6 +66,7 @@ class Walks:
         self._way = np.empty(MOST_NODES, np.int64)
         self._workspace = np.empty(walk_size(len(graph), len(self._neighbours)))
         self._metric = metric
+        self._walk(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))  # compiled, or loaded
 
     def to_configuration(self, start: Floats, goal: Floats, seed: int, deadline: Deadline) -> ProvedPath | None:
         """Return a path from one configuration (n, 3) to another; `None` where no walk leads there."""
@@ -74,7 +75,12 @@ class Walks:
         return self._joined(start, goal, begins, ends, seed, deadline) if ends else None
 
     def to_targets(
-        self, start: Floats, targets: list[Target], solve: Callable[[Floats], Floats | None], seed: int, deadline: Deadline
+        self,
+        start: Floats,
+        targets: list[Target],
+        solve: Callable[[Floats], Floats | None],
+        seed: int,
+        deadline: Deadline,
     ) -> ProvedPath | None:
         """Return a path to a configuration that meets targets; `None` where no walk leads to one.
 
@@ -101,7 +107,7 @@ class Walks:
         near = near[np.argsort(self._apart(q, near), kind="stable")][:STRAIGHT]
         found: list[Link] = []
         for node in near.tolist():
-            if deadline.left() > 0.0 and self.joins(q, self.graph.q[node], seed, deadline):
+            if deadline.left() > 0.0 and self.joins(q, self.graph.q[node]):
                 found.append((node, [q]))
                 if len(found) == LINKS:
                     return found
@@ -112,9 +118,9 @@ class Walks:
                 found.append((node, list(path.q[:-1])))
         return found
 
-    def joins(self, one: Floats, other: Floats, seed: int, deadline: Deadline) -> bool:
+    def joins(self, one: Floats, other: Floats) -> bool:
         """Whether the motion from one configuration (n, 3) to another is proved clear."""
-        return self._trees.grow(np.stack([one, other]), seed, (0, 0), deadline) is not None
+        return is_clear(self._prover, one, other)
 
     def _parts_of(self, links: list[Link]) -> Whole:
         return np.unique(self.graph.parts[[node for node, _ in links]])
@@ -136,11 +142,9 @@ class Walks:
         self._ends[goals] = self._apart(goal, goals)
         try:
             for _ in range(MOST_WAYS):
-                groups = self._begins, self._neighbours, self._motions, self._closed, starts, goals, costs, self._ends
-                count = walk(self._nodes, *groups, self._workspace, self._way)
-                if count == 0 or deadline.left() <= 0.0:
+                way = self._walk(starts, goals, costs)
+                if not len(way) or deadline.left() <= 0.0:
                     return None
-                way = self._way[:count].copy()
                 chain = [*before[int(way[0])], *self.graph.q[way], *after[int(way[-1])][::-1]]
                 path = self._trees.shorten(np.stack(chain), seed, deadline)
                 if (path.answers[:, VERDICT] == CLEAR).all():
@@ -151,14 +155,34 @@ class Walks:
             self._ends[goals] = np.inf
         return None
 
+    def _walk(self, starts: Whole, goals: Whole, costs: Floats) -> Whole:
+        """Numbers (w,) of the shapes from one of the starts to one of the goals; none where there is no way."""
+        graph = self._nodes, self._begins, self._neighbours, self._motions, self._closed
+        count = walk(*graph, starts, goals, costs, self._ends, self._workspace, self._way)
+        return self._way[:count].copy()
+
     def _close(self, way: Whole) -> bool:
         """Close the edges of a way that are not clear; say whether there are any."""
         any_ = False
         for one, other in zip(way[:-1].tolist(), way[1:].tolist(), strict=True):
-            answer = self._prover.prove(self.graph.q[[one, other]], slack=1.0, seconds=LOOSE_SECONDS)[0]
-            if answer[VERDICT] != CLEAR:
+            if not self.joins(self.graph.q[one], self.graph.q[other]):
                 at = self._begins[one] + np.searchsorted(
                     self._neighbours[self._begins[one] : self._begins[one + 1]], other
                 )
                 self._closed[self._motions[at]] = any_ = True
         return any_
+
+
+def is_clear(prover: Prover, one: Floats, other: Floats) -> bool:
+    """Whether the motion from one configuration (n, 3) to another is proved clear, however narrow it is.
+
+    Nothing is looked at before: where most motions are clear, a proof costs no more than that.
+    """
+    answer = prover.prove(np.stack([one, other]), slack=1.0, seconds=LOOSE_SECONDS)[0]
+    return bool(answer[VERDICT] == CLEAR)
+
+
+def load_walk(robot: Robot, scene: Snapshot) -> None:
+    """Compile what walks, or load it."""
+    nothing = np.empty((0, len(robot), 3)), np.empty((0, len(robot), POSE_SIZE)), np.empty((0, 2), np.int64)
+    Walks(robot, scene, Graph(robot, *nothing), RRTConnect(robot, scene))

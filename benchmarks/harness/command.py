@@ -1,0 +1,35 @@
+"""Command lines of one function each: `main = command(run, "benchmarks.rooms")`."""
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import typer
+
+from sinuous.cli.app import execute
+
+
+class Main(Protocol):
+    """What runs a command with the arguments of the process, or others, and returns its exit code."""
+
+    def __call__(self, arguments: Sequence[str] | None = None) -> int:
+        """Run it."""
+        ...
+
+
+def command(run: Callable[..., None], module: str) -> Main:
+    """Return what runs a function as a command.
+
+    Parameters
+    ----------
+    run : callable
+        Whose parameters are options and arguments, and whose docstring is the help.
+    module : str
+        Its module, as `python -m` takes it.
+    """
+    app = typer.Typer(add_completion=False, rich_markup_mode=None)
+    app.command()(run)
+
+    def main(arguments: Sequence[str] | None = None) -> int:
+        return execute(app, f"python -m {module}", arguments)
+
+    return main

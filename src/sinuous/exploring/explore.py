@@ -17,11 +17,10 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Batch, Number, Truth, Whole
 from sinuous.batch.checkpoint import hash_of
-from sinuous.batch.dispatch import Dispatcher
+from sinuous.batch.dispatch import Dispatcher, closing_engine
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task as Chunk
 from sinuous.checks import Floats
-from sinuous.designing.find import closing_engine
 from sinuous.errors import InputError, UnfinishedError, warn_of
 from sinuous.exploring.exploration import Exploration
 from sinuous.exploring.explorer import Explorer, Kind

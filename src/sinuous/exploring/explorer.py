@@ -176,7 +176,8 @@ class Explorer:
 
     def _apart(self, q: Floats, others: Floats) -> Floats:
         moves = ((others - q) * lever_metric(self.robot)).reshape(len(others), q.size)
-        return np.sqrt(np.einsum("mk,mk->m", moves, moves))
+        found: Floats = np.sqrt(np.einsum("mk,mk->m", moves, moves))
+        return found
 
 
 class _Found:

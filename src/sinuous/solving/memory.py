@@ -106,7 +106,9 @@ class Memory(ShortRepr):
             When an argument is not what it should be.
         """
         most = checks.integer("count", count, 1, 10_000)
-        return self._shapes.nearest(target_table(self.robot, target_list("targets", targets))[None], most)[0]
+        rows = target_table(self.robot, target_list("targets", targets))[None]
+        found: Floats = self._shapes.nearest(rows, most)[0]
+        return found
 
     def _serves(self, robot: Robot) -> bool:
         """Whether these are shapes of this robot, whatever clearances it demands."""

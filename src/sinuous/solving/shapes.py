@@ -294,7 +294,8 @@ class PoseIndex:
         """Features of which the distance is that of poses, in mean lengths: a small turn counts by its angle."""
         _, position, orientation = asked
         angles = ANGLE_WEIGHT / np.sqrt(2.0 if orientation == ROTATION else 1.0) * turned
-        return _joined([places / self._length, angles]) if position else angles
+        found: Floats = _joined([places / self._length, angles]) if position else angles
+        return found
 
 
 def nearest_numbers(
@@ -326,7 +327,8 @@ def poses_of(robot: Robot, shapes: Floats) -> Floats:
     """Return the poses (m, n, 12) of the ends of all segments, of the last one that of the tool."""
     frames = robot.forward(shapes)
     frames[:, -1] = frames[:, -1] @ robot.tool
-    return np.concatenate([frames[..., :3, :3].reshape(*frames.shape[:2], 9), frames[..., :3, 3]], axis=-1)
+    poses: Floats = np.concatenate([frames[..., :3, :3].reshape(*frames.shape[:2], 9), frames[..., :3, 3]], axis=-1)
+    return poses
 
 
 def tip_rows(poses: Floats) -> Floats:

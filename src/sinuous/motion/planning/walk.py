@@ -90,7 +90,7 @@ class Walks:
         if not begins:
             return None
         parts = self._parts_of(begins)
-        rows = target_table(self._robot, targets)[None]
+        rows = target_table(self._robot, tuple(targets))[None]
         for node in self._within(self.graph.near(rows, CLOSEST)[0], parts)[:SOLVES]:
             if deadline.left() <= 0.0:
                 break
@@ -130,7 +130,8 @@ class Walks:
 
     def _apart(self, q: Floats, nodes: Whole) -> Floats:
         moves = self._nodes[nodes] - (q * self._metric).ravel()
-        return np.sqrt(np.einsum("mk,mk->m", moves, moves))
+        found: Floats = np.sqrt(np.einsum("mk,mk->m", moves, moves))
+        return found
 
     def _joined(
         self, start: Floats, goal: Floats, begins: list[Link], ends: list[Link], seed: int, deadline: Deadline

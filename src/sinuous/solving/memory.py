@@ -226,6 +226,15 @@ class Explored(NamedTuple):
     tests: list[tuple[int, int]]
 
 
+def only_reading(options: dict[str, Any]) -> dict[str, Any]:
+    """Return options of a solver of which the memory, if there is one, keeps nothing new: for work that goes on later.
+
+    Its answers depend on what the memory held when it began.
+    """
+    memory = options.get("memory")
+    return {**options, "memory": memory.reading()} if isinstance(memory, Memory) else options
+
+
 def read_memory(file: str | Path) -> Memory:
     """Read a file that `Memory.save` wrote.
 

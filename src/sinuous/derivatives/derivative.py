@@ -1,6 +1,6 @@
 """The derivative of an answer: how its configuration, its actuators, its tip and its clearance change."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,7 @@ from sinuous.derivatives.directional import Kept, least_motion
 from sinuous.derivatives.parameters import Plan, circles_of, plan_for, read_wrt
 from sinuous.derivatives.preferred import Wish, follow_minimum
 from sinuous.derivatives.rows import KeptRows, metric
-from sinuous.errors import InputError
+from sinuous.groups import PerGroup, check_asked, read_tangent
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import find_contacts
 from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, SELF_CLEARANCE
@@ -31,26 +31,6 @@ STRETCHED = 1e-6
 
 SAMPLES = 16
 """Places of a segment that are looked at for a bound of the clearance."""
-
-
-class PerGroup(Mapping[Parameter, Any]):
-    """What is computed for a group of parameters when it is first asked for."""
-
-    def __init__(self, names: Sequence[Parameter], compute: Any) -> None:
-        self._names, self._compute, self._known = names, compute, dict[Parameter, Any]()
-
-    def __getitem__(self, name: Parameter) -> Any:
-        if name not in self._names:
-            raise InputError("wrt", "was not asked for", name, f"one of {', '.join(self._names)}")
-        if name not in self._known:
-            self._known[name] = self._compute(name)
-        return self._known[name]
-
-    def __iter__(self) -> Iterator[Parameter]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
 
 
 class Derivative:
@@ -150,7 +130,7 @@ class Derivative:
 
     def labels(self, name: Parameter) -> tuple[str, ...]:
         """What the columns of a group are called: `target.position_x`, `s1.length`, `pillar.v_x`."""
-        PerGroup(self.wrt, lambda _: None)[name]
+        check_asked(name, self.wrt)
         return self._plan.labels(name, self._problem)
 
     def vjp(self, cotangent: Rows) -> dict[Parameter, Floats]:
@@ -191,7 +171,7 @@ class Derivative:
         shape = *self._configuration.shape, -1
         if self.regular:
             return self.q[name], self.q[name]
-        PerGroup(self.wrt, lambda _: None)[name]
+        check_asked(name, self.wrt)
         columns = np.arange(self._plan.columns)[self._plan.chosen(name, self._problem)]
         units = [np.where(np.arange(self._plan.columns) == column, 1.0, 0.0) for column in columns]
         empty = np.empty((self._configuration.size, 0))
@@ -227,11 +207,7 @@ class Derivative:
 
     def _tangent(self, tangent: Any) -> Floats:
         whole = np.zeros(self._plan.columns)
-        if not isinstance(tangent, Mapping):
-            if len(self.wrt) > 1:
-                raise InputError("tangent", "", tangent, f"a mapping of some of {', '.join(self.wrt)} to arrays")
-            tangent = {self.wrt[0]: tangent}
-        for name, value in tangent.items():
+        for name, value in read_tangent(tangent, self.wrt).items():
             count = len(self.labels(name))
             whole[self._plan.chosen(name, self._problem)] = checks.array(f"tangent[{name!r}]", value, (count,))
         return whole

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from sinuous import checks
 from sinuous.arguments import Batch, Parameter
 from sinuous.checks import Floats
-from sinuous.derivatives.derivative import PerGroup, actuator_change, derivative_of, tip_twist
+from sinuous.derivatives.derivative import actuator_change, derivative_of, tip_twist
 from sinuous.derivatives.parameters import Plan
 from sinuous.derivatives.preferred import Wish
 from sinuous.errors import InputError
+from sinuous.groups import PerGroup, read_tangent
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
@@ -122,12 +123,8 @@ class Derivatives:
         InputError
             When a name was not asked for, or a tangent has another shape.
         """
-        if not isinstance(tangent, Mapping):
-            if len(self.wrt) > 1:
-                raise InputError("tangent", "", tangent, f"a mapping of some of {', '.join(self.wrt)} to arrays")
-            tangent = {self.wrt[0]: tangent}
         moved = np.zeros(self._configurations.shape)
-        for name, value in tangent.items():
+        for name, value in read_tangent(tangent, self.wrt).items():
             change = self.q[name]
             given = checks.array(f"tangent[{name!r}]", value, (len(self), change.shape[-1]))
             moved += np.einsum("mkcp,mp->mkc", change, given)

@@ -244,7 +244,8 @@ class Solution(NotebookMixin):
     @property
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
-        pose: Floats = read_only(self.problem.robot.tip(self.q))
+        shape = self.shape
+        pose: Floats = read_only(self.problem.robot.tip(self.q) if shape is None else shape.tip)
         return pose
 
     @property

@@ -148,6 +148,8 @@ def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[Expl
     if not isinstance(kept, Memory):
         raise InputError("memory", "", memory, "a Memory")
     kept.check(robot)
+    if robot.hangs:
+        raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
     snapshot = place.snapshot()
     if snapshot.moves:
         name = place.name(next(iter(snapshot.courses)))

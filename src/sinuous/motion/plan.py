@@ -183,7 +183,8 @@ class Planner:
         load_motions(robot, self._scene.snapshot())
         self._workspaces = Workspaces(robot)
         with self._workspaces.lent(standing(self._scene.snapshot())) as work:
-            work.trees.load()
+            if not robot.hangs:
+                work.trees.load()
         # What is kept of a robot is looked up now: the first plan takes no longer than others.
         violated_by(robot, np.zeros((len(robot), 3)))
         lever_metric(robot)
@@ -225,7 +226,7 @@ class Planner:
             goals, scene = Goals(self._solver, end, [solution]), solution.problem.scene
         seed, trees = self._options.seed, work.trees if scene is work.scene else None
         path = find_path(Query(self._robot, scene, begin, goals, seed, self._shortcuts, deadline), trees)
-        if path is not None and self._options.memory is not None:
+        if path is not None and self._options.memory is not None and not self._robot.hangs:
             self._options.memory._learn_way(path.q)
         return self._made(scene, deadline, begin, _arrived(path, goals), path)
 
@@ -234,7 +235,7 @@ class Planner:
     ) -> tuple[ProvedPath, FixedGoal | Goals] | None:
         """Find a path along motions that a memory holds, and its goal; `None` where there is none, or no memory."""
         memory, seed = self._options.memory, self._options.seed
-        graph = None if memory is None else memory._shapes.graph
+        graph = None if memory is None or self._robot.hangs else memory._shapes.graph  # proved without load
         if graph is None or not len(graph):
             return None
         if work.walks is None or work.walks.graph is not graph:

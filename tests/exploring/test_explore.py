@@ -15,6 +15,9 @@ from sinuous.scene.scene import Scene
 from sinuous.solving.options import SolveOptions
 
 ROBOT = sn.Robot.uniform(2, (0.8, 1.2), max_bend=2.0, radius=0.05)
+HANGING = sn.Robot(
+    [sn.Segment(1.0, radius=0.05)] * 2, stiffness=sn.Stiffness(bend=1.0), mass=0.1, gravity=(0, 0, -9.81)
+)
 SCENE = [sn.Sphere((0.6, 0.0, 1.2), 0.3), sn.Sphere((-0.3, 0.7, 1.0), 0.25), sn.HalfSpace((0, 0, -0.2), (0, 0, 1))]
 
 
@@ -123,6 +126,7 @@ def test_starts_are_joined_and_a_worker_travels(two: sn.Exploration) -> None:
         ({"engine": "steam"}, "engine: "),
         ({"workers": 0}, "workers: "),
         ({"scene": [sn.Moving(sn.Sphere((3, 0, 0), 0.1), [0, 1], [(3, 0, 0), (4, 0, 0)])]}, r"scene: .*moves"),
+        ({"robot": HANGING}, "gravity: "),
         ({"robot": 7}, "robot: "),
         ({"budget": 7}, "budget: expected one of "),
     ],

@@ -132,7 +132,7 @@ class Prover:
     under load it proves the loaded body: linear in the coordinates of its arcs, and as far aside of that as equilibria
     may be.
 
-    `finest`: length, in robot lengths, below which a proof gives up.
+    `finest`: length, in robot lengths, below which a proof gives up. `owners` (N,): the segment of each of its arcs.
     """
 
     def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
@@ -142,6 +142,7 @@ class Prover:
         self._group, self._scene_group = robot_group(body), scene.at(0.0)._kernel_group
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
         self._workspace = np.empty(sweep_size(len(body), len(scene)))
+        self.owners = np.arange(len(robot)) if self._ways is None else self._ways.owners
         self._drifts = Drifts(scene) if scene.moves else None
         if self._drifts is not None:
             self._scene_group = self._scene_group.copy()  # rows of it are written
@@ -205,7 +206,6 @@ class Prover:
 
     def _prove_piece(self, piece: Piece, slack: float, seconds: float, times: Floats | None) -> Floats:
         """Prove the way linear in the coordinates of arcs (2, N, 3) for a body that is thicker by `piece.aside`."""
-        assert self._ways is not None
         count = piece.arcs.shape[1]
         rows = self._group[k.ROBOT_HEADER : k.ROBOT_HEADER + count * k.SEGMENT_WIDTH].reshape(count, -1)
         rows[:, k.MAX_LENGTH] = np.maximum(rows[:, k.MAX_LENGTH], piece.arcs[..., 2].max(axis=0))
@@ -217,7 +217,7 @@ class Prover:
             for column in (k.RADIUS, k.SELF_RADIUS):
                 rows[:, column] -= piece.aside
         for at in (SEEN, SEEN + SEEN_WIDTH):
-            answer[at + SEGMENT] = self._ways.owners[int(answer[at + SEGMENT])] if answer[at + SEGMENT] >= 0.0 else -1.0
+            answer[at + SEGMENT] = self.owners[int(answer[at + SEGMENT])] if answer[at + SEGMENT] >= 0.0 else -1.0
         return answer
 
 

@@ -26,8 +26,8 @@ from sinuous.kernels.tables import (
 )
 from sinuous.problem.target import Targets, target_list, target_table
 from sinuous.reprs import ShortRepr
-from sinuous.robot.robot import Robot, demanding
-from sinuous.writing.documents import written
+from sinuous.robot.robot import Robot, same_body
+from sinuous.writing.archives import read_archive, write_archive
 
 FORMAT = 1
 """Version of the file; the kind of file is told by the key `memory`."""
@@ -146,8 +146,7 @@ class Memory(ShortRepr):
 
     def serves(self, robot: Robot) -> bool:
         """Whether these are shapes of this robot, whatever clearances it demands."""
-        one, other = (demanding(each, 0.0, 0.0) for each in (robot, self.robot))
-        return one.equals(other)
+        return same_body(robot, self.robot)
 
     def check(self, robot: Robot) -> None:
         """Refuse to serve another robot.
@@ -178,16 +177,8 @@ class Memory(ShortRepr):
         InputError
             When the file cannot be written.
         """
-        path = Path(file)
-        draft = path.with_name(f".{path.name}.draft")
-        with written(path):
-            try:
-                with draft.open("wb") as out:
-                    own: dict[str, Any] = {"megabytes": self.megabytes, "learns": self.learns, "q": self.q}
-                    np.savez(out, memory=FORMAT, robot=json.dumps(self.robot.to_dict()), **own)
-                draft.replace(path)
-            finally:
-                draft.unlink(missing_ok=True)
+        own: dict[str, Any] = {"megabytes": self.megabytes, "learns": self.learns, "q": self.q}
+        write_archive(file, memory=FORMAT, robot=json.dumps(self.robot.to_dict()), **own)
 
     @classmethod
     def load(cls, file: str | Path) -> "Memory":
@@ -356,18 +347,8 @@ def read_memory(file: str | Path) -> Memory:
     """
     from sinuous.files.nouns import read_robot  # noqa: PLC0415
 
-    what = "a file that Memory.save wrote"
-    try:
-        with Path(file).open("rb") as stream, np.load(stream) as data:  # NumPy leaves a file open that is no archive
-            if int(data["memory"]) != FORMAT:
-                raise InputError("memory", "of another version", int(data["memory"]), str(FORMAT), str(file))
-            robot = read_robot(json.loads(str(data["robot"])))
-            memory = Memory(robot, float(data["megabytes"]), learns=bool(data["learns"]))
-            memory.add(data["q"])
-            return memory
-    except OSError as error:
-        raise InputError("memory", f"cannot be read: {error}", str(file), what) from None
-    except InputError as error:
-        raise InputError("memory", f"damaged: {error}", str(file), what) from None
-    except Exception as error:  # a damaged archive raises errors of zipfile, zlib, numpy, json
-        raise InputError("memory", f"damaged: {error}", str(file), what) from None
+    with read_archive(file, "memory", FORMAT, "a file that Memory.save wrote") as data:
+        robot = read_robot(json.loads(str(data["robot"])))
+        memory = Memory(robot, float(data["megabytes"]), learns=bool(data["learns"]))
+        memory.add(data["q"])
+    return memory

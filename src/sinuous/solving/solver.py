@@ -16,6 +16,7 @@ from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
+from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
@@ -122,7 +123,10 @@ class Solver:
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
-        self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
+        method = registry.ready(chosen.method, robot, scene)
+        if method is not chosen.method:
+            self.options = chosen = replace(chosen, method=method)
+        self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = SolvesAgain(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
@@ -699,5 +703,7 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
     check_sizes(robot, place)
     if chosen.memory is not None:
         chosen.memory.check(robot)
+    if isinstance(chosen.method, Options):
+        chosen.method.refuse(robot)
     warn_of(suspicions(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

@@ -20,8 +20,10 @@ def test_a_pose_is_a_target() -> None:
     for pose in (TURNED, TURNED.tolist(), tuple(map(tuple, TURNED.tolist()))):
         assert sn.Target(pose).equals(expected)
     assert sn.Target(TURNED, segment=2).equals(expected.changed(segment=2))
-    refused("position", lambda: sn.Target(TURNED, direction=(0, 0, 1)), "stands beside a rotation or direction")
-    refused("position", lambda: sn.Target(TURNED, rotation=(1, 0, 0, 0)), "stands beside")
+    refused(
+        "position", lambda: sn.Target(TURNED, direction=(0, 0, 1)), "cannot be combined with a rotation or direction"
+    )
+    refused("position", lambda: sn.Target(TURNED, rotation=(1, 0, 0, 0)), "cannot be combined with")
     refused("position.matrix", lambda: sn.Target(2.0 * TURNED), "last row")
     refused_each("position", ([1, 2], [[1, 2, 3]] * 4, np.eye(3)), sn.Target, "3 finite numbers")
 

@@ -10,7 +10,6 @@ def test_numbers() -> None:
     assert words.number(1.23456) == "1.235"
     assert words.number(-0.0) == "0"
     assert words.number(np.array([1.0, 2.5])) == "[1, 2.5]"
-    assert words.number({"position": [1.0], "direction": [0.0]}) == "position [1], direction [0]"
     assert words.number("in the scene") == "in the scene"
 
 

@@ -55,7 +55,7 @@ def any_rotations(rotations: Orientations | None, xyzw: Rows | None, key: str = 
 
 def _refuse_both(rotation: Any, xyzw: Any, key: str = "rotation") -> None:
     if rotation is not None:
-        raise InputError("xyzw", f"stands beside {key}", xyzw, f"one of {key}, xyzw")
+        raise InputError("xyzw", f"cannot be combined with {key}", xyzw, f"one of {key}, xyzw")
 
 
 def rotation_matrices(key: str, value: Any) -> Floats:
@@ -178,12 +178,12 @@ def pose(
     ]
     if len(given) > 1:
         raise InputError(
-            given[1], "stands beside another orientation", given, "one of direction, rotation, xyzw, matrix"
+            given[1], "cannot be combined with another orientation", given, "one of direction, rotation, xyzw, matrix"
         )
     result = np.eye(4)
     if matrix is not None:
         if position is not None:
-            raise InputError("position", "stands beside matrix", position, "one of position, matrix")
+            raise InputError("position", "cannot be combined with matrix", position, "one of position, matrix")
         whole = checks.array("matrix", matrix, (4, 4))
         if not np.array_equal(whole[3], [0.0, 0.0, 0.0, 1.0]):
             raise InputError("matrix", "last row is wrong", whole[3].tolist(), "[0, 0, 0, 1]")

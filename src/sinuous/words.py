@@ -13,11 +13,14 @@ def number(value: Any, digits: int = 4) -> str:
     """A number with so many digits; of a vector or an interval all of them."""
     if isinstance(value, bool | str) or value is None:
         return str(value)
-    if isinstance(value, dict):
-        return ", ".join(f"{key} {number(each, digits)}" for key, each in value.items())
     if isinstance(value, np.ndarray | list | tuple):
         return "[" + ", ".join(number(each, digits) for each in value) + "]"
     return f"{value + 0.0:.{digits}g}"
+
+
+def degrees(angle: float) -> str:
+    """An angle in rad as people imagine it: `17.2 deg`."""
+    return f"{number(math.degrees(angle), 3)} deg"
 
 
 def rounded(value: float) -> float:

@@ -135,7 +135,7 @@ def test_times_that_cannot_be_meant_are_refused(asked: Write, capsys: pytest.Cap
     plan = START + SCENE + GOAL
     for text, options, word in (
         (plan, ["--timed"], "rates: "),
-        (plan + RATES, ["--blend", "1"], "--timed beside it"),
+        (plan + RATES, ["--blend", "1"], "--timed, too"),
         (plan + RATES, ["--timed", "--duration", "3"], "--duration"),
         (plan + RATES, ["--duration", "0"], "--duration"),
     ):

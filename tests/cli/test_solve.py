@@ -190,7 +190,7 @@ def test_one_solution_a_class_is_a_table_and_words(capsys: pytest.CaptureFixture
     ("options", "message"),
     [
         (["--all", "2", "--by", "door"], "--by: expected route or shape, got 'door'\n"),
-        (["--by", "route"], "--by: expected --all COUNT beside it, got 'route' (is for --all)\n"),
+        (["--by", "route"], "--by: expected --all COUNT, too, got 'route' (is for --all)\n"),
     ],
 )
 def test_what_they_are_told_apart_by(
@@ -227,7 +227,7 @@ def test_how_many_must_be_some(capsys: pytest.CaptureFixture[str], problem: Writ
 
 def test_distinct_solutions_are_not_explained(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     assert main(["solve", problem("easy.yaml"), "--all", "3", "--why"]) == 2
-    assert capsys.readouterr().err == "--all: expected one of --all, --why, got 3 (stands beside --why)\n"
+    assert capsys.readouterr().err == "--all: expected one of --all, --why, got 3 (cannot be combined with --why)\n"
 
 
 def test_distinct_solutions_are_a_table_in_a_file(problem: Write, tmp_path: Path) -> None:

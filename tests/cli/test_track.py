@@ -44,7 +44,7 @@ def test_json_has_totals_and_waypoints(capsys: pytest.CaptureFixture[str], probl
 def test_the_text_counts(capsys: pytest.CaptureFixture[str], problem: Write) -> None:
     file = problem("half.yaml")
     assert main(["track", file]) == 1
-    assert capsys.readouterr().out.startswith(f"{file}: out_of_reach (2 of 3 waypoints; waypoint 2: ")
+    assert capsys.readouterr().out.startswith(f"{file}: out_of_reach (2 of 3 waypoints reached; waypoint 2: ")
 
 
 def test_results_are_made_where_somebody_wants_them(
@@ -148,7 +148,7 @@ def test_a_table_has_a_row_for_each_sample(problem: Write, tmp_path: Path, capsy
         assert main(["track", file, "--csv", str(out), "--rate", rate]) == 2
         assert words in capsys.readouterr().err
     assert main(["track", file, "--rate", "10"]) == 2
-    assert capsys.readouterr().err.startswith("--rate: expected --csv FILE beside it, got 10.0")
+    assert capsys.readouterr().err.startswith("--rate: expected --csv FILE, too, got 10.0")
 
 
 def test_lines_that_are_not_proved_are_noted(

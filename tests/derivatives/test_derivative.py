@@ -12,10 +12,13 @@ from benchmarks.derivatives.differences import ALL, Tangent, again, agreement, q
 from benchmarks.derivatives.families import FAMILIES, OBSTACLES, draw, touching
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
-from sinuous.derivatives.derivative import derivative_of, metric
+from sinuous.derivatives.derivative import derivative_of
+from sinuous.derivatives.rows import metric
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.derivative.layout import COUNT, TARGET_ROWS
+from sinuous.kernels.derivative.layout import KIND
+from sinuous.kernels.derivative.rows import PIECES
 from sinuous.kernels.tables import BEND_SCALE
+from sinuous.kernels.velocity.layout import CLEARANCE
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.residual import residual_of
 from sinuous.solution.solution import Solution
@@ -185,7 +188,7 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
         if not sn.check(found.problem.robot, found.q, found.problem.scene).ok:
             continue
         derivative = derivative_of(found.problem, found.q, "target")
-        if int(derivative._answer[COUNT] - derivative._answer[TARGET_ROWS]) != 1 or not derivative.active[0].obstacle:
+        if len(derivative._rows.about) - derivative._rows.targets != 1 or not derivative.active[0].obstacle:
             continue
         tangent = random_tangent(found, rng)["target"]
         motion = derivative.jvp(tangent)
@@ -198,6 +201,17 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
         held += bool(abs(gap_gradient(found) @ motion.ravel()) < 1e-6 * found.problem.robot.mean_length)
     assert compared > 2
     assert held > 0
+
+
+def test_a_contact_at_a_border_of_the_pieces_that_are_searched_counts_once() -> None:
+    counted = 0
+    for kind, seed, off in itertools.product(OBSTACLES, range(3), (0.0, 1e-6, -1e-6, 1e-5, -1e-5, 1e-3)):
+        problem, q = touching(kind, np.random.default_rng([seed, 77]), place=(seed + 5) / PIECES + off)
+        if sn.check(problem.robot, q, problem.scene).ok:
+            about = derivative_of(problem, q, "target")._rows.about
+            assert (about[:, KIND] == CLEARANCE).sum() == 1, (kind, seed, off)
+            counted += 1
+    assert counted > 30
 
 
 def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
@@ -217,7 +231,7 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
             asked = question(found, way, sign * h)
             q = found.q + sign * h * derivative.jvp(way)
             gaps.append(gap(sn.Problem(asked.robot, asked.targets, asked.scene), q))
-        assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-3, abs=1e-4 * _size(found))
+        assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
         compared += 1
     assert compared > 8
 

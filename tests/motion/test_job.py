@@ -214,7 +214,7 @@ def test_a_fault_in_a_file_of_its_own_names_that_file(job_file: Path) -> None:
 def test_arguments_are_checked() -> None:
     refused("robot", lambda: sn.Job(3, TARGET))  # type: ignore[arg-type]
     refused("target", lambda: sn.Job(ROBOT), "missing")
-    refused("target", lambda: sn.Job(ROBOT, TARGET, path=[TARGET]), "stands beside path")
+    refused("target", lambda: sn.Job(ROBOT, TARGET, path=[TARGET]), "cannot be combined with path")
     refused("target[1]", lambda: sn.Job(ROBOT, [TARGET, 3]))  # type: ignore[arg-type]
     refused("path[1]", lambda: sn.Job(ROBOT, path=[TARGET, 3]))  # type: ignore[list-item]
     refused("path", lambda: sn.Job(ROBOT, path=[]))

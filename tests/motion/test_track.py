@@ -95,9 +95,9 @@ def test_a_start_in_contact_overlaps_nothing() -> None:
 @pytest.mark.parametrize(
     ("start", "words"),
     [
-        ([[0.0, 0.0, 1.3], *[[0.0, 0.0, 1.0]] * 3], "length of segment 1 by 0.1"),
-        ([[0.0, 0.0, 1.0], [2.0, 1.0, 1.0], *[[0.0, 0.0, 1.0]] * 2], "bend of segment 2 by 0.236"),
-        ([[0.9, 0.0, 1.0], [-0.9, 0.0, 1.0], *[[0.0, 0.0, 1.0]] * 2], "clearance of segment"),
+        ([[0.0, 0.0, 1.3], *[[0.0, 0.0, 1.0]] * 3], "length of segment 1 is 0.1 beyond its limit"),
+        ([[0.0, 0.0, 1.0], [2.0, 1.0, 1.0], *[[0.0, 0.0, 1.0]] * 2], "bend of segment 2 is 0.236 beyond its limit"),
+        ([[0.9, 0.0, 1.0], [-0.9, 0.0, 1.0], *[[0.0, 0.0, 1.0]] * 2], "of clearance from ball"),
     ],
 )
 def test_a_start_where_the_robot_cannot_be_is_told(start: list[list[float]], words: str) -> None:
@@ -143,7 +143,7 @@ def test_a_path_of_arrays_is_one_of_targets() -> None:
     refused("directions", lambda: sn.track(ROBOT, positions=places, directions=up[:3]), "positions: 8")
     refused("positions[2]", lambda: sn.track(ROBOT, positions=[*places[:2], [0, 0, np.nan]]))
     refused("targets[1]", lambda: sn.track(ROBOT, [CIRCLE[0], (0, 1)]), "for positions use positions=")
-    refused("positions", lambda: sn.track(ROBOT, CIRCLE, positions=places), "stands beside targets")
+    refused("positions", lambda: sn.track(ROBOT, CIRCLE, positions=places), "cannot be combined with targets")
     refused("len(targets)", lambda: sn.track(ROBOT, positions=np.empty((0, 3))))
 
 
@@ -152,7 +152,7 @@ def test_the_first_failure_is_the_status_and_the_rest_goes_on() -> None:
     assert [solution.status for solution in track.solutions] == ["solved", "out_of_reach", "solved"]
     assert track.status is sn.Status.OUT_OF_REACH
     assert track.solutions[2].start == "given"
-    assert "2 of 3 waypoints; waypoint 2: " in str(track)
+    assert "2 of 3 waypoints reached; waypoint 2: " in str(track)
     with pytest.raises(sn.NotSolvedError) as caught:
         track.raise_for_status()
     assert caught.value.solution is track

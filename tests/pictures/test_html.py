@@ -19,7 +19,7 @@ ROWS = {
     "Robot arm": ["segments", "length", "radius", "actuators"],
     "Scene": ["obstacles", "sphere"],
     "Solution: solved": ["position error", "clearance", "effort"],
-    "Motion: solved": ["waypoints", "between", "time", "effort"],
+    "Motion: solved": ["target", "between", "time", "effort"],
     "Solutions": ["solved", "least clearance", "time of each"],
     "Trajectory": ["duration", "phases", "between"],
 }

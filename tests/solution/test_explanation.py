@@ -33,7 +33,7 @@ def test_a_solution_says_what_is_nearest_to_its_limit() -> None:
     assert {each.key for each in explanation.nearest} == {"length[1]"}
     assert str(explanation).splitlines() == [
         "solved: all within tolerance and limits, whole body proved clear of obstacles and of itself",
-        "  least left greatest length of all segments: 0.98, at most 1 is allowed",
+        "  nearly at  greatest length of all segments: 0.98, at most 1 is allowed",
     ]
 
 
@@ -44,7 +44,7 @@ def test_of_a_result_from_a_file_no_change_is_tried_and_that_is_said() -> None:
     told = str(loaded).splitlines()
     assert told[:4] == str(solution.explain(60.0)).splitlines()[:4]
     assert told[4:] == [
-        "  no change was tried: a result that was read from a file does not say with which options it was found"
+        "  No change was tried: a result that was read from a file does not say with which options it was found."
     ]
 
 
@@ -71,3 +71,28 @@ def test_a_limit_that_stops_is_named_whatever_happens() -> None:
 def test_a_wrong_time_is_refused(time: Any) -> None:
     solution = sn.solve(ROBOT, sn.Target((0, 0, 2.5)))
     refused("time", lambda: solution.explain(time=time))
+
+
+def test_outside_a_room_it_is_outside_and_not_deep_in_it() -> None:
+    cabin = sn.Box((0, 0, 1), (2.4, 2.4, 2.4), inside=True, name="cabin")
+    text = str(sn.solve(ROBOT, sn.Target((0, 0.2, 2.6)), [cabin]).explain(time=0.0))
+    assert "outside cabin" in text
+    assert "deep" not in text
+
+
+def test_a_rotation_is_said_by_its_angle_and_axis() -> None:
+    flipped = sn.Target((0, 0, 2.9), rotation=(0, 1, 0, 0))
+    text = str(sn.solve(ROBOT, flipped, max_starts=30).explain(time=60.0))
+    assert " deg) from the rotation" in text
+    assert "target rotation: 180 deg about [1, 0, 0] -> " in text
+    assert "(turned by 147 deg about [-1, 0, 0])" in text
+    assert "[[" not in text
+
+
+def test_what_obstacles_have_no_part_in_is_said() -> None:
+    robot = sn.Robot.uniform(3, length=1.0, max_bend=0.5, radius=0.1)
+    target = sn.Target((0.78, 1.52, 2.04), direction=(-0.09, 0.61, 0.68))
+    text = str(sn.solve(robot, target, sn.Sphere((0, 0, 2), 0.1, name="ball"), max_starts=30).explain(time=60.0))
+    assert "The target is not reached even without obstacles." in text
+    assert "fixed length of all segments: 1" in text
+    assert "least length" not in text

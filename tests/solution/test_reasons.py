@@ -116,7 +116,7 @@ def test_a_closed_place_names_its_wall_and_the_resolution() -> None:
     assert solution.reason.obstacle.startswith("box[")
     assert solution.to_dict()["reason"]["bound"] == "route"
     assert str(solution.reason).startswith(
-        "between base and target no way that is no longer than the robot (3.6) is wide enough for a body of radius 0.1 "
+        "no way from base to target is both wide enough for a body of radius 0.1 and at most 3.6 long, "
     )
 
 
@@ -125,3 +125,29 @@ def test_what_is_solved_has_no_reason() -> None:
     assert solution.solved
     assert solution.reason is None
     assert solution.to_dict()["reason"] is None
+
+
+WALL = Box((0, 0, 150), (400, 400, 10), name="wall")
+"""Of finite size, in the open: a longer body gets around it."""
+
+
+def test_no_route_is_said_of_width_and_length_together_and_no_remedy_contradicts_it() -> None:
+    robot = Robot([Segment((40, 60), 2.0, radius=8)] * 4)
+    solution = Solver(robot, [WALL], time=60.0).solve(Target((0, 0, 190)))
+    assert solution.status is Status.NO_ROUTE
+    assert solution.reason is not None
+    assert solution.reason.longest == 240.0
+    assert "both no longer than the robot and wide enough" in solution.sentence
+    changes = {remedy.change.partition(" ")[0] for remedy in solution.explain(time=60.0).remedies}
+    assert "length" in changes
+    assert changes <= {"length", "obstacle", "target", "radius", "tolerance.position"}
+    assert "wall: segment 4 is 12.9" in str(solution.explain(time=0.0)), "as deep as what is worst"
+
+
+def test_of_an_elbow_it_is_the_length_up_to_there_that_counts() -> None:
+    thin, thick = Segment((40, 60), 2.0, radius=4), Segment((40, 60), 2.0, radius=8)
+    robot = Robot([thick, thick, thick, thin])
+    solution = Solver(robot, [WALL], time=60.0).solve([Target((0, 0, 165), segment=3)])
+    assert solution.status is Status.NO_ROUTE
+    assert solution.reason is not None
+    assert (solution.reason.longest, solution.reason.needed) == (180.0, 8.0)

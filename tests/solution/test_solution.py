@@ -55,7 +55,7 @@ def test_actuators_are_in_the_result_and_printed() -> None:
     written = json.loads(json.dumps(solution.to_dict(), allow_nan=False))["actuators"]
     assert list(written) == ["s1.t1", "s1.t2", "s1.c1", "s2.t1", "s2.t2", "s2.c1"]
     np.testing.assert_array_equal(list(written.values()), robot.to_actuators(solution.q))
-    assert f"actuators  s1.t1={written['s1.t1']:.4g}  s1.t2=" in str(solution)
+    assert f"actuators      s1.t1={written['s1.t1']:.4g}  s1.t2=" in str(solution)
 
 
 def test_every_status_has_its_sentence() -> None:

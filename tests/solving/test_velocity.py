@@ -274,7 +274,7 @@ def test_it_is_frozen_and_travels() -> None:
         ({"twist": (0,) * 6, "dt": 0.0}, "dt: expected a number greater than 0"),
         ({"twist": (0,) * 4, "dt": 0.01}, "twist: expected 6 finite numbers (omega, v), or 3 (v)"),
         ({"twist": (0, 0, float("nan")), "dt": 0.01}, "twist: expected 6 finite numbers"),
-        ({"twist": (0,) * 3, "target": sn.Target((0, 0, 1)), "dt": 0.01}, "(stands beside target)"),
+        ({"twist": (0,) * 3, "target": sn.Target((0, 0, 1)), "dt": 0.01}, "(cannot be combined with target)"),
         ({"twist": (0,) * 3, "dt": 0.01, "rates": 1.0}, "rates: expected Rates"),
         ({"twist": (0,) * 3, "dt": 0.01, "clearance": -1.0}, "clearance: expected a number of at least 0"),
         ({"twist": (0,) * 3, "dt": 0.01, "rates": sn.Rates(bend=(1, 2))}, "bend: expected one number, or 5"),

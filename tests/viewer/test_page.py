@@ -13,6 +13,7 @@ import sinuous as sn
 from sinuous.viewer.nodes import rotation_of
 from sinuous.viewer.page import Page
 from tests.helpers import Floats
+from tests.scene.shapes import cube
 from tests.viewer.browser import PATIENCE, choose, chromium, frames, inputs, opened, pixels, projected, until
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
@@ -239,6 +240,45 @@ def test_the_view_is_fitted(page: Page, fresh: Any) -> None:
         assert 0 < y < camera.image_height
 
 
+@pytest.mark.parametrize("shape", ["ball", "mesh"])
+def test_what_stands_before_the_robot_is_see_through(page: Page, fresh: Any, shape: str) -> None:
+    ball = JOB.scene.obstacles[0] if shape == "ball" else sn.Mesh(*cube(0.4, (0.2, 0.9, 1.2)))
+    load(page, fresh, sn.Job(ROBOT, JOB.waypoints[0], [ball]))
+    settled(page)
+    camera, at = camera_of(page), ROBOT.backbone(page.model.q)[25]
+    camera.position = at + 5.0 * (np.array([0.2, 0.9, 1.2]) - at)
+    camera.look_at = at
+    until(lambda: page.scenery._hiding == {0}, "a ball before the robot")
+    until(lambda: blueness(fresh, camera, at) > 25.0, "the robot behind it")
+    camera.position = at - 5.0 * (np.array([0.2, 0.9, 1.2]) - at)
+    camera.look_at = at
+    until(lambda: not page.scenery._hiding, "a ball behind the robot")
+
+
+def blueness(tab: Any, camera: Any, point: Floats) -> float:
+    """How much more blue than red there is where a camera sees a point."""
+    x, y = (round(v) for v in projected(camera, point))
+    seen = pixels(tab)[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3).mean(axis=0)
+    return float(seen[2] - seen[0])
+
+
+def test_what_would_help_is_a_button(page: Page, fresh: Any) -> None:
+    load(page, fresh, sn.Job(ROBOT, sn.Target((0, 0, 4.0))))
+    fresh.locator(".badge", has_text="out of reach").wait_for()
+    fresh.get_by_role("button", name="What would help?").click()
+    fresh.get_by_role("button", name="length of all segments").click()
+    fresh.locator(".badge", has_text="solved").wait_for()
+    assert page.model.robot.segments[0].length[1] > 1.2
+    fresh.get_by_role("tab", name="Robot").click()
+    fresh.get_by_role("button", name="Add a segment").click()
+    until(lambda: len(page.model.robot) == 4, "one more")
+    for count in (3, 3):
+        fresh.keyboard.press("Control+z")
+        until(lambda count=count: len(page.model.robot) == count, "what was before")  # type: ignore[misc]
+    settled(page)
+    assert page.model.robot is ROBOT
+
+
 def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:
 
     def chosen() -> bool:
@@ -321,6 +361,19 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
     np.testing.assert_allclose(page.model.shown, GOAL.goal)
     fresh.locator(".badge", has_text="proved clear here").wait_for()
+    for label in ("rates", "accelerations"):
+        for field in inputs(fresh, label).all()[:2]:
+            field.fill("0.4")
+            field.press("Tab")
+    limits = sn.Rates(0.4, 0.4, acceleration=sn.Rates(0.4, 0.4))
+    until(lambda: page.model.job.rates.equals(limits), "rates")
+    choose(fresh, "plot", "speed")
+    fresh.get_by_text("% of the rates").wait_for()
+    untimed = page.model.motion
+    fresh.get_by_role("button", name="As fast as rates allow").click()
+    until(lambda: page.model.motion is not untimed and not page.playing, "the timed motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_allclose(page.model.motion.duration, untimed.timed(limits).duration)
 
 
 def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> None:

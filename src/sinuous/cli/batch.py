@@ -23,7 +23,7 @@ def batch_file(file: str, targets: Path, out: Path, solving: BatchSolving, run: 
             given = {**solving.arguments(setting.tolerance, setting.prefer), "initial": setting.start}
             if solving.memory is not None:
                 with as_typed("memory"):
-                    given["memory"] = Memory.load(solving.memory).reading()
+                    given["memory"] = Memory.load(solving.memory)
             found = solve_batch(setting.robot, targets, setting.scene, out, **given, **run, progress=True)
     except UnfinishedError as error:
         typer.echo(f"sinuous: {error}", err=True)
@@ -49,7 +49,7 @@ def read_engine(engine: str, dask: str | None) -> str:
     if dask is None:
         return engine
     if engine != "threads":
-        raise InputError("--dask", "stands beside --engine", dask, "one of --engine, --dask")
+        raise InputError("--dask", "cannot be combined with --engine", dask, "one of --engine, --dask")
     if dask != "local" and "://" not in dask:
         raise InputError("--dask", "", dask, "tcp://HOST:PORT of a scheduler, or local")
     return "dask" if dask == "local" else dask

@@ -144,6 +144,14 @@ class BatchSolving(Solving):
 
 
 @dataclass(frozen=True)
+class ExploreSolving(Solving):
+    """How positions are solved while a place is explored."""
+
+    max_starts: Annotated[int, typer.Option(metavar="COUNT", help="Most starts of a position anywhere.")] = 24
+    time: Annotated[float, typer.Option(metavar="SECONDS", help="Time of all of it.")] = 60.0
+
+
+@dataclass(frozen=True)
 class DesignSolving(Solving):
     """How each target of a task is solved."""
 
@@ -217,7 +225,7 @@ class MotionOutput(Output):
 
             checks.number("--rate", self.rate, above=0.0)
             if self.csv is None:
-                raise InputError("--rate", "is for --csv", self.rate, "--csv FILE beside it")
+                raise InputError("--rate", "is for --csv", self.rate, "--csv FILE, too")
         super().check(files)
 
 
@@ -250,11 +258,13 @@ class Timed:
         if self.duration is not None:
             checks.number("--duration", self.duration, above=0.0)
             if self.timed:
-                raise InputError("--duration", "stands beside --timed", self.duration, "one of --duration, --timed")
+                raise InputError(
+                    "--duration", "cannot be combined with --timed", self.duration, "one of --duration, --timed"
+                )
         if self.blend is not None:
             checks.number("--blend", self.blend, above=0.0)
             if not self.timed:
-                raise InputError("--blend", "is for --timed", self.blend, "--timed beside it")
+                raise InputError("--blend", "is for --timed", self.blend, "--timed, too")
 
 
 def with_groups(command: Callable[..., int]) -> Callable[..., None]:

@@ -39,7 +39,7 @@ def lead_of(positions: Any, directions: Any, rotations: Any) -> tuple[int, ...]:
     if not given:
         raise InputError("positions", "nothing is asked", None, "positions, directions or rotations")
     if directions is not None and rotations is not None:
-        raise InputError("directions", "stands beside rotations", tuple(directions.shape), "one of the two")
+        raise InputError("directions", "cannot be combined with rotations", tuple(directions.shape), "one of the two")
     leads = {}
     for key, (value, axes) in given.items():
         shape = tuple(value.shape)

@@ -80,7 +80,7 @@ def _read_task(value: Any, robot: Robot, folder: Path) -> Any:
         raise InputError("", "", list(entries), f"one of {', '.join(KINDS)}")
     kind = kinds[0]
     if "share" in entries and kind != "set":
-        raise InputError("share", f"stands beside {kind}", entries["share"], "share of a set")
+        raise InputError("share", f"cannot be combined with {kind}", entries["share"], "share of a set")
     if kind in ("target", "targets"):
         return Meet(read_question({kind: entries[kind]}, robot, folder)["target"])
     if kind == "move":

@@ -2,9 +2,20 @@
 
 from collections.abc import Sequence
 
-from sinuous.motion.motion import Motion
+import numpy as np
+
+from sinuous.motion.motion import Motion, reached_in_words
 from sinuous.solution.solution import Solution
 from sinuous.words import duration
+
+STARTS = {
+    "given": "the initial configuration",
+    "arc": "a single arc",
+    "random": "a random configuration",
+    "route": "a route through free space",
+    "remembered": "a configuration in the memory",
+}
+"""What sentences call the kinds of starts."""
 
 
 def words_of(status: str) -> str:
@@ -21,13 +32,38 @@ def caption(answers: Sequence[Solution | Motion]) -> str:
     if isinstance(answer, Solution) or not answer.solutions:
         return f"{words_of(answer.status)}{clear}, {duration(answer.seconds)}"
     begun = "" if answer.solved else f"{words_of(answer.status)}: "
-    return f"{begun}{_waypoints(answer)}{clear}"
+    return f"{begun}{reached_in_words(answer)}{clear}"
+
+
+def told_apart(solutions: Sequence[Solution]) -> list[str]:
+    """A line for each of several solutions, by which people tell them apart: `2: bends 1.2 rad, clearance 0.3`.
+
+    It says how much a body bends in all, how long it is where lengths differ, its clearance, and where its middle is
+    when another line would be the same.
+    """
+    lengths = [f"{solution.q[:, 2].sum():.3g}" for solution in solutions]
+    lines = []
+    for solution, length in zip(solutions, lengths, strict=True):
+        bends = f"bends {np.hypot(solution.q[:, 0], solution.q[:, 1]).sum():.3g} rad"
+        clear = number(solution.clearance, before="clearance ")
+        lines.append(", ".join(filter(None, [bends, f"length {length}" if len({*lengths}) > 1 else "", clear])))
+    found = []
+    for i, (solution, line) in enumerate(zip(solutions, lines, strict=True), 1):
+        body = solution.problem.robot.backbone(solution.q, 2)
+        x, y, z = body[len(body) // 2]
+        found.append(f"{i}: {line}" + (f", by ({x:.3g}, {y:.3g}, {z:.3g})" if lines.count(line) > 1 else ""))
+    return found
 
 
 def rows_of(answer: Solution | Motion) -> dict[str, str]:
     """What holds of an answer, as rows of a table: a label, and a value."""
     rows = _of_solution(answer) if isinstance(answer, Solution) else _of_motion(answer)
     return {label: value for label, value in rows.items() if value}
+
+
+def start_in_words(start: str) -> str:
+    """What a solution was found from: `a single arc`."""
+    return STARTS[start]
 
 
 def number(value: float | None, behind: str = "", before: str = "") -> str:
@@ -54,7 +90,7 @@ def _of_motion(motion: Motion) -> dict[str, str]:
     between = f"{motion.between} clear" if motion.between == "proved" else motion.between
     times = f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots" if moves else ""
     return {
-        "waypoints": _waypoints(motion, "") if motion.solutions else "",
+        "target": reached_in_words(motion) if motion.solutions else "",
         "worst": "" if motion.worst is None else str(motion.worst),
         "between": between if moves else "",
         "time": times,
@@ -62,8 +98,3 @@ def _of_motion(motion: Motion) -> dict[str, str]:
         "largest step": f"{bend:.3g} rad, {length:.3g} of length",
         "effort": duration(motion.seconds),
     }
-
-
-def _waypoints(motion: Motion, noun: str = "waypoints ") -> str:
-    solved = sum(solution.solved for solution in motion.solutions)
-    return f"{solved} of {len(motion.solutions) + motion.remaining} {noun}solved"

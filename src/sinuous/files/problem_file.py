@@ -114,7 +114,7 @@ class ProblemFile(Frozen):
             raise InputError("robot", "", robot, "a Robot")
         asked = [key for key, value in (("target", target), ("path", path), ("goal", goal)) if value is not None]
         if len(asked) != 1:
-            what = f"stands beside {asked[1]}" if asked else "missing"
+            what = f"cannot be combined with {asked[1]}" if asked else "missing"
             raise InputError("target", what, target, "one of target, path, goal")
         if not (prefer is None or isinstance(prefer, Preferences)):
             raise InputError("prefer", "", prefer, "Preferences")
@@ -127,7 +127,7 @@ class ProblemFile(Frozen):
         check_sizes(robot, place)
         waypoints = () if goal is not None else _listed(robot, [target] if path is None else path, asked[0])
         if times is not None and path is None:
-            raise InputError("times", f"stand beside {asked[0]}", times, "those of a path")
+            raise InputError("times", f"cannot be combined with {asked[0]}", times, "those of a path")
         self._set(
             robot=demanding(robot, clearance, self_clearance),
             scene=place,
@@ -301,14 +301,14 @@ def read_question(entries: dict[str, Any], robot: Robot, folder: Path) -> dict[s
         raise InputError("target", "missing", list(entries), expected)
     key, value = asked[0], entries[asked[0]]
     if len(asked) > 1:
-        raise InputError(key, f"stands beside {asked[1]}", value, expected)
+        raise InputError(key, f"cannot be combined with {asked[1]}", value, expected)
     if key == "path":
         targets, times = _read_path(value, robot, folder)
         if times is not None and "times" in entries:
             raise InputError("times", "stand in the file of the path, too", entries["times"], "one of both")
         return {"path": targets, "times": entries.get("times") if times is None else times}
     if entries.get("times") is not None:
-        raise InputError("times", f"stand beside {key}", entries["times"], "those of a path")
+        raise InputError("times", f"cannot be combined with {key}", entries["times"], "those of a path")
     if key == "goal":
         return {"goal": read_configuration("goal", value, robot, folder)}
     with checks.inside(key):

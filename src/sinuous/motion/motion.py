@@ -28,6 +28,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
+from sinuous.solving.between.loaded import SAMPLES
 from sinuous.solving.between.steps import Steps, prove_steps
 from sinuous.words import duration
 from sinuous.writing.documents import write_document
@@ -42,8 +43,9 @@ if TYPE_CHECKING:
     from sinuous.robot.rates import Rates
     from sinuous.solution.verification import Verification
 
-Between = Literal["proved", "unproved"]
-"""What is known of the motion between knots: all of it is proved clear, or some step is not."""
+Between = Literal["proved", "sampled", "unproved"]
+"""What is known of the motion between knots: all of it is proved clear; or, of a loaded body, what is not proved is
+clear at samples; or some step is neither."""
 
 
 class Motion(NotebookMixin, Frozen):
@@ -163,8 +165,14 @@ class Motion(NotebookMixin, Frozen):
 
     @property
     def between(self) -> Between:
-        """What is known of the motion between knots: `proved` clear all the way, or `unproved`."""
-        return "unproved" if self.unproved_steps else "proved"
+        """What is known of the motion between knots: `proved` clear all the way, `sampled`, or `unproved`.
+
+        `sampled`: every step is proved, or is one of a loaded body that is clear at all shapes (`steps.samples`) at
+        which it was looked at. That is no proof.
+        """
+        if not self.unproved_steps:
+            return "proved"
+        return "sampled" if (self.steps.proved | (self.steps.samples > 0)).all() else "unproved"
 
     @cached_property
     def unproved_steps(self) -> tuple[int, ...]:
@@ -206,6 +214,8 @@ class Motion(NotebookMixin, Frozen):
     @property
     def tips(self) -> Floats:
         """Poses (T, 4, 4) of the tool (of the tip, without one) at the knots, in the world."""
+        if self.robot.hangs:
+            return np.array([self.robot.shape(q).tip for q in self.q]).reshape(-1, 4, 4)
         return self.robot.tip(self.q)
 
     @property
@@ -502,7 +512,7 @@ class Motion(NotebookMixin, Frozen):
 
     def _shown(self) -> Iterator[str]:
         yield str(self.status)
-        yield from (f"{_count_reached(self)} solved",) if self.solutions else ()
+        yield from (reached_in_words(self),) if self.solutions else ()
         yield f"{len(self.q)} knots"
         yield duration(self.seconds)
 
@@ -517,8 +527,11 @@ def _text(motion: Motion) -> str:
     if motion.clearance is not None:
         where = "all the way" if motion.between == "proved" and len(motion.q) > 1 else "at the waypoints"
         parts.append(f"  clearance  {motion.clearance:.3g} {where}")
-    if motion.between == "unproved":
-        parts.append(f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear")
+    if motion.between != "proved":
+        seen = f", but are at {SAMPLES} shapes of each" if motion.between == "sampled" else ""
+        parts.append(
+            f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear{seen}"
+        )
     if len(motion.q) > 1:
         parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots")
     parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")
@@ -526,18 +539,21 @@ def _text(motion: Motion) -> str:
     return "\n".join(parts)
 
 
-def _count_reached(motion: Motion) -> str:
+def reached_in_words(motion: Motion) -> str:
     """Say how many waypoints the motion comes to: a plan may know a shape for its goal, and no way there."""
-    reached = len(motion.solutions) - motion.waypoint_knots.count(None)
-    return f"{reached} of {len(motion.solutions) + motion.remaining} waypoints"
+    reached, count = len(motion.solutions) - motion.waypoint_knots.count(None), len(motion.solutions) + motion.remaining
+    if count > 1:
+        return f"{reached} of {count} waypoints reached"
+    return "the target is reached" if reached else "the target is not reached"
 
 
 def _sentence(motion: Motion) -> str:
     failed = next((i for i, solution in enumerate(motion.solutions) if not solution.solved), None)
     if failed is not None:
         solution = motion.solutions[failed]
-        return f"{_count_reached(motion)}; waypoint {failed + 1}: {solution.worst or solution.sentence}"
-    begun = _count_reached(motion) if motion.solutions else motion.status.sentence
+        which = f"waypoint {failed + 1}: " if len(motion.solutions) + motion.remaining > 1 else ""
+        return f"{reached_in_words(motion)}; {which}{solution.worst or solution.sentence}"
+    begun = reached_in_words(motion) if motion.solutions else motion.status.sentence
     if motion.status is Status.RATE_BOUND and len(motion.q) > 1:
         return f"{begun}; the times that were asked for are too short for the rates"
     if motion.worst is not None:

@@ -154,7 +154,7 @@ class Pace(NamedTuple):
             with checks.inside("rates"):
                 rates.check(robot)
         if duration is not None and times is not None:
-            raise InputError("duration", "stands beside times", duration, "one of duration, times")
+            raise InputError("duration", "cannot be combined with times", duration, "one of duration, times")
         long = None if duration is None else checks.number("duration", duration, above=0.0)
         return cls(rates or None, long, times is not None)
 

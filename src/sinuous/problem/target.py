@@ -75,7 +75,7 @@ class Goals:
         if position is None and direction is None and matrices is None:
             raise InputError(keys[0], "nothing is asked of the target", None, "{}, {} or {}".format(*keys))
         if direction is not None and matrices is not None:
-            raise InputError(keys[1], f"stands beside {turned}", direction, f"one of {keys[1]}, {turned}")
+            raise InputError(keys[1], f"cannot be combined with {turned}", direction, f"one of {keys[1]}, {turned}")
         places = None if position is None else checks.rows(keys[0], position, 3)
         axes = None if direction is None else checks.directions(keys[1], direction)
         orientations = axes if matrices is None else matrices
@@ -188,13 +188,15 @@ class Target(Frozen):
         matrix = any_rotation(rotation, xyzw)
         if is_pose(position):
             if matrix is not None or direction is not None:
-                raise InputError("position", "stands beside a rotation or direction", position, "3 finite numbers")
+                raise InputError(
+                    "position", "cannot be combined with a rotation or direction", position, "3 finite numbers"
+                )
             whole = as_pose("position", position)
             position, matrix = whole[:3, 3], whole[:3, :3]
         if position is None and direction is None and matrix is None:
             raise InputError("position", "nothing is asked of the target", None, "position, direction or rotation")
         if direction is not None and matrix is not None:
-            raise InputError("direction", "stands beside rotation", direction, "one of direction, rotation")
+            raise InputError("direction", "cannot be combined with rotation", direction, "one of direction, rotation")
         place = None if position is None else checks.vector("position", position)
         axis = None if direction is None else checks.direction("direction", direction)
         number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)

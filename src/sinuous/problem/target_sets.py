@@ -82,7 +82,7 @@ def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Ma
             raise InputError("targets", "nothing is asked", None, "targets, or positions=, directions= or rotations=")
         return Goals.read(arrays)
     if given:
-        raise InputError(given[0], "stands beside targets", arrays[given[0]], "one of targets, arrays")
+        raise InputError(given[0], "cannot be combined with targets", arrays[given[0]], "one of targets, arrays")
     return ListedTargets(listed_targets(robot, targets))
 
 

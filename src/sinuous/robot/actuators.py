@@ -104,7 +104,7 @@ class Lines(Frozen):
             values = checks.array("angles", first + 2.0 * math.pi * np.arange(number) / number, (number,))
         else:
             if angle is not None:
-                raise InputError("angle", "stands beside angles", angle, "either count and angle, or angles")
+                raise InputError("angle", "cannot be combined with angles", angle, "either count and angle, or angles")
             values = checks.array("angles", angles, (None,))
             checks.integer("angles", len(values), 1, MOST_LINES)
         self._set(angles=values, radius=checks.number("radius", radius, above=0.0))
@@ -313,7 +313,7 @@ def _tension(value: TensionLimits | None, stiffness: Each | None, one_sided: boo
     if value is None:
         return None
     if stiffness is None:
-        raise InputError("tension", "of lines without a stiffness nothing is known", value, "stiffness beside it")
+        raise InputError("tension", "of lines without a stiffness nothing is known", value, "a stiffness, too")
     if isinstance(value, list | tuple) and len(value) == ENDS and value[1] in (None, math.inf):
         return checks.number("tension[0]", value[0], low=0.0 if one_sided else -math.inf), math.inf
     return checks.interval("tension", value, low=0.0 if one_sided else -math.inf)

@@ -56,7 +56,9 @@ class Stiffness(Frozen):
         else:
             for key, value in (("youngs_modulus", youngs_modulus), ("poisson", poisson), ("radius", radius)):
                 if value is not None:
-                    raise InputError(key, "stands beside bend", value, "either bend, or youngs_modulus and radius")
+                    raise InputError(
+                        key, "cannot be combined with bend", value, "either bend, or youngs_modulus and radius"
+                    )
         self._set(
             bend=checks.number("bend", bend, above=0.0),
             twist=math.inf if twist is None else checks.number("twist", twist, above=0.0),

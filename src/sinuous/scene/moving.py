@@ -248,7 +248,7 @@ def _poses(
     beside = [key for key, value in given.items() if value is not None]
     if poses is not None:
         if beside:
-            raise InputError("poses", f"stand beside {beside[0]}", poses, "one of both")
+            raise InputError("poses", f"cannot be combined with {beside[0]}", poses, "one of both")
         return _of_matrices(count, poses)
     if not beside:
         raise InputError("positions", "missing", None, "positions, rotations or poses")

@@ -172,7 +172,7 @@ def _balanced(problem: Problem, q: Floats, touched: list[Contact], limits: list[
         forces = _multipliers(pull, [*contacts, *walls], free)
         if forces or first:
             break
-    return _ranked([*((math.inf, each) for each in first), *forces])
+    return _ranked([*((math.inf, each) for each in first), *forces], touched)
 
 
 def _multipliers(pull: Floats, forces: Sequence[_Force], free: Floats) -> list[tuple[float, Limit | Contact]]:
@@ -197,10 +197,15 @@ def _multipliers(pull: Floats, forces: Sequence[_Force], free: Floats) -> list[t
     return [(float(force), each.met) for force, each in zip(shared, kept, strict=True) if force > least]
 
 
-def _ranked(forces: Iterable[tuple[float, Limit | Contact]]) -> tuple[Binding, ...]:
-    """Bindings by the sums of their forces, strongest first; every limit and every obstacle once."""
+def _ranked(forces: Iterable[tuple[float, Limit | Contact]], touched: Iterable[Contact]) -> tuple[Binding, ...]:
+    """Bindings by the sums of their forces, strongest first; every limit once, and every obstacle where it is deepest.
+
+    `touched` are all contacts, deepest first.
+    """
     sums: dict[Any, float] = {}
     known: dict[Any, Limit | Contact] = {}
+    for each in touched:
+        known.setdefault(_identity(each), each)
     for force, met in forces:
         name = _identity(met)
         sums[name] = sums.get(name, 0.0) + force

@@ -88,25 +88,27 @@ def contacts_of(problem: Problem, q: Floats, margin: float | None = None) -> lis
 
 
 def _near(problem: Problem, q: Floats, reach: float) -> _Places:
-    """Places that may be within reach of an obstacle: pieces that might touch are halved again and again."""
+    """Places that may be within reach of an obstacle: pieces that might touch, or be deepest, are halved again."""
     robot, ends = problem.robot, problem.robot.forward(q)
     starts = np.concatenate([robot.base[None], ends[:-1]])
     radii, begin = np.array(robot.needed_radii), np.concatenate([[0.0], np.cumsum(q[:, 2])[:-1]])
     segments = np.repeat(np.arange(len(robot)), FIRST_PIECES + 1)
     along = np.tile(np.linspace(0.0, 1.0, FIRST_PIECES + 1), len(robot))
-    step = 1.0 / FIRST_PIECES
+    step, deepest = 1.0 / FIRST_PIECES, np.full(len(robot), reach)
     kept = [_Places(segments[:0], along[:0], np.empty((0, 3)))]
     for _ in range(HALVINGS):
         free = begin[segments] + along * q[segments, 2] >= robot.mount
         segments, along = segments[free], along[free]
         points = _points(starts[segments], q[segments], along)
         clearance = problem.scene.distance(points) - radii[segments]
-        near = clearance <= reach + 0.5 * step * q[segments, 2]
+        np.minimum.at(deepest, segments, clearance)
+        least = clearance - 0.5 * step * q[segments, 2]
+        near = least <= reach
         kept.append(_Places(segments[near], along[near], points[near]))
-        unclear = near & (clearance > reach)
+        unclear = near & ((clearance > reach) | (least < deepest[segments]))
         step *= 0.5
         segments = np.repeat(segments[unclear], 2)
-        along = np.clip((along[unclear, None] + [-step, step]).ravel(), 0.0, 1.0)
+        along = np.clip((along[unclear, None] + [-0.5 * step, 0.5 * step]).ravel(), 0.0, 1.0)
     return _Places(*(np.concatenate(parts) for parts in zip(*kept, strict=True)))
 
 

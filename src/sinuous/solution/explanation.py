@@ -11,12 +11,16 @@ from sinuous.solution.remedies import Remedy, find_remedies
 from sinuous.solution.residual import residual_of
 from sinuous.solution.resolver import LoadedResult
 from sinuous.solution.status import Status
-from sinuous.solution.trials import Case
-from sinuous.words import number
+from sinuous.solution.trials import Case, Trials
+from sinuous.words import degrees, number
 
 LOADED = "no change was tried: a result that was read from a file does not say with which options it was found"
 
 TOO_SHORT = "the time was too short to try everything"
+
+NOTHING = "nothing that was tried would help"
+
+ALONE = "the target is not reached even without obstacles"
 
 MOST_LINES = 6
 """Most lines about what holds a configuration back."""
@@ -43,6 +47,8 @@ class Explanation(NotebookMixin):
         Changes that were tried; with each the problem is solved and proved.
     untried : str
         Why not all changes were tried; empty where they were.
+    obstacles_matter : bool
+        False where no solution was found without obstacles either.
     segments : int
         Of the robot.
     """
@@ -55,6 +61,7 @@ class Explanation(NotebookMixin):
     nearest: tuple[Binding, ...]
     remedies: tuple[Remedy, ...]
     untried: str
+    obstacles_matter: bool
     segments: int
 
     @property
@@ -80,13 +87,11 @@ class Explanation(NotebookMixin):
         if self.misses:
             lines.append(f"  best found {self.misses}")
         lines += _labelled("held by", in_words(self.binding, self.segments, values=True))
-        lines += _labelled("least left", in_words(self.nearest, self.segments, values=True))
+        lines += _labelled("nearly at", in_words(self.nearest, self.segments, values=True))
         lines += _labelled("would help", [str(each) for each in self.remedies])
-        if self.status is not Status.SOLVED and not self.remedies and self.untried != LOADED:
-            lines.append("  Nothing that was tried would help.")
-        if self.untried:
-            lines.append(f"  {self.untried}")
-        return "\n".join(lines)
+        none = self.status is not Status.SOLVED and not self.remedies and self.untried != LOADED
+        said = "" if self.obstacles_matter else ALONE, NOTHING if none else "", self.untried
+        return "\n".join([*lines, *(f"  {each[0].upper()}{each[1:]}." for each in said if each)])
 
     def __repr__(self) -> str:
         counted = [f"{len(self.binding)} binding", f"{len(self.remedies)} remedies"]
@@ -103,11 +108,12 @@ def explain(case: Case, sentence: str, end: float) -> Explanation:
     """Explain a solve, until the time is `end` (by `work_time`); `sentence` is what its status means here."""
     own, count = (case.status, sentence, case.reason, _misses(case), case.binding), len(case.problem.robot)
     if case.status is Status.SOLVED:
-        return Explanation(*own, nearest_limits(case.problem, case.q), (), "", count)
+        return Explanation(*own, nearest_limits(case.problem, case.q), (), "", True, count)
     if isinstance(case.resolver, LoadedResult):
-        return Explanation(*own, (), (), LOADED, count)
-    remedies, complete = find_remedies(case, end)
-    return Explanation(*own, (), remedies, "" if complete else TOO_SHORT, count)
+        return Explanation(*own, (), (), LOADED, True, count)
+    trials = Trials(case, end)
+    remedies = find_remedies(trials, case)
+    return Explanation(*own, (), remedies, "" if trials.complete else TOO_SHORT, trials.obstacles_matter, count)
 
 
 def _misses(case: Case) -> str:
@@ -115,5 +121,6 @@ def _misses(case: Case) -> str:
     residual, tolerance = residual_of(case.problem, case.q), case.problem.tolerance
     off, turn = residual.position_error, residual.angle_error
     parts = [f"{number(off)} from the position"] if off > (tolerance.position or 0.0) else []
-    parts += [f"{number(turn)} rad from the direction"] if turn > tolerance.angle else []
+    aim = "rotation" if any(each.rotation is not None for each in case.problem.targets) else "direction"
+    parts += [f"{number(turn)} rad ({degrees(turn)}) from the {aim}"] if turn > tolerance.angle else []
     return " and ".join(parts)

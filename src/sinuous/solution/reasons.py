@@ -5,6 +5,7 @@ Bounds on lengths and bends come from `sinuous.measures`, without kernels; dista
 """
 
 from dataclasses import dataclass
+from operator import itemgetter
 
 from sinuous.arguments import BoundName
 from sinuous.measures.reach import backbone_end, bounds
@@ -25,7 +26,7 @@ class Reason(ShortRepr):
         `aside`, `behind`: it lies farther aside of the base's tangent, or less far ahead, than bends and lengths reach;
         or the base does so, seen back along the target's tangent. `turning`: the direction asks for more than all bends
         together. `target`, `base`: the body needs more room there than the obstacle leaves. `route`: no route from
-        mount to target is wide enough.
+        mount to target is both wide enough and no longer than the body.
     needed, available : float
         What the bound compares: lengths, for `turning` angles (rad), for `route` the radius of the body and the edge of
         the cells that free space was divided into.
@@ -34,7 +35,7 @@ class Reason(ShortRepr):
     pointing : bool
         Whether the direction that is asked for is part of the reason.
     longest : float or None
-        For `route`: the greatest length of the robot; longer routes were not looked at.
+        For `route`: the greatest length of the body up to the target; longer routes were not looked at.
     inside : bool
         Whether the body has to stay inside the obstacle.
     clearance : float
@@ -73,9 +74,9 @@ class Reason(ShortRepr):
             f"most: {missing} rad too little",
             "target": f"at the target {body} would be {overlap}",
             "base": f"where {body} leaves its mount it is {overlap}; the usual remedy is a longer mount",
-            "route": f"between base and target no way that is no longer than the robot ({number(self.longest)}) is "
-            f"wide enough for {thick} (shown with cells of edge {available}); the obstacle nearest "
-            f"to the target is {obstacle}",
+            "route": f"no way from base to target is both wide enough for {thick} and at most "
+            f"{number(self.longest)} long, the greatest length of the body up to the target (shown with cells of edge "
+            f"{available}); the obstacle nearest to the target is {obstacle}",
         }[self.bound]
 
 
@@ -115,18 +116,20 @@ def base_in(problem: Problem) -> Reason:
 
 
 def closed_in(problem: Problem, cell: float) -> Reason:
-    """The obstacle nearest to a target that no route leads to; `cell` is the edge of the cells that proved it."""
-    place = next(target.position for target in reversed(problem.targets) if target.position is not None)
-    longest = sum(segment.length[1] for segment in problem.robot.segments)
-    needed, clearance = _thinnest(problem)
+    """The obstacle nearest to the most distal target, where no route leads; `cell`: edge of cells that proved it."""
+    ends = [(each.segment or len(problem.robot), each.position) for each in problem.targets]
+    last, place = max(((end, place) for end, place in reversed(ends) if place is not None), key=itemgetter(0))
+    longest = sum(segment.length[1] for segment in problem.robot.segments[:last])
+    needed, clearance = _thinnest(problem, last)
     nearest = room_at(place, problem.scene).obstacle
     return Reason("route", needed, cell, nearest, longest=longest, clearance=clearance)
 
 
-def _thinnest(problem: Problem) -> tuple[float, float]:
-    """What the segment that needs least needs, and which part of it is clearance."""
+def _thinnest(problem: Problem, last: int | None = None) -> tuple[float, float]:
+    """What that one of the first segments needs that needs least, and which part of it is clearance."""
     robot = problem.robot
-    return min((needed, needed - radius) for needed, radius in zip(robot.needed_radii, robot.radii, strict=True))
+    radii = zip(robot.needed_radii[:last], robot.radii[:last], strict=True)
+    return min((needed, needed - radius) for needed, radius in radii)
 
 
 def _is_inside(problem: Problem, name: str | None) -> bool:

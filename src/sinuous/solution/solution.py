@@ -36,6 +36,7 @@ from sinuous.writing.plain import plain
 
 if TYPE_CHECKING:
     from sinuous.derivatives.derivative import Derivative
+    from sinuous.derivatives.preferred import Wish
     from sinuous.statics.equilibrium import Equilibrium
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
@@ -72,7 +73,7 @@ class Solution(NotebookMixin):
     iterations, starts : int
         Newton iterations in all, and how many starts they came from.
     start : str
-        Which kind of start won: given, arc, route, random.
+        Which kind of start led to it: given, arc, random, route or remembered.
     route : ndarray (k, 3) or None
         Where the start came from a route: its points, from the base to the target; read-only. To be drawn beside the
         body, which may leave it.
@@ -179,7 +180,7 @@ class Solution(NotebookMixin):
 
     @property
     def start(self) -> StartKind:
-        """Which kind of start won: given, arc, random, route or remembered."""
+        """Which kind of start led to it: given, arc, random, route or remembered."""
         return cast(StartKind, SOURCES[self._outcome.source])
 
     @property
@@ -243,7 +244,8 @@ class Solution(NotebookMixin):
     @property
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
-        pose: Floats = read_only(self.problem.robot.tip(self.q))
+        shape = self.shape
+        pose: Floats = read_only(self.problem.robot.tip(self.q) if shape is None else shape.tip)
         return pose
 
     @property
@@ -364,7 +366,8 @@ class Solution(NotebookMixin):
         if reason is None or reason.obstacle is None or self.status is Status.NO_ROUTE:
             return found
         spare = reason.available - reason.needed
-        first = Binding("clearance", None, reason.obstacle, spare + reason.clearance, reason.clearance)
+        own = reason.obstacle, spare + reason.clearance, reason.clearance
+        first = Binding("clearance", None, *own, inside=reason.inside)
         return (first, *(each for each in found if each.obstacle != reason.obstacle))
 
     def _find_reason(self) -> Reason | None:
@@ -382,8 +385,8 @@ class Solution(NotebookMixin):
         """Derive the answer by what it depends on: targets, the robot, where it stands, obstacles.
 
         Of all configurations near this one that meet changed targets, within the limits and clear of obstacles, the
-        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen, or that was
-        moved out of contact with an obstacle, is not called regular.
+        nearest one is meant: what a solve from this answer finds; of an answer that preferences have chosen the minimum
+        near it. An answer that was moved out of contact with an obstacle is not called regular.
 
         Parameters
         ----------
@@ -407,7 +410,18 @@ class Solution(NotebookMixin):
         if self._outcome.code != SOLVED:
             self.raise_for_status()
         liked = self._resolver.chooses(self._problem.robot, self._outcome.clearance)
-        return derivative_of(self._problem, self._outcome.q, wrt, liked)
+        return derivative_of(self._problem, self._outcome.q, wrt, liked, self._wish() if liked else None)
+
+    def _wish(self) -> "Wish | None":
+        """The preferences that chose it; `None` where none did."""
+        from sinuous.derivatives.preferred import Wish  # noqa: PLC0415
+
+        robot, preferences = self._problem.robot, self._resolver.preferences
+        if robot.hangs or not preferences:  # targets are met by the loaded body, of which derivatives know nothing
+            return None
+        own = preferences.beyond(robot.least_demanded[0])
+        given = self._given.reshape(-1, *self.q.shape)
+        return Wish(own, given[0] if len(given) else None, self._outcome.clearance - own.clearance)
 
     def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":
         """Derivatives (p,) of `sum(cotangent * q)` by each group of parameters, for a cotangent (n, 3).
@@ -511,25 +525,26 @@ class Solution(NotebookMixin):
     def __str__(self) -> str:
         parts = [f"Solution: {self.status} ({self.sentence})"]
         if self.reason is not None:
-            parts.append(f"  reason     {self.reason}")
+            parts.append(f"  because        {self.reason}")
         if self.worst is not None:
-            parts.append(f"  worst      {self.worst}")
+            parts.append(f"  worst          {self.worst}")
         for label, value in (
-            ("position", self.position_error),
-            ("angle", self.angle_error),
+            ("position error", self.position_error),
+            ("angle error", self.angle_error),
             ("clearance", self.clearance),
-            ("off itself", self.self_clearance),
+            ("self-clearance", self.self_clearance),
         ):
             if value is not None:
                 unsure = self.problem.robot.uncertainty if label == "clearance" else None
-                parts.append(f"  {label:<10} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
+                parts.append(f"  {label:<14} {value:.3g}" + ("" if unsure is None else f", {unsure}"))
         if self.route_class is not None:
-            parts.append(f"  route      {self.route_class}")
-        parts.append(f"  effort     {self.iterations} iterations from {self.starts} starts, {duration(self.seconds)}")
-        parts.append("  q          " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 13))
+            parts.append(f"  route          {self.route_class}")
+        effort = f"{self.iterations} iterations from {self.starts} starts"
+        parts.append(f"  effort         {effort}, {duration(self.seconds)}")
+        parts.append("  q              " + np.array2string(self.q, precision=4, suppress_small=True, prefix=" " * 17))
         values = self.problem.robot.drive.in_words(self.actuators or {})
         lines = textwrap.wrap(values, 100, break_long_words=False, break_on_hyphens=False)
-        parts += [f"  {'' if i else 'actuators':<10} {line}" for i, line in enumerate(lines)]
+        parts += [f"  {'' if i else 'actuators':<14} {line}" for i, line in enumerate(lines)]
         return "\n".join(parts)
 
 

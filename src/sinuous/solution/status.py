@@ -52,8 +52,8 @@ _SENTENCES = {
     Status.TARGET_BLOCKED: "proved: the body would overlap an obstacle at the target",
     Status.BASE_BLOCKED: "proved: the body overlaps an obstacle where it leaves its mount",
     Status.START_BLOCKED: "the start overlaps an obstacle or itself, or violates a limit",
-    Status.NO_ROUTE: "proved at the stated resolution: no route through free space that is no longer than the robot "
-    "is wide enough for its body",
+    Status.NO_ROUTE: "proved at the stated resolution: no route through free space is both no longer than the robot "
+    "and wide enough for its body",
     Status.UNPROVED: "everything met as far as could be seen, clearance not proved",
     Status.BLOCKED: "not solved: the best found overlaps an obstacle or itself",
     Status.LIMIT_BOUND: "not solved: limits stop the best found",

@@ -103,12 +103,14 @@ class Trials:
     ----------
     complete : bool
         Whether no trial was cut short by the time.
+    obstacles_matter : bool
+        False where no solution was found without obstacles either.
     """
 
     def __init__(self, case: Case, end: float) -> None:
         self._case = case
         self._end = self._deadline = self._refined = end
-        self.complete = True
+        self.complete = self.obstacles_matter = True
 
     def share(self, part: float) -> None:
         """Give what comes next this part of the time that is left."""

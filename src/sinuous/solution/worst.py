@@ -75,9 +75,12 @@ class Worst(ShortRepr):
         if self.other_segment is not None:
             whom = "itself" if self.other_segment == self.segment else f"segment {self.other_segment}"
             return f"segment {self.segment} touches {whom}, {self.amount:.3g} too near"
+        if self.obstacle is not None:
+            whose = "the body" if self.segment is None else f"segment {self.segment}"
+            return f"{whose} lacks {self.amount:.3g} of clearance from {self.obstacle}"
         where = "" if self.segment is None else f" of segment {self.segment}"
-        what = "" if self.obstacle is None else f" at {self.obstacle}"
-        return f"{self.constraint}{where}{what} by {self.amount:.3g}"
+        beyond = "its tolerance" if self.constraint in ("position", "angle") else "its limit"
+        return f"{self.constraint}{where} is {self.amount:.3g} beyond {beyond}"
 
 
 def find_worst(problem: Problem, q: Floats, overlap: bool) -> Worst:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.display.captions import number, rows_of, words_of
+from sinuous.display.captions import number, rows_of, start_in_words, words_of
 from sinuous.display.clearances import lengths_along, radii_along
 from sinuous.measures.body import segment_ends
 from sinuous.measures.reach import target_errors
@@ -37,6 +37,8 @@ STYLE = """<style>
 .sinuous .scale { height: 8px; border-radius: 4px; margin: 2px 0; }
 .sinuous .ends { display: flex; justify-content: space-between; color: #6b7178; font-size: 12px; }
 button:has(.tabler-icon-adjustments) { display: none; }
+.mantine-Button-root { height: auto; min-height: 2em; }
+.mantine-Button-label { white-space: normal; }
 .sinuous .notice { color: #a34700; margin-top: 4px; }
 </style>"""
 
@@ -143,7 +145,7 @@ def _of_search(solution: Solution) -> dict[str, str]:
     rows = {
         "proof": "" if solution.reason is None else str(solution.reason),
         "held by": "; ".join(binding),
-        "found from": str(solution.start),
+        "found from": start_in_words(solution.start),
     }
     return {label: value for label, value in rows.items() if value}
 
@@ -167,7 +169,7 @@ def _of_time(model: Model) -> Rows:
 def _of_near(near: Near | None) -> Rows:
     if near is None:
         return {}
-    where = f"{near.distance:.3g} away" if near.distance >= 0.0 else f"{-near.distance:.3g} deep in it"
+    where = f"{near.distance:.3g} away" if near.distance >= 0.0 else f"overlap of {-near.distance:.3g}"
     return {"nearest": [f"{near.obstacle}, {where}"]}
 
 

@@ -31,8 +31,10 @@ def write_archive(file: str | Path, **arrays: Any) -> None:
 
 
 @contextmanager
-def read_archive(file: str | Path, key: str, version: int, what: str) -> Iterator[Any]:
-    """Open an archive that holds its version under `key`; what is wrong with it within is said under that key, too.
+def read_archive(file: str | Path, key: str, versions: tuple[int, ...], what: str) -> Iterator[Any]:
+    """Open an archive that holds under `key` one of these versions, the newest last.
+
+    What is wrong with what it holds, as it turns out within, is said under that key, too.
 
     Raises
     ------
@@ -41,8 +43,8 @@ def read_archive(file: str | Path, key: str, version: int, what: str) -> Iterato
     """
     try:
         with Path(file).open("rb") as stream, np.load(stream) as data:  # NumPy leaves a file open that is no archive
-            if int(data[key]) != version:
-                raise InputError(key, "of another version", int(data[key]), str(version), str(file))
+            if int(data[key]) not in versions:
+                raise InputError(key, "of another version", int(data[key]), str(versions[-1]), str(file))
             yield data
     except OSError as error:
         raise InputError(key, f"cannot be read: {error}", str(file), what) from None

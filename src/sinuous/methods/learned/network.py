@@ -114,7 +114,7 @@ class Network(Frozen):
         InputError
             When it is no such file.
         """
-        with read_archive(file, "network", FORMAT, "a file that Network.save wrote") as data:
+        with read_archive(file, "network", (FORMAT,), "a file that Network.save wrote") as data:
             names = [[f"{kind}_{i}" for i in range(MOST_LAYERS + 1)] for kind in KINDS]
             layers = [[data[name] for name in own if name in data] for own in names]
             return cls(read_robot(json.loads(str(data["robot"]))), layers)

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import VERDICT
-from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import distances
 from sinuous.motion.timing import largest
+from sinuous.problem.target import Target
 from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
+from sinuous.solving.between.loaded import passes
 from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
 from sinuous.solving.solver import Solver
 from sinuous.work_time import work_time
@@ -86,15 +86,23 @@ class Goals:
     Parameters
     ----------
     solver : Solver
-    first : Solution
-        A solved one: its problem has the targets.
+    targets : list of Target
+    solutions : list of Solution
+        Solved ones, of which there must be one when it is called.
     """
 
-    def __init__(self, solver: Solver, first: Solution) -> None:
-        once = replace(solver.options, max_starts=1, routes=False)
+    def __init__(self, solver: Solver, targets: list[Target], solutions: list[Solution]) -> None:
+        once = replace(solver.options, max_starts=1, routes=False, memory=None)
         self._solver = type(solver).prepared(solver.robot, solver.scene, once)
-        self._targets = list(first.problem.targets)
-        self.solutions = [first]
+        self._targets, self.solutions = targets, solutions
+
+    def near(self, q: Floats) -> Floats | None:
+        """Follow a configuration (n, 3) to one that meets the targets, which becomes a goal; `None` where it fails."""
+        solution = self._solver.solve(self._targets, q)
+        if not solution.solved:
+            return None
+        self.solutions.append(solution)
+        return solution.q
 
     def __call__(self, reached: Floats) -> Floats:
         """Return all goals (g, n, 3), after looking for more from some of what is reached (m, n, 3)."""
@@ -235,7 +243,7 @@ class TimedQuery:
     def prove(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return what is proved of an edge (14,); `None` where it is not proved clear."""
         answer: Floats = self.prover.prove(np.stack([q0, q1]), 1.0, LOOSE_SECONDS, np.array([t0, t1]))[0]
-        return answer if answer[VERDICT] == CLEAR else None
+        return answer if passes(answer) else None
 
     def prove_in_time(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return the same for an edge that may be too quick for the rates; `None` where it is."""

@@ -41,6 +41,8 @@ def run(job: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, An
     pytest.importorskip("matplotlib").use("agg")
     if "import mujoco" in JOBS[job]:
         pytest.importorskip("mujoco")
+    if "distributed" in JOBS[job]:
+        pytest.importorskip("distributed")
     names: dict[str, Any] = {}
     exec(compile(JOBS[job].replace("100_000", str(FEWER)), job, "exec"), names)
     return names
@@ -105,6 +107,23 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["same"].to_dict() == solution.to_dict()
         case "From here to there, clear all the way":
             assert names["motion"].solved
+        case "Past obstacles that move":
+            assert names["motion"].solved
+            assert names["motion"].clearance > 0.0
+        case "On target, although the model is wrong":
+            assert abs(names["seen"] - names["target"].position).max() < 0.01
+        case "How does the answer change?":
+            assert names["derivative"].regular
+        case "As near as it can come":
+            assert not names["failed"].solved
+        case "Pick up a payload":
+            assert names["empty"].solved
+            assert max(abs(names["empty"].actuators[key] - value) for key, value in solution.actuators.items()) > 1e-4
+        case "On a cluster, with Dask":
+            assert names["batch"].counts["solved"] > 0.9 * FEWER
+        case "The best robot for some tasks":
+            assert sn.load(tmp_path / "best.yaml", sn.Robot).equals(names["found"].robot)
+            assert names["found"].tasks == 2
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
         case "Calibrate an arm from motion capture":

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.arguments import Vector
 from sinuous.pictures.files import check_picture
 from sinuous.pictures.space import new_figure
@@ -68,7 +69,7 @@ def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None
 
 def map_of(found: Reach, at: Vector | None = None) -> Any:
     """Return the figure of a map; see `plot_reach`."""
-    return _draw(found, _middle(found) if at is None else found._index(at))
+    return _draw(found, _middle(found) if at is None else found._index(checks.vector("at", at)))
 
 
 def _middle(found: Reach) -> tuple[int, int, int]:

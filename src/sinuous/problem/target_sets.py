@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
-from sinuous.problem.target import KEYS, Goals, Target, Targets, is_place, target_list, target_table
+from sinuous.problem.target import KEYS, Goals, Target, Targets, is_place, target_list
 from sinuous.robot.robot import Robot
 
 INSTEAD = "for positions use positions="
@@ -95,10 +94,7 @@ def listed_targets(robot: Robot, targets: Any) -> tuple[tuple[Target, ...], ...]
     sets = []
     for i, each in enumerate(targets):
         own = (each,) if isinstance(each, Target) else _together(f"targets[{i}]", each)
-        if len(own) > 1 or own[0].segment is not None:
-            with checks.inside(f"targets[{i}]"):
-                target_table(robot, own)
-        sets.append(own)
+        sets.append(own if len(own) == 1 and own[0].segment is None else target_list(f"targets[{i}]", own, robot))
     return tuple(sets)
 
 

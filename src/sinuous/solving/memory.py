@@ -141,7 +141,9 @@ class Memory(ShortRepr):
             When an argument is not what it should be.
         """
         most = checks.integer("count", count, 1, 10_000)
-        found: Floats = self.nearest_to(target_table(self.robot, target_list("targets", targets))[None], most)[0]
+        found: Floats = self.nearest_to(
+            target_table(self.robot, target_list("targets", targets, self.robot))[None], most
+        )[0]
         return found
 
     def serves(self, robot: Robot) -> bool:

@@ -195,7 +195,7 @@ class Solver:
         looked = scene is not self.scene.snapshot()
         if looked:
             scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given, reference = self._no_initial, None
         if initial is not None:
@@ -226,7 +226,7 @@ class Solver:
             raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
         given, free = self._given(initial), self._free
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         scene = self.scene.snapshot()
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         unloaded = Problem.prepared(free.robot, targets, scene, self.tolerance)
@@ -485,8 +485,14 @@ class Solver:
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
         scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
+
+    def _targets(self, target: Targets) -> tuple[Target, ...]:
+        """Check one target or several; what most ask for, the tip alone, at once."""
+        if isinstance(target, Target) and target.segment is None:
+            return (target,)
+        return target_list("target", target, self.robot)
 
     def _look_at_base(self) -> tuple[Snapshot, bool]:
         """Take the scene as it is now, and look at the base in it: at first, and after an update."""

@@ -18,7 +18,7 @@ from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import POSE, POSITION, TARGETS
 from sinuous.problem.problem import Problem, settings_group
-from sinuous.problem.target import Target, Targets, Tolerance, target_list, target_table
+from sinuous.problem.target import Targets, Tolerance, target_list, target_table
 from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
@@ -199,7 +199,7 @@ class ControlLoop:
         if twist is not None:
             kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS
         else:
-            targets = (target,) if isinstance(target, Target) else target_list("target", target)
+            targets = target_list("target", target, self._robot)
             if observed is not None:
                 targets = tuple(corrected(self._robot, each, observed) for each in targets)
             kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)

@@ -20,7 +20,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.many import read_workers
 from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
-from sinuous.workspace.grid import Voxels, directions_of
+from sinuous.workspace.grid import Voxels, directions_of, reach_of
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, neighbours_of
 from sinuous.workspace.verdicts import Codes, Verdict
@@ -132,6 +132,7 @@ def reach(
         obstacles=obstacles,
         names=tuple(work.scene.name(i) for i in range(len(work.scene))),
         base=np.array(robot.base[:3, 3]),
+        farthest=reach_of(robot),
         seconds=clock.perf_counter() - began,
     )
     if out is not None and checkpoint is not None:

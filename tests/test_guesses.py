@@ -184,4 +184,4 @@ def test_a_name_of_no_segment_is_refused_and_the_nearest_is_said() -> None:
 
 def test_numbers_that_are_no_position_are_refused_as_a_whole() -> None:
     refused("target", lambda: sn.solve(NAMED, (1, 2)), "a position of 3 numbers, a pose (4, 4), a Target")
-    refused("target", lambda: sn.solve(NAMED, (1, 2, 3, 4)), "(4 numbers)")
+    refused("target", lambda: sn.solve(NAMED, (1, 2, 3, 4)), "(not 3 numbers)")

@@ -273,7 +273,7 @@ def target_list(key: str, targets: Any, robot: Robot | None = None) -> tuple[Tar
         raise InputError(key, "", targets, KINDS)
     result = tuple(listed)
     if result and all(isinstance(each, numbers.Real) for each in result):
-        raise InputError(key, f"{len(result)} numbers", targets, KINDS)
+        raise InputError(key, "not 3 numbers", targets, KINDS)
     checks.integer(f"len({key})", len(result), 1, MOST_TARGETS)
     for i, target in enumerate(result):
         if not isinstance(target, Target):

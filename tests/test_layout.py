@@ -44,6 +44,7 @@ FLOORS = {
     "words": 0,
     "arguments": 0,
     "reprs": 0,
+    "groups": 0,
     "frozen": 0,
     "gc_pause": 0,
     "guesses": 0,

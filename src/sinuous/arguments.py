@@ -106,6 +106,9 @@ Parameter = Literal[
 ]
 """What an answer can be derived by."""
 
+LoadParameter = Literal["loads", "payload", "gravity", "stiffness", "base", "q", "actuators", "tensions"]
+"""What a shape under load can be derived by."""
+
 StepConstraint = Literal[
     "length",
     "bend",

@@ -12,9 +12,9 @@ from benchmarks.derivatives.differences import ALL, Tangent, again, agreement, q
 from benchmarks.derivatives.families import FAMILIES, OBSTACLES, draw, touching
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
-from sinuous.derivatives.derivative import derivative_of, metric
+from sinuous.derivatives.derivative import derivative_of
+from sinuous.derivatives.rows import metric
 from sinuous.errors import NotSolvedError
-from sinuous.kernels.derivative.layout import COUNT, TARGET_ROWS
 from sinuous.kernels.tables import BEND_SCALE
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.residual import residual_of
@@ -185,7 +185,7 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
         if not sn.check(found.problem.robot, found.q, found.problem.scene).ok:
             continue
         derivative = derivative_of(found.problem, found.q, "target")
-        if int(derivative._answer[COUNT] - derivative._answer[TARGET_ROWS]) != 1 or not derivative.active[0].obstacle:
+        if len(derivative._rows.about) - derivative._rows.targets != 1 or not derivative.active[0].obstacle:
             continue
         tangent = random_tangent(found, rng)["target"]
         motion = derivative.jvp(tangent)
@@ -217,7 +217,7 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
             asked = question(found, way, sign * h)
             q = found.q + sign * h * derivative.jvp(way)
             gaps.append(gap(sn.Problem(asked.robot, asked.targets, asked.scene), q))
-        assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-3, abs=1e-4 * _size(found))
+        assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
         compared += 1
     assert compared > 8
 

@@ -69,6 +69,27 @@ def test_any_number_of_workers_and_any_interruption_leave_it_the_same(
     assert len(rows) == len(whole.front)
 
 
+def test_processes_and_dask_find_the_same_and_go_on_where_another_was_interrupted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    whole = run(robots=32).to_dict()["front"]
+    judged, count = find._Run._judged, []
+
+    def interrupted(self: Any, *arguments: Any) -> Any:
+        count.append(1)
+        if len(count) == 2:
+            raise KeyboardInterrupt
+        return judged(self, *arguments)
+
+    monkeypatch.setattr(find._Run, "_judged", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run(robots=32, engine="processes", out=tmp_path / "front.csv")
+    assert run(robots=32, engine="dask", out=tmp_path / "front.csv").to_dict()["front"] == whole
+    assert len(count) == 3
+    assert [path.name for path in tmp_path.iterdir()] == ["front.csv"]
+
+
 def test_of_two_objectives_the_front_is_found() -> None:
     found = run(minimise=("length", "clearance"))
     lengths, clear = ([each.objectives[name] for each in found.front] for name in ("length", "clearance"))

@@ -3,8 +3,9 @@
 import numpy as np
 
 import sinuous as sn
-from sinuous.display.bounds import best_view, bounds_of, towards
+from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
 from sinuous.display.contents import gather
+from sinuous.display.sight import hidden
 from tests.helpers import random_pose
 
 ROBOT = sn.Robot.uniform(3, (0.8, 1.2), radius=0.05, base=random_pose(np.random.default_rng(3)))
@@ -42,3 +43,16 @@ def test_the_view_is_across_the_plane_that_the_robot_reaches_out_in() -> None:
         side = towards(best_view(gather([robot, q])))
         assert side[2] > 0.0
         assert 0.3 < abs(float(side[:2] @ reach)) < 0.5
+
+
+def test_the_view_begins_where_the_robot_is_hidden_least() -> None:
+    robot = sn.Robot.uniform(2, 1.0, max_bend=2)
+    q = np.array([[0.5, 0.0, 1.0], [0.5, 0.0, 1.0]])
+    alone = towards(best_view(gather([robot, q])))
+    place = 0.7 * alone * np.array([1, 1, 0]) + [0.3, 0, 1], (0.4, 0.4, 4)
+    pillar, room = sn.Box(*place), sn.Box(*place, inside=True)
+    contents = gather([robot, q, pillar])
+    seen, middle = seen_places(contents), bounds_of(contents).middle
+    assert hidden([pillar], seen, (middle + 9 * alone)[None]).mean() > 0.3
+    assert hidden([pillar], seen, (middle + 9 * towards(best_view(contents)))[None]).mean() < 0.05
+    np.testing.assert_array_equal(towards(best_view(gather([robot, q, room]))), alone)

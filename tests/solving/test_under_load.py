@@ -106,11 +106,7 @@ def test_what_cannot_be_reached_is_not_solved() -> None:
 def test_what_knows_no_loads_says_so() -> None:
     solver = sn.Solver(arm())
     target = sn.Target((0.1, 0.0, 0.2))
-    refused("gravity", lambda: solver.step(Q, (0, 0, 0, 0, 0, 0), dt=0.1), "step")
-    refused("gravity", lambda: solver.solve_many([target]), "solve_many")
-    refused("gravity", lambda: solver.solve_all(target), "solve_all")
-    refused("gravity", lambda: sn.plan(arm(), Q, target))
-    refused("gravity", lambda: sn.reach(arm(), spacing=0.1))
+    refused("gravity", lambda: solver.build(target), "build")
 
 
 def test_without_loads_nothing_changes() -> None:

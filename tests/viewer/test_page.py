@@ -13,6 +13,7 @@ import sinuous as sn
 from sinuous.viewer.nodes import rotation_of
 from sinuous.viewer.page import Page
 from tests.helpers import Floats
+from tests.scene.shapes import cube
 from tests.viewer.browser import PATIENCE, choose, chromium, frames, inputs, opened, pixels, projected, until
 
 ROBOT = sn.Robot.uniform(3, length=(0.8, 1.2), max_bend=2, radius=0.08)
@@ -237,6 +238,28 @@ def test_the_view_is_fitted(page: Page, fresh: Any) -> None:
         x, y = projected(camera_of(page), point)
         assert 0 < x < camera.image_width
         assert 0 < y < camera.image_height
+
+
+@pytest.mark.parametrize("shape", ["ball", "mesh"])
+def test_what_stands_before_the_robot_is_see_through(page: Page, fresh: Any, shape: str) -> None:
+    ball = JOB.scene.obstacles[0] if shape == "ball" else sn.Mesh(*cube(0.4, (0.2, 0.9, 1.2)))
+    load(page, fresh, sn.Job(ROBOT, JOB.waypoints[0], [ball]))
+    settled(page)
+    camera, at = camera_of(page), ROBOT.backbone(page.model.q)[25]
+    camera.position = at + 5.0 * (np.array([0.2, 0.9, 1.2]) - at)
+    camera.look_at = at
+    until(lambda: page.scenery._hiding == {0}, "a ball before the robot")
+    until(lambda: blueness(fresh, camera, at) > 25.0, "the robot behind it")
+    camera.position = at - 5.0 * (np.array([0.2, 0.9, 1.2]) - at)
+    camera.look_at = at
+    until(lambda: not page.scenery._hiding, "a ball behind the robot")
+
+
+def blueness(tab: Any, camera: Any, point: Floats) -> float:
+    """How much more blue than red there is where a camera sees a point."""
+    x, y = (round(v) for v in projected(camera, point))
+    seen = pixels(tab)[y - 2 : y + 3, x - 2 : x + 3].reshape(-1, 3).mean(axis=0)
+    return float(seen[2] - seen[0])
 
 
 def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.methods.registry import METHODS, name_of
+from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
@@ -96,7 +97,9 @@ def _derivatives(scene: Scene | None) -> None:
 
 
 def _shapes_under_load() -> None:
-    HEAVY.shape([[0.0, 0.0, 1.0]] * len(ROBOT))
+    straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
+    HEAVY.shape(straight)
+    Motion(HEAVY, [straight, straight + 0.01])
 
 
 def _kinematics() -> None:

@@ -1,6 +1,6 @@
 """The derivative of an answer: how its configuration, its actuators, its tip and its clearance change."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -11,10 +11,11 @@ from sinuous.arguments import Parameter, Rows, Vector
 from sinuous.checks import Floats
 from sinuous.derivatives.directional import Kept, least_motion
 from sinuous.derivatives.parameters import Plan, circles_of, plan_for, read_wrt
-from sinuous.errors import InputError
+from sinuous.derivatives.preferred import Wish, follow_minimum
+from sinuous.derivatives.rows import KeptRows, metric
+from sinuous.groups import PerGroup, check_asked, read_tangent
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.derivative.query import derive, find_contacts
-from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.kernels.derivative.query import find_contacts
 from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, SELF_CLEARANCE
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -32,26 +33,6 @@ SAMPLES = 16
 """Places of a segment that are looked at for a bound of the clearance."""
 
 
-class PerGroup(Mapping[Parameter, Any]):
-    """What is computed for a group of parameters when it is first asked for."""
-
-    def __init__(self, names: Sequence[Parameter], compute: Any) -> None:
-        self._names, self._compute, self._known = names, compute, dict[Parameter, Any]()
-
-    def __getitem__(self, name: Parameter) -> Any:
-        if name not in self._names:
-            raise InputError("wrt", "was not asked for", name, f"one of {', '.join(self._names)}")
-        if name not in self._known:
-            self._known[name] = self._compute(name)
-        return self._known[name]
-
-    def __iter__(self) -> Iterator[Parameter]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-
 class Derivative:
     """How an answer changes with what it depends on, to first order.
 
@@ -66,9 +47,11 @@ class Derivative:
     regular : bool
         Whether there is a derivative. There is none at a singular shape, and none at a kink: an active limit or contact
         is in the way of some changes, and not of the opposite ones. The arrays below then keep whatever is active as it
-        is, and `one_sided` and `jvp` tell what happens in a direction. Nor is an answer regular that preferences have
-        chosen, or that was moved out of contact, nor one of a robot that gravity
-        bends: its derivatives are those of the nearest answer without load.
+        is, and `one_sided` and `jvp` tell what happens in a direction. Nor is an answer regular that was moved out of
+        contact, nor one of a robot that gravity bends: its derivatives are those of the nearest answer without load. Of
+        an answer that preferences have chosen the minimum near it is meant; it is not regular where there is none,
+        where the body touches something or has less clearance than is wished for, or where `start` counts and none was
+        given.
     singular : bool
         Whether the rows of the targets depend on each other: not every small change of the targets can be followed.
     active : tuple of Active
@@ -86,10 +69,15 @@ class Derivative:
         without obstacles.
     """
 
-    __slots__ = ("_answer", "_clearance", "_configuration", "_plan", "_problem")
+    __slots__ = ("_clearance", "_configuration", "_plan", "_problem", "_rows")
 
-    def __init__(self, problem: Problem, q: Floats, plan: Plan, answer: Floats) -> None:
-        self._problem, self._configuration, self._plan, self._answer = problem, q, plan, answer
+    def __init__(self, q: Floats, rows: KeptRows) -> None:
+        self._problem, self._configuration, self._plan, self._rows = rows.problem, q, rows.plan, rows
+
+    @property
+    def configuration(self) -> Floats:
+        """The configuration (n, 3) that was derived: the answer, or the minimum that preferences have near it."""
+        return self._configuration
 
     @property
     def wrt(self) -> tuple[Parameter, ...]:
@@ -99,24 +87,22 @@ class Derivative:
     @property
     def regular(self) -> bool:
         """Whether there is a derivative."""
-        return bool(self._answer[a.STATUS] == 0.0)
+        return bool(self._rows.answer[a.STATUS] == 0.0)
 
     @property
     def singular(self) -> bool:
         """Whether not every small change of the targets can be followed."""
-        return bool(int(self._answer[a.STATUS]) & a.SINGULAR)
+        return bool(int(self._rows.answer[a.STATUS]) & a.SINGULAR)
 
     @property
     def active(self) -> tuple[Active, ...]:
         """What nothing is left of; once for each limit, each obstacle and segment, each pair of segments."""
-        _, about, _ = self._rows()
-        targets = int(self._answer[a.TARGET_ROWS])
-        return tuple(dict.fromkeys(self._named(row) for row in about[targets:]))
+        return tuple(dict.fromkeys(self._named(row) for row in self._rows.about[self._rows.targets :]))
 
     @property
     def weak(self) -> tuple[Active, ...]:
         """Those that push nothing."""
-        return self.active
+        return () if self.regular else self.active
 
     @property
     def q(self) -> Mapping[Parameter, Floats]:
@@ -144,7 +130,7 @@ class Derivative:
 
     def labels(self, name: Parameter) -> tuple[str, ...]:
         """What the columns of a group are called: `target.position_x`, `s1.length`, `pillar.v_x`."""
-        PerGroup(self.wrt, lambda _: None)[name]
+        check_asked(name, self.wrt)
         return self._plan.labels(name, self._problem)
 
     def vjp(self, cotangent: Rows) -> dict[Parameter, Floats]:
@@ -185,7 +171,7 @@ class Derivative:
         shape = *self._configuration.shape, -1
         if self.regular:
             return self.q[name], self.q[name]
-        PerGroup(self.wrt, lambda _: None)[name]
+        check_asked(name, self.wrt)
         columns = np.arange(self._plan.columns)[self._plan.chosen(name, self._problem)]
         units = [np.where(np.arange(self._plan.columns) == column, 1.0, 0.0) for column in columns]
         empty = np.empty((self._configuration.size, 0))
@@ -200,18 +186,13 @@ class Derivative:
 
     def _moved(self) -> Floats:
         """Derivatives (3 n, p) of the configuration by all parameters."""
-        size = self._configuration.size
-        whole = self._answer[a.ANSWER_HEADER : a.ANSWER_HEADER + size * self._plan.columns]
-        return whole.reshape(size, self._plan.columns)
+        return self._rows.moved
 
     def _of_q(self, name: Parameter) -> Floats:
         chosen = self._moved()[:, self._plan.chosen(name, self._problem)]
         result: Floats = chosen.reshape(*self._configuration.shape, chosen.shape[1])
         result.flags.writeable = False
         return result
-
-    def _rows(self) -> tuple[Floats, Floats, Floats]:
-        return read_rows(self._plan, self._answer, self._configuration.size)
 
     def _named(self, row: Floats) -> Active:
         kind, segment, other = int(row[a.KIND]), int(row[a.SEGMENT]), int(row[a.OTHER])
@@ -226,22 +207,17 @@ class Derivative:
 
     def _tangent(self, tangent: Any) -> Floats:
         whole = np.zeros(self._plan.columns)
-        if not isinstance(tangent, Mapping):
-            if len(self.wrt) > 1:
-                raise InputError("tangent", "", tangent, f"a mapping of some of {', '.join(self.wrt)} to arrays")
-            tangent = {self.wrt[0]: tangent}
-        for name, value in tangent.items():
+        for name, value in read_tangent(tangent, self.wrt).items():
             count = len(self.labels(name))
             whole[self._plan.chosen(name, self._problem)] = checks.array(f"tangent[{name!r}]", value, (count,))
         return whole
 
     def _one_way(self, tangent: Floats) -> Floats:
         """Motion (3 n,) where parameters begin to move along `tangent` (p,): what is active only pushes."""
-        rows, _, sides = self._rows()
-        scale, targets = metric(self._problem.robot), int(self._answer[a.TARGET_ROWS])
+        rows, targets, scale = self._rows.rows, self._rows.targets, metric(self._problem.robot)
         moves = scale > 0.0
         direct = direct_motion(self._plan) @ tangent
-        values = sides @ tangent - rows @ direct
+        values = self._rows.sides @ tangent - rows @ direct
         scaled = rows[:, moves] * scale[moves]
         kept = Kept(scaled[:targets], scaled[targets:], None)
         least = least_motion(kept, values[:targets], values[targets:], np.zeros(len(scaled.T)))
@@ -252,39 +228,27 @@ class Derivative:
         return moved
 
 
-def derivative_of(problem: Problem, q: Floats, wrt: Parameter | Sequence[Parameter], liked: bool = False) -> Derivative:
-    """Derive an answer `q` (n, 3) by groups of parameters; `liked`: it was not chosen as the nearest."""
+def derivative_of(
+    problem: Problem, q: Floats, wrt: Parameter | Sequence[Parameter], liked: bool = False, wish: Wish | None = None
+) -> Derivative:
+    """Derive an answer `q` (n, 3) by groups of parameters; `liked`: it was not chosen as the nearest, but by `wish`."""
     plan = plan_for(problem, read_wrt(wrt))
-    answer = np.empty(plan.answer)
-    group = problem.scene._kernel_group if plan.obstacles else None
-    own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines, np.array(q), plan.workspace, answer
-    derive(*own)
+    rows = KeptRows.found(problem, plan, q)
     if liked:
-        answer[a.STATUS] += a.PREFERRED
+        least = follow_minimum(problem, q, plan, wish, rows) if wish is not None and wish.weighs else None
+        if least is None:
+            rows.answer[a.STATUS] += a.PREFERRED
+        else:
+            q, rows = least.q, rows.at(least.q)
+            rows.moved[:], rows.answer[a.STATUS] = least.moved, 0.0
     if plan.elastic is not None and _is_taut(plan.elastic, q, problem.robot):
-        answer[a.STATUS] = float(int(answer[a.STATUS]) | a.KINK)
-    return Derivative(problem, q, plan, answer)
+        rows.answer[a.STATUS] = float(int(rows.answer[a.STATUS]) | a.KINK)
+    return Derivative(q, rows)
 
 
 def _is_taut(elastic: Elastic, q: Floats, robot: Robot) -> bool:
     """Whether nothing is left of what the limits of elastic actuators allow, which kernels do not know."""
     return bool(elastic.balance(q).short.max(initial=-np.inf) > -SAME_GAP * robot.mean_length)
-
-
-def read_rows(plan: Plan, answer: Floats, size: int) -> tuple[Floats, Floats, Floats]:
-    """Rows (r, 3 n) of an answer, what is known about them (r, 12), and their right sides (r, p)."""
-    count, r, first = int(answer[a.COUNT]), plan.rows, a.ANSWER_HEADER + size * plan.columns
-    widths = size, a.ABOUT_WIDTH, plan.columns
-    found = []
-    for width in widths:
-        found.append(answer[first : first + r * width].reshape(r, width)[:count])
-        first += r * width
-    return found[0], found[1], found[2]
-
-
-def metric(robot: Robot) -> Floats:
-    """Scales (3 n,) in which motion counts: rad, and mean lengths of segments; 0 for what cannot move."""
-    return robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]].ravel()
 
 
 def direct_motion(plan: Plan) -> Floats:
@@ -355,12 +319,11 @@ def clearance_change(problem: Problem, q: Floats, plan: Plan, moved: Floats) -> 
     workspace = np.empty(plan.workspace.size)
     tables = plan.group, problem.scene._kernel_group, plan.settings, problem._rows, plan.asked, plan.lines
     find_contacts(*tables, q.copy(), bound + SAME_GAP * robot.mean_length, workspace, answer)
-    rows, about, sides = read_rows(plan, answer, q.size)
-    if not len(rows):
+    found = KeptRows(problem, plan, answer, q)
+    if not len(found.rows):
         return np.full(plan.columns, np.nan)
-    order = np.argsort(about[:, a.SLACK])
-    first = order[0]
-    near = about[order, a.SLACK] - about[first, a.SLACK] <= SAME_GAP * robot.mean_length
-    changes = (rows[order[near]] @ moved - sides[order[near]]) / about[order[near], a.FACTOR][:, None]
+    left = found.about[:, a.SLACK]
+    near = left - left.min() <= SAME_GAP * robot.mean_length
+    changes = (found.rows[near] @ moved - found.sides[near]) / found.about[near, a.FACTOR][:, None]
     alike = np.ptp(changes, axis=0) <= SAME_GAP * (1.0 + np.abs(changes).max(axis=0))
     return np.where(alike, changes[0], np.nan)

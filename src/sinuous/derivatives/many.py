@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from sinuous import checks
 from sinuous.arguments import Batch, Parameter
 from sinuous.checks import Floats
-from sinuous.derivatives.derivative import PerGroup, actuator_change, tip_twist
+from sinuous.derivatives.derivative import actuator_change, derivative_of, tip_twist
 from sinuous.derivatives.parameters import Plan
+from sinuous.derivatives.preferred import Wish
 from sinuous.errors import InputError
+from sinuous.groups import PerGroup, read_tangent
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.query import derive_many
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION
@@ -121,12 +123,8 @@ class Derivatives:
         InputError
             When a name was not asked for, or a tangent has another shape.
         """
-        if not isinstance(tangent, Mapping):
-            if len(self.wrt) > 1:
-                raise InputError("tangent", "", tangent, f"a mapping of some of {', '.join(self.wrt)} to arrays")
-            tangent = {self.wrt[0]: tangent}
         moved = np.zeros(self._configurations.shape)
-        for name, value in tangent.items():
+        for name, value in read_tangent(tangent, self.wrt).items():
             change = self.q[name]
             given = checks.array(f"tangent[{name!r}]", value, (len(self), change.shape[-1]))
             moved += np.einsum("mkcp,mp->mkc", change, given)
@@ -156,9 +154,13 @@ def _alike(rows: Floats) -> bool:
 
 
 def derivatives_of(
-    problems: Problems, q: Floats, solved: NDArray[np.bool_], liked: NDArray[np.bool_], wrt: tuple[Parameter, ...]
+    problems: Problems,
+    q: Floats,
+    solved: NDArray[np.bool_],
+    liked: Mapping[int, Wish | None],
+    wrt: tuple[Parameter, ...],
 ) -> Derivatives:
-    """Derive answers `q` (m, n, 3) to `ManyProblems`, of those that are solved; `liked` (m,) are chosen by preferences.
+    """Derive answers `q` (m, n, 3) to `ManyProblems`, of those that are solved; `liked` are chosen by these wishes.
 
     Raises
     ------
@@ -168,6 +170,7 @@ def derivatives_of(
     runs = problems.target_sets.runs()
     if len(runs) > 1 and "target" in wrt:
         raise InputError("wrt", "needs equally many targets of each answer", "target", "other groups, or one by one")
+    q = q.copy()
     problem = problems.problem(0) if len(q) else _nothing_asked(problems)
     plan = Plan(problem, wrt)
     moved, status = np.empty((len(q), 3 * q.shape[1], plan.columns)), np.empty(len(q))
@@ -179,8 +182,13 @@ def derivatives_of(
         rows.append(problems.target_sets.chunk(first, last))
         tables = own.group, group, own.settings, rows[-1], own.asked, own.lines
         workspace = np.empty(own.workspace.size + own.answer)
-        derive_many(*tables, q[first:last].copy(), workspace, moved[first:last], status[first:last])
-    status[liked] += a.PREFERRED
+        derive_many(*tables, q[first:last], workspace, moved[first:last], status[first:last])
+    for i, wish in liked.items():
+        if wish is None:
+            status[i] += a.PREFERRED
+        elif solved[i]:
+            least = derivative_of(problems.problem(i), q[i], wrt, True, wish)
+            q[i], moved[i], status[i] = least.configuration, least._rows.moved, least._rows.answer[a.STATUS]
     moved[~solved], status[~solved] = np.nan, a.KINK
     chosen = {name: plan.chosen(name, problem) for name in wrt}
     if "target" in wrt and rows and not _alike(rows[0]):

@@ -8,7 +8,7 @@ import numpy as np
 
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
-from sinuous.errors import InputError
+from sinuous.groups import read_names
 from sinuous.kernels.derivative import layout as a
 from sinuous.kernels.derivative.sides import COLUMN, NUMBER, RADIUS_OF
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
@@ -60,13 +60,7 @@ def read_wrt(wrt: Any) -> tuple[Parameter, ...]:
     """
     if isinstance(wrt, tuple) and wrt in _KNOWN:
         return _KNOWN[wrt]
-    listed = (wrt,) if isinstance(wrt, str) else tuple(wrt) if isinstance(wrt, Iterable) else (wrt,)
-    for name in listed:
-        if not isinstance(name, str) or name not in GROUPS:
-            raise InputError("wrt", "", name, f"one of {', '.join(GROUPS)}")
-    if not listed:
-        raise InputError("wrt", "names nothing", wrt, f"some of {', '.join(GROUPS)}")
-    found = tuple(dict.fromkeys(listed))
+    found = read_names(wrt, GROUPS)
     return _KNOWN.setdefault(found, found)
 
 

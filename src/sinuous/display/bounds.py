@@ -9,6 +9,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.display.contents import Contents
 from sinuous.display.obstacles import Dotted, dots
+from sinuous.display.sight import hidden
 from sinuous.display.style import ARROW, View, arrows_of
 from sinuous.scene.extents import box_of
 from sinuous.scene.obstacles import HalfSpace, Obstacle
@@ -21,6 +22,21 @@ SAMPLES = 12
 
 FOOT = 1.6
 """How far behind its base a robot reaches, with the plate that it stands on, in radii of its first segment."""
+
+
+TURNS = (0.0, -25.0, 25.0, -50.0, 50.0, -80.0, 80.0, -115.0, 115.0, -150.0, 150.0, 180.0)
+ELEVATIONS = (20.0, 40.0, 65.0)
+"""Views that are tried: how far they are turned about z from the best one where nothing hides the robot, and how far
+above the xy plane they are, in degrees."""
+
+EFFORT = 0.3
+"""Share of the robot that may be hidden before a view is turned by 180 degrees; by less for smaller turns."""
+
+FAR = 2.0
+"""How far away the viewer is, in spans of what is shown."""
+
+SIGHTED = 72
+"""Places along a robot that a viewer looks for."""
 
 
 class Bounds(NamedTuple):
@@ -110,15 +126,28 @@ def _places(contents: Contents) -> Floats:
 
 
 def best_view(contents: Contents) -> View:
-    """Look across the plane that the first robot reaches out in, from a little above."""
+    """Look across the plane that the first robot reaches out in, from a little above, or from where less hides it."""
     arms = contents.all_arms
     if not arms:
         return View()
     points = arms[0].robot.backbone(arms[0].q) - arms[0].robot.base[:3, 3]
     reach = points[np.hypot(points[:, 0], points[:, 1]).argmax()]
-    if math.hypot(reach[0], reach[1]) < 1e-6 * max(1e-300, float(np.abs(points).max())):
-        return View(20.0, -60.0)
-    return View(20.0, math.degrees(math.atan2(reach[1], reach[0])) - 65.0)
+    azimuth = -60.0
+    if math.hypot(reach[0], reach[1]) > 1e-6 * max(1e-300, float(np.abs(points).max())):
+        azimuth = math.degrees(math.atan2(reach[1], reach[0])) - 65.0
+    obstacles, bounds = contents.obstacles_at(1.0), bounds_of(contents)
+    views = [View(e, azimuth + turn) for turn in TURNS for e in ELEVATIONS]
+    eyes = bounds.middle + FAR * bounds.span * np.stack([towards(view) for view in views])
+    lost = hidden(obstacles, seen_places(contents), eyes).any(axis=0).mean(axis=-1)
+    effort = [abs(turn) / 180.0 + (e - ELEVATIONS[0]) / 90.0 for turn in TURNS for e in ELEVATIONS]
+    return views[int((lost + EFFORT * np.array(effort)).argmin())]
+
+
+def seen_places(contents: Contents) -> Floats:
+    """Places (m, 3) that a viewer looks for: along the robots, also on their way."""
+    on_the_way = [moving.at(share) for moving in contents.moving for share in (0.0, 0.5, 1.0)]
+    found = [robot.backbone(q, max(1, SIGHTED // len(robot))) for robot, q, _ in [*contents.arms, *on_the_way]]
+    return np.concatenate(found) if found else np.empty((0, 3))
 
 
 def towards(view: View) -> Floats:

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from sinuous.motion.motion import Motion, reached_in_words
 from sinuous.solution.solution import Solution
 from sinuous.words import duration
@@ -31,6 +33,26 @@ def caption(answers: Sequence[Solution | Motion]) -> str:
         return f"{words_of(answer.status)}{clear}, {duration(answer.seconds)}"
     begun = "" if answer.solved else f"{words_of(answer.status)}: "
     return f"{begun}{reached_in_words(answer)}{clear}"
+
+
+def told_apart(solutions: Sequence[Solution]) -> list[str]:
+    """A line for each of several solutions, by which people tell them apart: `2: bends 1.2 rad, clearance 0.3`.
+
+    It says how much a body bends in all, how long it is where lengths differ, its clearance, and where its middle is
+    when another line would be the same.
+    """
+    lengths = [f"{solution.q[:, 2].sum():.3g}" for solution in solutions]
+    lines = []
+    for solution, length in zip(solutions, lengths, strict=True):
+        bends = f"bends {np.hypot(solution.q[:, 0], solution.q[:, 1]).sum():.3g} rad"
+        clear = number(solution.clearance, before="clearance ")
+        lines.append(", ".join(filter(None, [bends, f"length {length}" if len({*lengths}) > 1 else "", clear])))
+    found = []
+    for i, (solution, line) in enumerate(zip(solutions, lines, strict=True), 1):
+        body = solution.problem.robot.backbone(solution.q, 2)
+        x, y, z = body[len(body) // 2]
+        found.append(f"{i}: {line}" + (f", by ({x:.3g}, {y:.3g}, {z:.3g})" if lines.count(line) > 1 else ""))
+    return found
 
 
 def rows_of(answer: Solution | Motion) -> dict[str, str]:

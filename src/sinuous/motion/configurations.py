@@ -1,5 +1,6 @@
 """Configurations on the way: how far they are apart, and whether a robot can be there."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -8,6 +9,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.between.query import VERDICT
 from sinuous.kernels.body.proof import CLEAR
+from sinuous.problem.body_question import ask_body
 from sinuous.robot.limits import unit_of
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
@@ -115,6 +117,8 @@ def overlap_at(robot: Robot, q: Floats, prover: Prover, when: float = 0.0) -> Wo
     """Return where a configuration (n, 3) overlaps an obstacle or itself at a time; `None` when no overlap is seen."""
     if prover.prove(np.stack([q, q]), slack=1.0, times=np.array([when, when]))[0, VERDICT] == CLEAR:
         return None
-    worst = find_overlap(robot, prover.scene.at(when), q)
+    asked = ask_body(robot, q, ())
+    worst = find_overlap(asked.body, prover.scene.at(when), asked.arcs)
+    worst = replace(worst, segment=asked.segment(worst.segment), other_segment=asked.segment(worst.other_segment))
     # So near to contact that a proof fails: no overlap is seen.
     return worst if worst.amount > SLACK * robot.mean_length else None

@@ -28,6 +28,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
+from sinuous.solving.between.loaded import SAMPLES
 from sinuous.solving.between.steps import Steps, prove_steps
 from sinuous.words import duration
 from sinuous.writing.documents import write_document
@@ -42,8 +43,9 @@ if TYPE_CHECKING:
     from sinuous.robot.rates import Rates
     from sinuous.solution.verification import Verification
 
-Between = Literal["proved", "unproved"]
-"""What is known of the motion between knots: all of it is proved clear, or some step is not."""
+Between = Literal["proved", "sampled", "unproved"]
+"""What is known of the motion between knots: all of it is proved clear; or, of a loaded body, what is not proved is
+clear at samples; or some step is neither."""
 
 
 class Motion(NotebookMixin, Frozen):
@@ -163,8 +165,14 @@ class Motion(NotebookMixin, Frozen):
 
     @property
     def between(self) -> Between:
-        """What is known of the motion between knots: `proved` clear all the way, or `unproved`."""
-        return "unproved" if self.unproved_steps else "proved"
+        """What is known of the motion between knots: `proved` clear all the way, `sampled`, or `unproved`.
+
+        `sampled`: every step is proved, or is one of a loaded body that is clear at all shapes (`steps.samples`) at
+        which it was looked at. That is no proof.
+        """
+        if not self.unproved_steps:
+            return "proved"
+        return "sampled" if (self.steps.proved | (self.steps.samples > 0)).all() else "unproved"
 
     @cached_property
     def unproved_steps(self) -> tuple[int, ...]:
@@ -206,6 +214,8 @@ class Motion(NotebookMixin, Frozen):
     @property
     def tips(self) -> Floats:
         """Poses (T, 4, 4) of the tool (of the tip, without one) at the knots, in the world."""
+        if self.robot.hangs:
+            return np.array([self.robot.shape(q).tip for q in self.q]).reshape(-1, 4, 4)
         return self.robot.tip(self.q)
 
     @property
@@ -517,8 +527,11 @@ def _text(motion: Motion) -> str:
     if motion.clearance is not None:
         where = "all the way" if motion.between == "proved" and len(motion.q) > 1 else "at the waypoints"
         parts.append(f"  clearance  {motion.clearance:.3g} {where}")
-    if motion.between == "unproved":
-        parts.append(f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear")
+    if motion.between != "proved":
+        seen = f", but are at {SAMPLES} shapes of each" if motion.between == "sampled" else ""
+        parts.append(
+            f"  between    {len(motion.unproved_steps)} of {len(motion.q) - 1} steps are not proved clear{seen}"
+        )
     if len(motion.q) > 1:
         parts.append(f"  time       {motion.times[0]:.4g} to {motion.times[-1]:.4g}, {len(motion.q)} knots")
     parts.append(f"  steps      at most {bend:.3g} rad of bend and {length:.3g} of length")

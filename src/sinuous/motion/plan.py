@@ -178,7 +178,8 @@ class Planner:
         load_motions(robot, self._scene.snapshot())
         self._workspaces = Workspaces(robot)
         with self._workspaces.lent(standing(self._scene.snapshot())) as work:
-            work.trees.load()
+            if not robot.hangs:
+                work.trees.load()
         # What is kept of a robot is looked up now: the first plan takes no longer than others.
         violated_by(robot, np.zeros((len(robot), 3)))
         lever_metric(robot)

@@ -8,8 +8,7 @@ import numpy as np
 
 from sinuous.arguments import Shortest
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import ANSWER_WIDTH, VERDICT
-from sinuous.kernels.body.proof import CLEAR
+from sinuous.kernels.between.query import ANSWER_WIDTH
 from sinuous.motion.configurations import blocked_by
 from sinuous.motion.knots import Entry, Knot, Line
 from sinuous.motion.motion import Motion
@@ -23,6 +22,7 @@ from sinuous.problem.target import Target, Targets
 from sinuous.solution.solution import Solution
 from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
+from sinuous.solving.between.loaded import passes
 from sinuous.solving.between.steps import Prover, Steps, load_motions
 from sinuous.solving.between.tip import Tip
 from sinuous.solving.solver import Initial, Solver
@@ -256,7 +256,7 @@ class Tracker:
         if self._timetable is not None:
             times = np.array([before.time, knot.time])
         proof = self._prover.prove(ends, SLACK, times=times, known=self._known)
-        return proof if proof[0, VERDICT] == CLEAR else None
+        return proof if passes(proof[0]) else None
 
     def _go_around(self, solution: Solution) -> Solution:
         """Change the configuration to one of a waypoint on any path; the step is not proved where none is found.

@@ -10,6 +10,7 @@ from sinuous.kernels.statics import layout as t
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 from sinuous.statics.body import body_of
+from sinuous.statics.equilibrium import Equilibrium
 
 
 class BodyQuestion(NamedTuple):
@@ -24,12 +25,15 @@ class BodyQuestion(NamedTuple):
     targets : tuple of Target
     owners : list of int (N)
         Which segment of the robot each arc belongs to, 1 = first.
+    shape : Equilibrium or None
+        Under load.
     """
 
     body: Robot
     arcs: Floats
     targets: tuple[Target, ...]
     owners: list[int]
+    shape: Equilibrium | None = None
 
     def segment(self, arc: int | None) -> int | None:
         """Segment of the robot that an arc (1 = first) belongs to."""
@@ -43,7 +47,7 @@ def ask_body(robot: Robot, q: Floats, targets: Sequence[Target]) -> BodyQuestion
     own, found = body_of(robot), robot.shape(q)
     rolls = np.cumsum(found.states[:, t.TWIST])
     asked = [_turned(target, robot, int(own.ends[(target.segment or 1) - 1]), rolls) for target in targets]
-    return BodyQuestion(found.body, found.arcs, tuple(asked), (own.owners + 1).tolist())
+    return BodyQuestion(found.body, found.arcs, tuple(asked), (own.owners + 1).tolist(), found)
 
 
 def _turned(target: Target, robot: Robot, end: int, rolls: Floats) -> Target:

@@ -437,9 +437,10 @@ class Robot(NotebookMixin, Frozen):
             When nothing has a stiffness, or no equilibrium was found for all of the load.
         """
         from sinuous.statics.equilibrium import find_equilibrium  # noqa: PLC0415
+        from sinuous.statics.response import Question  # noqa: PLC0415
 
         checked = checks.array("q", q, (len(self), 3))
-        return find_equilibrium(self, checked, load_list("load", load, self.segment_names))
+        return find_equilibrium(Question(self, load_list("load", load, self.segment_names), "q", checked, None))
 
     def equilibrium(
         self,
@@ -471,18 +472,20 @@ class Robot(NotebookMixin, Frozen):
         InputError
             As for `shape`; or when neither or both of `actuators` and `tensions` are given.
         """
-        from sinuous.statics.equilibrium import find_equilibrium, find_pulled  # noqa: PLC0415
+        from sinuous.statics.equilibrium import find_equilibrium  # noqa: PLC0415
+        from sinuous.statics.response import Question  # noqa: PLC0415
 
         loads = load_list("forces", forces, self.segment_names)
         if (actuators is None) == (tensions is None):
             raise InputError("actuators", "", actuators, "either values of actuators, or tensions")
         if tensions is not None:
             q = None if initial is None else checks.array("initial", initial, (len(self), 3))
-            return find_pulled(self, checks.array("tensions", tensions, (len(self.drive),)), loads, q)
-        q = self.from_actuators(actuators, initial)
+            pulled = checks.array("tensions", tensions, (len(self.drive),))
+            return find_equilibrium(Question(self, loads, "tensions", pulled, q))
+        self.from_actuators(actuators, initial)  # values that contradict each other are told
         given: Any = actuators
-        values, _ = fitting(given, initial, [each.name for each in self.actuators], len(self))
-        return find_equilibrium(self, q, loads, self.drive.motors.displacements(values))
+        values, reference = fitting(given, initial, [each.name for each in self.actuators], len(self))
+        return find_equilibrium(Question(self, loads, "actuators", values, reference))
 
     def excess(self, q: Batch) -> float:
         """Return by how much configurations (..., n, 3) are outside the limits, at worst; 0 within all of them.
@@ -558,12 +561,14 @@ class Robot(NotebookMixin, Frozen):
         values, reference = fitting(actuators, initial, names, len(self))
         if reference is None:
             self._inverse.refuse_undetermined(self.segment_names)
-        displacements = self.drive.motors.displacements(values)
-        found = self._inverse.configuration(displacements, reference)
-        if self.drive.elastic is not None:
-            found = self.drive.elastic.shape(displacements, found)
+        found = self.without_load(self.drive.motors.displacements(values), reference)
         answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
         return found
+
+    def without_load(self, displacements: Floats, reference: Floats | None) -> Floats:
+        """Configurations (..., n, 3) that displacements (..., m) of all actuators make; see `from_actuators`."""
+        found = self._inverse.configuration(displacements, reference)
+        return found if self.drive.elastic is None else self.drive.elastic.shape(displacements, found)
 
     def tensions(self, actuators: Stack | Mapping[str, Number | Stack], initial: Batch | None = None) -> Floats:
         """Tensions (..., m) of all actuators at these values (..., m): 0 where a tendon is slack, NaN of rigid ones.
@@ -607,7 +612,7 @@ def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
     if robot.hangs:
         wanted = "none: take robot.changed(gravity=None) for the robot without load"
-        raise InputError("gravity", "only solve and shape know loads", robot.gravity, wanted)
+        raise InputError("gravity", "here loads are not known", robot.gravity, wanted)
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

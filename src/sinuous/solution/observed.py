@@ -14,6 +14,7 @@ from sinuous import checks
 from sinuous.arguments import Number, Stack, Vector, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.problem.body_question import ask_body
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
 
@@ -80,6 +81,9 @@ def observe(
         assert before is not None
         return before._replace(past=past)
     then = past[max(0, len(past) - 1 - ago)]
+    if robot.hangs:  # the model is the loaded body
+        asked = ask_body(robot, then, ())
+        robot, then = asked.body, asked.arcs
     reading = _read(robot, then, measured, places)
     known = before if before is not None and np.array_equal(before.shares, reading.shares) else None
     shifts = np.zeros((len(reading.shares), 3)) if known is None else known.shifts
@@ -89,7 +93,7 @@ def observe(
     first = 1.0 if known is None else share  # nothing better is known then
     shifts = shifts + first * np.where(seen, new - shifts, 0.0)
     if reading.rotation is not None and np.isfinite(reading.rotation).all():
-        turn = turn + first * (_vector(reading.rotation @ robot.tip(then)[:3, :3].T) - turn)
+        turn = turn + first * (vector_of(reading.rotation @ robot.tip(then)[:3, :3].T) - turn)
     return Observed(reading.shares, shifts, turn, past)
 
 
@@ -158,7 +162,7 @@ def rotation_of(turn: Floats) -> Floats:
     return result
 
 
-def _vector(rotation: Floats) -> Floats:
+def vector_of(rotation: Floats) -> Floats:
     """Rotation vector of a rotation of less than half a turn."""
     axis = 0.5 * np.array(
         [rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]]

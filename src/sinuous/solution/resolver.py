@@ -1,10 +1,11 @@
 """How a solution solves again: what it keeps of the solver that found it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 
@@ -46,6 +47,11 @@ class ReSolver(Protocol):
         """Most starts of a solve; `None`: as many as the time allows."""
         ...
 
+    @property
+    def preferences(self) -> Preferences:
+        """What answers are chosen by; none: they are the nearest."""
+        ...
+
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """Whether answers with this proved clearance are not merely the nearest.
 
@@ -69,6 +75,7 @@ class LoadedResult:
     seed: int
     seconds: float = 0.0
     max_starts: int | None = 0
+    preferences: Preferences = field(default_factory=Preferences)
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """It is not known how; see the class."""

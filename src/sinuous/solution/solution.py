@@ -36,6 +36,7 @@ from sinuous.writing.plain import plain
 
 if TYPE_CHECKING:
     from sinuous.derivatives.derivative import Derivative
+    from sinuous.derivatives.preferred import Wish
     from sinuous.statics.equilibrium import Equilibrium
 
 _OVERLAPS = (Status.BLOCKED, Status.UNPROVED, Status.BASE_BLOCKED, Status.TARGET_BLOCKED)
@@ -243,7 +244,8 @@ class Solution(NotebookMixin):
     @property
     def tip(self) -> Floats:
         """Pose (4, 4) of the tool (of the tip, without one) in the world."""
-        pose: Floats = read_only(self.problem.robot.tip(self.q))
+        shape = self.shape
+        pose: Floats = read_only(self.problem.robot.tip(self.q) if shape is None else shape.tip)
         return pose
 
     @property
@@ -383,8 +385,8 @@ class Solution(NotebookMixin):
         """Derive the answer by what it depends on: targets, the robot, where it stands, obstacles.
 
         Of all configurations near this one that meet changed targets, within the limits and clear of obstacles, the
-        nearest one is meant: what a solve from this answer finds. An answer that preferences have chosen, or that was
-        moved out of contact with an obstacle, is not called regular.
+        nearest one is meant: what a solve from this answer finds; of an answer that preferences have chosen the minimum
+        near it. An answer that was moved out of contact with an obstacle is not called regular.
 
         Parameters
         ----------
@@ -408,7 +410,18 @@ class Solution(NotebookMixin):
         if self._outcome.code != SOLVED:
             self.raise_for_status()
         liked = self._resolver.chooses(self._problem.robot, self._outcome.clearance)
-        return derivative_of(self._problem, self._outcome.q, wrt, liked)
+        return derivative_of(self._problem, self._outcome.q, wrt, liked, self._wish() if liked else None)
+
+    def _wish(self) -> "Wish | None":
+        """The preferences that chose it; `None` where none did."""
+        from sinuous.derivatives.preferred import Wish  # noqa: PLC0415
+
+        robot, preferences = self._problem.robot, self._resolver.preferences
+        if robot.hangs or not preferences:  # targets are met by the loaded body, of which derivatives know nothing
+            return None
+        own = preferences.beyond(robot.least_demanded[0])
+        given = self._given.reshape(-1, *self.q.shape)
+        return Wish(own, given[0] if len(given) else None, self._outcome.clearance - own.clearance)
 
     def vjp(self, cotangent: Rows, wrt: Parameter | Sequence[Parameter] = ("target",)) -> "dict[Parameter, Floats]":
         """Derivatives (p,) of `sum(cotangent * q)` by each group of parameters, for a cotangent (n, 3).

@@ -269,7 +269,8 @@ class Solutions(NotebookMixin, Frozen, Sequence[Solution]):
         from sinuous.derivatives.parameters import read_wrt  # noqa: PLC0415
 
         chooses, robot = self._resolver.chooses, self._problems.robot
-        liked = np.array([chooses(robot, each) for each in self._answers[:, CLEARANCE].tolist()], np.bool_)
+        clear = self._answers[:, CLEARANCE].tolist()
+        liked = {i: self._one(i)._wish() for i, each in enumerate(clear) if chooses(robot, each)}
         return derivatives_of(self._problems, self.q, self.solved, liked, read_wrt(wrt))
 
     def raise_for_status(self) -> "Solutions":

@@ -140,6 +140,8 @@ class Step:
     @property
     def twist(self) -> Floats:
         """Twist (6,) of the tip that this reaches, at the start of the step: (omega, v) in world axes, as asked for."""
+        if self._wanted.robot.hangs:
+            return np.asarray(self._answer[t.REACHED : t.REACHED + 6] / self.dt)
         return np.asarray(self.velocity.reshape(-1) @ self._wanted.robot.jacobian(self.initial).T)
 
     @property

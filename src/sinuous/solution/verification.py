@@ -1,7 +1,7 @@
 """Judge shapes by an independent, slow path: what `sinuous.measures` computes. No kernel is used, nothing is solved."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, overload
 
 import numpy as np
@@ -14,6 +14,7 @@ from sinuous.errors import InputError
 from sinuous.measures.between import least_clearances, least_meeting, shares_between
 from sinuous.measures.body import least_clearance, nearest_meeting, segment_ends
 from sinuous.measures.reach import target_errors
+from sinuous.measures.statics import imbalance
 from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
@@ -23,6 +24,9 @@ from sinuous.robot.limits import unit_of
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
+from sinuous.statics.body import body_of
+from sinuous.statics.equilibrium import longest_body
+from sinuous.statics.rest import Rest, Way
 
 LIMIT_SLACK = 1e-9
 """By how much a limit may be exceeded: rad, or mean lengths of the robot."""
@@ -30,6 +34,9 @@ LIMIT_SLACK = 1e-9
 
 ROUNDING = 1e-9
 """What rounding may add to an error, relative to the robot's length."""
+
+AT_REST = 1e-5
+"""How far the shape of a loaded body may be from one at rest, relative to the robot's length."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -116,8 +123,10 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     if isinstance(robot.clearance, tuple):
         spare = least_clearance(body, scene, arcs, ends, beyond=True).distance
     slack = ROUNDING * robot.mean_length
+    at_rest = asked.shape is None or imbalance(robot, q, asked.shape.states) <= AT_REST * robot.mean_length
     ok = (
-        off <= (tolerance.position or 0.0) + slack
+        at_rest
+        and off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
         and _within_limits(robot, q)
         and spare >= -slack
@@ -136,21 +145,54 @@ def verify_steps(robot: Robot, q: Floats, scene: Snapshot, times: Floats) -> lis
 
 def _step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
     """Look at one step: limits at both ends, for they are convex; clearances at shares of it."""
+    if robot.hangs:
+        return _loaded_step(robot, ends, scene, times)
     shares = shares_between(robot, *ends)
     q = (1.0 - shares)[:, None, None] * ends[0] + shares[:, None, None] * ends[1]
+    return _seen(
+        robot, ends, (robot, q, list(range(1, len(robot) + 1))), scene, times[0] + shares * (times[1] - times[0])
+    )
+
+
+def _loaded_step(robot: Robot, ends: Floats, scene: Snapshot, times: Floats) -> Verification:
+    """Look at a step of a loaded body: every shape of it has to be at rest, too, by other code than that found it."""
+    one, other = Rest(robot, ends[0]), Rest(robot, ends[1])
+    body, owners = longest_body(robot), (body_of(robot).owners + 1).tolist()
+    if one.states is None or other.states is None:
+        raise InputError("q", "no equilibrium was found", ends.tolist(), "knots at which the robot holds its load")
+    shares, way = shares_between(body, one.arcs, other.arcs), Way(one, other)
+    rests = [one, *map(way.rest, shares[1:-1].tolist()), other]
+    shapes = [each for each in rests if each.states is not None]
+    off = max(imbalance(robot, each.q, each.found[0], each.displacements) for each in shapes)
+    found = _seen(
+        robot,
+        ends,
+        (body, np.stack([each.arcs for each in shapes]), owners),
+        scene,
+        times[0] + shares[[each.states is not None for each in rests]] * (times[1] - times[0]),
+    )
+    return replace(found, ok=found.ok and len(shapes) == len(rests) and off <= AT_REST * robot.mean_length)
+
+
+def _seen(
+    robot: Robot, ends: Floats, body: tuple[Robot, Floats, list[int]], scene: Snapshot, when: Floats
+) -> Verification:
+    """Judge shapes (T, N, 3) of a body, whose segments belong to these of the robot, at times (T,)."""
+    thing, q, owners = body
     if scene.moves:
-        when = times[0] + shares * (times[1] - times[0])
-        seen = [least_clearances(robot, scene.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
+        seen = [least_clearances(thing, scene.at(t), one[None]) for t, one in zip(when.tolist(), q, strict=True)]
         clearances, spares, segments, obstacles = (np.concatenate(each) for each in zip(*seen, strict=True))
     else:
-        clearances, spares, segments, obstacles = least_clearances(robot, scene, q)
+        clearances, spares, segments, obstacles = least_clearances(thing, scene, q)
     at = int(clearances.argmin())
-    itself = least_meeting(robot, q)
+    itself = least_meeting(thing, q)
     gap, slack = itself.gap + robot.least_demanded[1], ROUNDING * robot.mean_length
     ok = all(_within_limits(robot, one) for one in ends) and spares.min() >= -slack and itself.gap >= -slack
-    segment, obstacle = (None, None) if obstacles[at] < 0 else (int(segments[at]) + 1, scene.name(int(obstacles[at])))
-    near = float(clearances[at]), segment, obstacle
-    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), *near, gap, itself.segments)
+    nothing = obstacles[at] < 0
+    segment, obstacle = (None, None) if nothing else (owners[int(segments[at])], scene.name(int(obstacles[at])))
+    pair = itself.segments
+    both = None if pair is None else (owners[pair[0] - 1], owners[pair[1] - 1])
+    return Verification(bool(ok), 0.0, 0.0, robot.excess(ends), float(clearances[at]), segment, obstacle, gap, both)
 
 
 def _within_limits(robot: Robot, q: Floats) -> bool:

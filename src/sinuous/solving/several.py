@@ -13,12 +13,14 @@ from sinuous.kernels.tables import OUT_OF_REACH, ROUTE, SOLVED, Outcome
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
 from sinuous.solution.route_class import RouteClass
+from sinuous.solving.between.loaded import Ways
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.naming import name_classes, sort_out
 from sinuous.solving.classes.passages import Passages
 from sinuous.solving.search import Clock, Search
 from sinuous.solving.starts import Batch, Deadline, Question, Scattered
 from sinuous.solving.strategy import Strategy
+from sinuous.statics.equilibrium import longest_body
 from sinuous.work_time import work_time
 
 Kind = Literal["route", "shape"]
@@ -44,6 +46,10 @@ CANDIDATES = 4
 
 Dislike = Callable[[list[Floats]], Floats]
 """A number (m,) for each of m configurations (n, 3): what is smaller is better."""
+
+
+Body = Callable[[Floats], Floats]
+"""The configuration of the body, of one (n, 3) of the robot: the same, or arcs (N, 3) of a loaded one."""
 
 
 def disliking(robot: Robot, reference: Floats | None) -> Dislike:
@@ -94,6 +100,8 @@ class Classes:
     count : int
         Classes that are wanted.
     dislike : callable
+    body : callable
+        The configuration of the body that curves are of, for one (n, 3) of the robot.
 
     Attributes
     ----------
@@ -101,8 +109,8 @@ class Classes:
         Of every class the best solutions, best first.
     """
 
-    def __init__(self, curves: Curves, count: int, dislike: Dislike) -> None:
-        self._curves, self._count, self._dislike = curves, count, dislike
+    def __init__(self, curves: Curves, count: int, dislike: Dislike, body: Body = lambda q: q) -> None:
+        self._curves, self._body, self._count, self._dislike = curves, body, count, dislike
         self._firsts: list[Floats] = []
         self.members: list[list[Outcome]] = []
 
@@ -117,7 +125,7 @@ class Classes:
 
     def add(self, found: Outcome, deadline: Deadline) -> bool:
         """Put a solution among the best of its class; return whether the class is new."""
-        curve = self._curves.of(found.q)
+        curve = self._curves.of(self._body(found.q))
         number = self._curves.alike_one(curve, self._firsts)
         if number is not None:
             members = [*self.members[number], found]
@@ -220,19 +228,23 @@ class Several:
     def __init__(self, problem: Problem, wanted: Wanted, dislike: Dislike) -> None:
         self._wanted, self._dislike, self._end = wanted, dislike, math.inf
         compares = len(problem.scene) > 0 or wanted.by == BY_ROUTE
-        self._curves = Curves(problem.robot, problem.scene, self._seconds_left) if compares else None
+        robot = problem.robot
+        ways = Ways(robot) if robot.hangs else None
+        body = robot if ways is None else longest_body(robot)
+        self._body: Body = (lambda q: q) if ways is None else lambda q: ways.at(q).arcs
+        self._curves = Curves(body, problem.scene, self._seconds_left) if compares else None
         if self._curves is not None:
             self._curves.load()
 
         def shape(q: Floats) -> Floats:
-            return problem.robot.backbone(q, 8)
+            return body.backbone(self._body(q), 8)
 
-        shape(np.zeros((len(problem.robot), 3)))  # loads the kernel, before the time begins
+        body.backbone(np.zeros((len(body), 3)), 8)  # loads the kernel, before the time begins
         self._end = work_time() + wanted.seconds
         seconds = wanted.seconds if self._curves is None else SEARCHING * wanted.seconds
         classes = None
         if self._curves is not None and wanted.by == BY_ROUTE:
-            classes = Classes(self._curves, wanted.count, dislike)
+            classes = Classes(self._curves, wanted.count, dislike, self._body)
         count = CANDIDATES * wanted.count
         self.search = Distinct(count, wanted.apart, shape, wanted.max_starts, seconds, classes=classes)
 
@@ -275,7 +287,7 @@ class Several:
             found = self._ranked([members[0] for members in classes.members])
         if curves is None:
             return [(outcome, None) for outcome in found]
-        tight = [curves.of(outcome.q) for outcome in found]
+        tight = [curves.of(self._body(outcome.q)) for outcome in found]
         same = sort_out(curves, tight)
         if classes is not None:
             kept = [i for i, first in enumerate(same) if i == first][:count]

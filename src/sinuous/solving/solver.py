@@ -13,10 +13,11 @@ from sinuous.arguments import Entry, HasArray, Number, Rows, Stack, Truth, Vecto
 from sinuous.checks import Floats
 from sinuous.errors import InputError, warn_of
 from sinuous.kernels.compiling.tiers import code_first
-from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome
+from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
 from sinuous.methods.prepared import Call
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import suspicions
 from sinuous.problem.target import GoalArrays, Target, Targets, target_list
@@ -35,13 +36,14 @@ from sinuous.solution.solutions import ManyProblems, Solutions
 from sinuous.solution.step import Step
 from sinuous.solving.base import base_blocked
 from sinuous.solving.classes.curves import Curves
+from sinuous.solving.crew import Crew
 from sinuous.solving.many import Many, read_initial, read_workers
 from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solving.starts import Batch, Question
 from sinuous.solving.strategy import Strategy
-from sinuous.solving.under_load import STARTS, UnderLoad, solve_under_load
+from sinuous.solving.under_load import STARTS, UnderLoad, corrections, solve_under_load
 from sinuous.solving.under_load import given as start_at
 from sinuous.solving.velocity import ControlLoop
 from sinuous.work_time import no_work, work_time
@@ -225,28 +227,57 @@ class Solver:
         if within is not None:
             raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
-        given, free = self._given(initial), self._free
+        given = self._given(initial)
         targets = self._targets(target)
-        scene = self.scene.snapshot()
-        problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
-        unloaded = Problem.prepared(free.robot, targets, scene, self.tolerance)
-
-        def starts() -> Iterator[Outcome]:
-            yield from (start_at(q) for q in given)
-            first = free.solve(targets, time=0.5 * seconds)._outcome
-            yield first
-            for i in range(1, STARTS if first.code in (SOLVED, *UNDECIDED) else FEW):
-                budget = i, i + 1, self.options.seed, seconds
-                yield free._prepared.run(unloaded, self._no_initial, budget)
-
-        outcome = solve_under_load(load, problem, starts(), seconds, self.options.most_starts)
+        problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
+        starts = self._starts_under_load(problem, given, seconds)
+        outcome = solve_under_load(load, problem, starts, seconds, self.options.most_starts)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
+
+    def _starts_under_load(self, problem: Problem, given: Floats, seconds: float) -> Iterator[Outcome]:
+        """Yield what is given, then solutions of the robot without load, from one start of its own after the other."""
+        free = self._free
+        unloaded = Problem.prepared(free.robot, problem.targets, problem.scene, self.tolerance)
+        yield from (start_at(q) for q in given)
+        first = free.solve(problem.targets, time=0.5 * seconds)._outcome
+        yield first
+        for i in range(1, STARTS if first.code in (SOLVED, *UNDECIDED) else FEW):
+            budget = i, i + 1, self.options.seed, seconds
+            yield free._prepared.run(unloaded, self._no_initial, budget)
+
+    def _many_under_load(
+        self, load: UnderLoad, questions: ManyProblems, seconds: float, workers: int, bar: ProgressBar
+    ) -> Solutions:
+        """Solve many targets, each as `solve` does."""
+        answers = np.empty((len(questions.target_sets), answer_size(len(self.robot))))
+
+        def one(i: int) -> None:
+            problem, given = questions.problem(i), np.array(questions.initial[i], order="C")
+            starts = self._starts_under_load(problem, given, seconds)
+            solve_under_load(load, problem, starts, seconds, self.options.most_starts).write(answers[i])
+            bar.advance(1)
+
+        Crew(one, workers).share(range(len(answers)))
+        return Solutions(questions, answers, self._resolver)
+
+    def _all_under_load(self, load: UnderLoad, problem: Problem, wanted: Wanted, given: Floats) -> list[Solution]:
+        """Several solutions of the loaded body: every start is corrected to its own."""
+        dislike = disliking(self.robot, given[0] if len(given) else None)
+        several = Several(problem, wanted, dislike)
+        for outcome in corrections(
+            load, problem, self._starts_under_load(problem, given, wanted.seconds), wanted.seconds
+        ):
+            several.search.take(outcome)
+            if not several.search.open:
+                break
+        own = self._resolver, given
+        return [Solution(problem, outcome, outcome.seconds, *own, named) for outcome, named in several.best()]
 
     def _refuse_load(self, what: str) -> None:
         """Refuse what knows no loads yet: an answer without them would be wrong."""
         if self._load is not None:
-            wanted = f"none for {what}: take robot.changed(gravity=None), or solve target by target"
-            raise InputError("gravity", "only solve and shape know loads", self.robot.gravity, wanted)
+            wanted = f"none for {what}: take robot.changed(gravity=None)"
+            raise InputError("gravity", "here loads are not known", self.robot.gravity, wanted)
 
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
@@ -266,7 +297,9 @@ class Solver:
         route_class: RouteClass | None = None,
     ) -> Solution:
         """Return the solution that this solver found before with this outcome, in so many seconds."""
-        return Solution(self._problem(target)[0], outcome, seconds, self._resolver, self._given(initial), route_class)
+        targets = self._targets(target)
+        problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
+        return Solution(problem, outcome, seconds, self._resolver, self._given(initial), route_class)
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
@@ -319,10 +352,14 @@ class Solver:
         InputError
             When an argument is not what it should be, or there is not one of each for every target.
         """
-        self._refuse_load("solve_many")
         asked = read_target_sets(self.robot, targets, arrays)
         threads, shown = read_workers(workers), checks.truth("progress", progress)
         given = read_initial(self.robot, len(asked), initial)
+        if self._load is not None:
+            seconds = self.options.time if time is None else checks.number("time", time, low=0.0)
+            questions = ManyProblems(self.robot, asked, self.scene.snapshot(), self.tolerance, given)
+            with code_first(), ProgressBar(len(asked) if shown else 0) as bar:
+                return self._many_under_load(self._load, questions, seconds, threads, bar)
         scene, blocked = self._look_at_base()
         budget = self._budget(given.shape[1], self.options.time if time is None else time)
         questions = ManyProblems(self.robot, asked, scene, self.tolerance, given)
@@ -383,7 +420,6 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        self._refuse_load("solve_all")
         wanted = Wanted(
             checks.integer("count", count, 1, 10_000),
             checks.number("apart", apart, low=0.0) * self.robot.mean_length,
@@ -391,7 +427,12 @@ class Solver:
             self.options.most_starts,
             self.options.time if time is None else checks.number("time", time, low=0.0),
         )
-        (problem, blocked), given = self._problem(target), self._given(initial)
+        given = self._given(initial)
+        if self._load is not None:
+            targets = self._targets(target)
+            loaded = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
+            return self._all_under_load(self._load, loaded, wanted, given)
+        problem, blocked = self._problem(target)
         if blocked:
             return []
         several = Several(problem, wanted, disliking(self.robot, None if initial is None else given[0]))
@@ -465,7 +506,6 @@ class Solver:
         InputError
             When an argument is not what it should be.
         """
-        self._refuse_load("step")
         limits: dict[str, Any] = {"rates": rates, "clearance": clearance, "velocity": velocity}
         seen: dict[str, Any] = {"measured": measured, "places": places, "gain": gain, "delay": delay}
         own: Step = self._control.step(q, twist, dt, target=target, **limits, **seen)
@@ -636,6 +676,11 @@ class SolvesAgain:
     def max_starts(self) -> int | None:
         """Most starts of a solve; `None`: as many as the time allows."""
         return self.options.max_starts
+
+    @property
+    def preferences(self) -> Preferences:
+        """What answers are chosen by."""
+        return self.options.prefer
 
     def chooses(self, robot: Robot, clearance: float) -> bool:
         """Whether answers with this proved clearance are chosen by preferences, or moved out of contact."""

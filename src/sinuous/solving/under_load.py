@@ -12,14 +12,14 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels import tables as k
-from sinuous.kernels.statics import layout as t
-from sinuous.kernels.tables import FAILED, LATE, SOLVED, Outcome
+from sinuous.kernels.tables import FAILED, LATE, OUT_OF_REACH, SOLVED, Outcome
 from sinuous.packing import pose_row
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot, robot_group
-from sinuous.statics.body import body_of, tables_of
-from sinuous.statics.equilibrium import body_robot, run
+from sinuous.statics.body import body_of
+from sinuous.statics.equilibrium import longest_body
+from sinuous.statics.rest import Rest, rolled
 from sinuous.work_time import work_time
 
 MOST_ROUNDS = 25
@@ -56,7 +56,7 @@ class Body:
 
     def __init__(self, robot: Robot, problem: Problem) -> None:
         own = body_of(robot)
-        body = body_robot(robot, (np.array([each.length[1] for each in robot.segments]) / own.counts)[own.owners], 0.0)
+        body = longest_body(robot)
         self._group, self._count = robot_group(body), len(body)
         self._settings = settings_group(body, problem.tolerance)
         self._ends, self._last = own.ends, len(robot) - 1
@@ -92,91 +92,7 @@ class Body:
         return outcome
 
 
-def rolled(angle: float) -> Floats:
-    """Return a roll about z as a pose (4, 4)."""
-    result = np.eye(4)
-    result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
-    return result
-
-
-class Shape:
-    """The loaded body at a drive `q`, with its derivative while arcs keep their deviations.
-
-    Parameters
-    ----------
-    robot : Robot
-    q : ndarray (n, 3)
-    before : Shape, optional
-        Whose state the search for the equilibrium begins in.
-
-    Attributes
-    ----------
-    tables : Tables
-    states : ndarray (N, 4) or None
-        `None` where no equilibrium was found.
-    """
-
-    states: Floats | None
-    tensions: Floats
-
-    def __init__(self, robot: Robot, q: Floats, before: "Shape | None" = None) -> None:
-        from sinuous.kernels.chain import batch  # noqa: PLC0415
-        from sinuous.kernels.statics.equilibrium import UNSTABLE  # noqa: PLC0415
-
-        self.q, self.tables = q, tables_of(robot, q, ())
-        begin = self.tables
-        if before is not None and before.states is not None:
-            change = self.tables.states - before.tables.states
-            begin = begin._replace(states=before.states + change, tensions=before.tensions)
-        found = run(robot, begin)
-        self.states = None
-        if found is None or found.record[UNSTABLE] > 0.0:
-            return
-        self.states, self.tensions = found.states, found.tensions
-        own = body_of(robot)
-        self.rolls = np.cumsum(self.states[:, t.TWIST])
-        turns = self.rolls - self.states[:, t.TWIST]
-        cosine, sine = np.cos(turns), np.sin(turns)
-        x, y = self.states[:, 0], self.states[:, 1]
-        self.arcs = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
-        self._robot, self._own, self._turns = robot, own, turns + 0.5 * self.states[:, t.TWIST]
-        self._frames = np.empty((1, len(self.arcs) + 1, 12))
-        batch.frames_of(self.arcs[None], pose_row(robot.base), self._frames)
-
-    def pose(self, segment: int | None) -> Floats:
-        """Pose (4, 4) of the end of a segment (1 = first), or of the tool."""
-        at_tip = segment is None or segment == len(self._robot)
-        end = self._own.ends[-1 if segment is None or at_tip else segment - 1]
-        row, pose = self._frames[0, end + 1], np.eye(4)
-        pose[:3, :3], pose[:3, 3] = row[:9].reshape(3, 3), row[9:]
-        pose = pose @ rolled(float(self.rolls[end]))
-        return pose @ self._robot.tool if at_tip else pose
-
-    def jacobian(self, segment: int | None) -> Floats:
-        """Derivative (6, 3 n) of that pose, `(omega, v)` in world axes."""
-        from sinuous.kernels.chain import batch  # noqa: PLC0415
-
-        count, own, robot = len(self.arcs), self._own, self._robot
-        at_tip = segment is None or segment == len(robot)
-        end = int(own.ends[-1 if segment is None or at_tip else segment - 1])
-        out = np.zeros((1, 6, 3 * count))
-        tool = pose_row(rolled(float(self.rolls[-1])) @ robot.tool)
-        batch.jacobians_of(self.arcs[None], self._frames, tool, end, np.empty((count, 18)), out)
-        columns = out[0].reshape(6, count, 3)
-        cosine, sine = np.cos(self._turns), np.sin(self._turns)
-        turned = np.stack(
-            [
-                cosine * columns[..., 0] + sine * columns[..., 1],
-                cosine * columns[..., 1] - sine * columns[..., 0],
-                columns[..., 2],
-            ],
-            axis=-1,
-        )
-        sums = np.add.reduceat(turned, own.ends - own.counts + 1, axis=1)
-        return (sums / own.counts[:, None]).reshape(6, -1)
-
-
-def errors_of(shape: Shape, targets: tuple[Target, ...], unit: float) -> tuple[Floats, float, float]:
+def errors_of(shape: Rest, targets: tuple[Target, ...], unit: float) -> tuple[Floats, float, float]:
     """What is left of the targets (6 t,) in rad and mean lengths of the robot; largest distance, largest angle."""
     parts, off, turn = [], 0.0, 0.0
     for target in targets:
@@ -201,7 +117,7 @@ def errors_of(shape: Shape, targets: tuple[Target, ...], unit: float) -> tuple[F
     return np.concatenate(parts), off, turn
 
 
-def rows_of(shape: Shape, targets: tuple[Target, ...], unit: float) -> Floats:
+def rows_of(shape: Rest, targets: tuple[Target, ...], unit: float) -> Floats:
     """Derivative (6 t, 3 n) of what targets ask, 0 of what they do not."""
     parts = []
     for target in targets:
@@ -242,11 +158,11 @@ class UnderLoad:
         q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
         return q
 
-    def correct(self, q: Floats, problem: Problem, end: float) -> tuple[Shape | None, float, float, int]:
+    def correct(self, q: Floats, problem: Problem, end: float) -> tuple[Rest | None, float, float, int]:
         """Correct a drive until the loaded body meets the targets; the shape, its errors and how many rounds."""
         unit, tolerance = self._robot.mean_length, problem.tolerance
         most_off, most_turn = ENOUGH * (tolerance.position or 0.0), ENOUGH * tolerance.angle
-        shape = Shape(self._robot, self.within(q))
+        shape = Rest(self._robot, self.within(q))
         if shape.states is None:
             return None, math.inf, math.inf, 0
         left, off, turn = errors_of(shape, problem.targets, unit)
@@ -266,13 +182,13 @@ class UnderLoad:
             shape, left = tried, after
         return shape, off, turn, MOST_ROUNDS
 
-    def _step(self, shape: Shape, rows: Floats, left: Floats, problem: Problem) -> Shape | None:
+    def _step(self, shape: Rest, rows: Floats, left: Floats, problem: Problem) -> Rest | None:
         """Correct once; `None` where not even a short step brings the body nearer."""
         scale = np.maximum(self._scale.ravel(), 1e-300)
         step = _least(rows, left)
         step *= min(1.0, LARGEST / max(1e-300, float(np.abs(step).max())))
         for _ in range(HALVINGS):
-            tried = Shape(self._robot, self.within(shape.q + (step * scale).reshape(-1, 3)), shape)
+            tried = Rest(self._robot, self.within(shape.q + (step * scale).reshape(-1, 3)), shape)
             if tried.states is not None:
                 after, _, _ = errors_of(tried, problem.targets, self._robot.mean_length)
                 if after @ after < left @ left:
@@ -280,26 +196,27 @@ class UnderLoad:
             step *= 0.4
         return None
 
-    def _differences(self, shape: Shape, left: Floats, problem: Problem) -> Floats:
+    def _differences(self, shape: Rest, left: Floats, problem: Problem) -> Floats:
         """The derivative by differences: what the body really does, weights and tendons included."""
         columns = np.zeros((len(left), self._scale.size))
         for i, scale in enumerate(self._scale.ravel().tolist()):
             if scale > 0.0:
                 q = shape.q.copy()
                 q[i // 3, i % 3] += DIFFERENCE * scale
-                other = Shape(self._robot, q, shape)
+                other = Rest(self._robot, q, shape)
                 if other.states is not None:
                     there, _, _ = errors_of(other, problem.targets, self._robot.mean_length)
                     columns[:, i] = (left - there) / DIFFERENCE
         return columns
 
-    def judge(self, shape: Shape, problem: Problem, seconds: float) -> Outcome:
+    def judge(self, shape: Rest, problem: Problem, seconds: float) -> Outcome:
         """Prove the loaded body, and look at the limits of actuators; the outcome has the drive as its `q`."""
         if self._body is None:
             self._body = Body(self._robot, problem)
         outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
         held = len(self._robot.drive) == 0 or not self._robot.violations(shape.q)
-        code = FAILED if outcome.code == SOLVED and not held else outcome.code
+        wrong = outcome.code == OUT_OF_REACH or (outcome.code == SOLVED and not held)  # of this shape alone
+        code = FAILED if wrong else outcome.code
         return outcome._replace(q=shape.q.copy(), code=code)
 
 
@@ -323,8 +240,8 @@ def given(q: Floats) -> Outcome:
     return Outcome.from_record(q, [*unknown, *[math.inf] * 4, 0.0, math.inf, 0.0])
 
 
-def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int) -> Outcome:
-    """Correct start after start until the first whose loaded body is proved.
+def corrections(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float) -> Iterator[Outcome]:
+    """Correct start after start until the time is over, and yield what each comes to, proved or not.
 
     Parameters
     ----------
@@ -335,31 +252,30 @@ def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome]
         Solutions without load.
     seconds : float
         Budget.
-    most : int
-        Most starts.
     """
-    began = work_time()
-    best: Outcome | None = None
-    first: Outcome | None = None
-    iterations = count = 0
-    for start in starts:
-        first = start if first is None else first
-        count += 1
-        shape, off, turn, rounds = own.correct(start.q, problem, began + seconds)
-        iterations += start.iterations + rounds
-        if shape is not None:
-            outcome = own.judge(shape, problem, began + seconds - work_time())
-            outcome = outcome._replace(position_error=off, angle_error=turn, source=start.source, route=start.route)
-            if best is None or outcome.code == SOLVED or outcome.merit < best.merit:
-                best = outcome
-        if best is not None and best.code == SOLVED:
+    end = work_time() + seconds
+    for count, start in enumerate(starts, 1):
+        shape, off, turn, rounds = own.correct(start.q, problem, end)
+        if shape is None:
+            found = given(start.q)
+        else:
+            found = own.judge(shape, problem, end - work_time())._replace(position_error=off, angle_error=turn)
+        found = found._replace(source=start.source, route=start.route)
+        yield found._replace(iterations=start.iterations + rounds, starts=1)
+        if count >= STARTS or work_time() >= end:
+            return
+
+
+def solve_under_load(own: UnderLoad, problem: Problem, starts: Iterator[Outcome], seconds: float, most: int) -> Outcome:
+    """Correct starts until the first whose loaded body is proved; `most`: so many at most. See `corrections`."""
+    began, best, count, iterations = work_time(), None, 0, 0
+    for found in corrections(own, problem, starts, seconds):
+        count, iterations = count + 1, iterations + found.iterations
+        if best is None or found.code == SOLVED or found.merit < best.merit:
+            best = found
+        if best.code == SOLVED or count >= most:
             break
-        if count >= min(most, STARTS) or work_time() - began >= seconds:
-            break
+    assert best is not None
     spent = work_time() - began
-    if best is None:
-        assert first is not None
-        best = first._replace(code=FAILED)
-    late = best.code != SOLVED and spent >= seconds
-    code = LATE if late else best.code
+    code = LATE if best.code != SOLVED and spent >= seconds else best.code
     return best._replace(code=code, iterations=iterations, starts=count, seconds=spent)

@@ -26,6 +26,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.observed import GAIN, corrected, observe
 from sinuous.solution.solution import Solution
 from sinuous.solution.step import Step, Wanted
+from sinuous.solving.loaded_tick import LoadedTick
 from sinuous.solving.options import SolveOptions
 
 ROUNDS = 30
@@ -164,7 +165,7 @@ class ControlLoop:
         self._robot, self._scene, self._tolerance = robot, scene, tolerance
         self._demanded = robot.least_demanded[0]
         self._wish, self._time = options.prefer.clearance, options.time
-        self._group = robot_group(robot)
+        self._group = None if robot.hangs else robot_group(robot)
         self._settings = settings_group(robot, tolerance)
         self._free = self._limits = RateLimits(robot, Changes())
         self._local = threading.local()
@@ -198,6 +199,7 @@ class ControlLoop:
             raise InputError("twist", problem, twist, "one of twist, target")
         if twist is not None:
             kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS
+            targets: tuple[Target, ...] = ()
         else:
             targets = target_list("target", target, self._robot)
             if observed is not None:
@@ -212,9 +214,20 @@ class ControlLoop:
             raise InputError("velocity", "missing", None, "that of the step before, for rates with an acceleration")
         scene = self._scene.snapshot()
         asked = Asked(kind, motion, rows, 1, self._beyond(wish), self._time)
-        answer = self._tick(scene, asked, own, limits, seconds, before if limits.accelerates else None)
+        moved = before if limits.accelerates else None
+        if self._group is None:
+            answer = self._loaded(scene)(asked, targets, own, limits, seconds, moved, a.most_constraints(len(own)))
+        else:
+            answer = self._tick(scene, asked, own, limits, seconds, moved)
         wanted = Wanted(self._robot, scene, self._tolerance, seconds, kind, motion, limits.limited)
         return Step(wanted, own, answer, observed)
+
+    def _loaded(self, scene: Snapshot) -> LoadedTick:
+        """What makes the ticks of this thread for a robot under load; that of the last scene is kept."""
+        kept: LoadedTick | None = getattr(self._local, "loaded", None)
+        if kept is None or kept.scene is not scene:
+            kept = self._local.loaded = LoadedTick(self._robot, scene)
+        return kept
 
     def within(self, problem: Problem, initial: Floats, changes: Changes, seconds: float) -> Outcome:
         """The best that is reached from `initial` (n, 3) within these changes, proved clear all the way."""
@@ -254,6 +267,7 @@ class ControlLoop:
 
         `limits` are those of a second; `velocity` (n, 3) is that of the tick before, where accelerations are limited.
         """
+        assert self._group is not None
         table = scene._kernel_group
         sizes = len(self._robot), int(table[0]), len(asked.targets), len(limits.actuators)
         scratch = self._scratch(sizes, limits, dt)

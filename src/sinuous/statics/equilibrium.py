@@ -1,13 +1,13 @@
 """A body under load, at rest: where it is, what holds it, and whether it would stay there."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from sinuous import checks, packing
-from sinuous.arguments import Whole
+from sinuous.arguments import LoadParameter, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -15,6 +15,7 @@ from sinuous.kernels.statics import layout as t
 from sinuous.reprs import call
 from sinuous.robot.loads import Force, Load
 from sinuous.statics.body import Tables, body_of, tables_of
+from sinuous.statics.response import Question, Response
 
 if TYPE_CHECKING:
     from sinuous.robot.robot import Robot
@@ -52,6 +53,8 @@ class Equilibrium(Frozen):
         Moment about the base, and force, with which the base holds the robot; in world axes.
     iterations : int
         Newton steps.
+    question : Question
+        What was asked: robot, loads and drive.
     """
 
     robot: "Robot"
@@ -62,12 +65,14 @@ class Equilibrium(Frozen):
     stable: bool
     reaction: Floats
     iterations: int
+    question: Question
     _begin: Any
     _pulls: Floats
 
-    def __init__(self, robot: "Robot", q: Floats, loads: tuple[Load, ...], tables: Tables, found: Found) -> None:
+    def __init__(self, question: Question, q: Floats, tables: Tables, found: Found) -> None:
         from sinuous.kernels.statics import equilibrium as kernel  # noqa: PLC0415
 
+        robot = question.robot
         tensions = np.full(len(robot.drive), np.nan)
         tensions[body_of(robot).lines.actuators] = found.tensions
         reaction = -found.record[kernel.MOMENT : kernel.RECORD_WIDTH]
@@ -76,7 +81,8 @@ class Equilibrium(Frozen):
         self._set(
             robot=robot,
             q=q,
-            loads=loads,
+            loads=question.loads,
+            question=question,
             states=found.states,
             tensions=tensions,
             stable=bool(found.record[kernel.UNSTABLE] == 0.0),
@@ -154,10 +160,33 @@ class Equilibrium(Frozen):
             for descends in (True, False):
                 found = run(self.robot, self._begin._replace(states=states, tensions=self._pulls), descends)
                 if found is not None:
-                    one = Equilibrium(self.robot, self.q, self.loads, self._begin, found)
+                    one = Equilibrium(self.question, self.q, self._begin, found)
                     if all(one.apart(other) > ALIKE * size for other in known):
                         known.append(one)
         return sorted(known[1:], key=self.apart)
+
+    def derivative(self, wrt: LoadParameter | Iterable[LoadParameter] = ("loads",)) -> Response:
+        """Derive it by what it depends on: loads, payload, gravity, stiffness, base, and its drive.
+
+        Parameters
+        ----------
+        wrt : str or sequence of str
+            Groups of parameters: `loads`, `payload`, `gravity`, `stiffness`, `base`, and what it was asked with: `q`,
+            `actuators` or `tensions`; see `sinuous.statics.response`.
+
+        Raises
+        ------
+        InputError
+            When there is no such group, or it was not asked with that.
+        """
+        return Response(self, wrt)
+
+    def beside(self, question: Question) -> "Equilibrium | None":
+        """Return the equilibrium of another question that Newton's method finds from this one; `None` where none."""
+        q, tables = driven(question)
+        near = tables._replace(states=self.states, tensions=self._pulls)
+        found = run(question.robot, near, descends=False)
+        return None if found is None else Equilibrium(question, q, near, found)
 
     def apart(self, other: "Equilibrium") -> float:
         """Largest distance between ends of arcs of two equilibria of one robot."""
@@ -184,35 +213,57 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
     return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
 
 
+def longest_body(robot: "Robot") -> "Robot":
+    """Return the body of a robot at its greatest lengths, straight: of its group, lengths and tool change."""
+    own = body_of(robot)
+    longest = np.array([segment.length[1] for segment in robot.segments]) / own.counts
+    return body_robot(robot, longest[own.owners], 0.0)
+
+
 def _roll(angle: float) -> Floats:
     result = np.eye(4)
     result[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     return result
 
 
-def find_equilibrium(
-    robot: "Robot", q: Floats, loads: Sequence[Load], displacements: Floats | None = None
-) -> Equilibrium:
-    """Return the equilibrium of a robot whose drive makes it `q` (n, 3) without load.
+def find_equilibrium(question: Question) -> Equilibrium:
+    """Return the equilibrium of a robot under load.
 
     Raises
     ------
     InputError
         When nothing has a stiffness, or none was found.
     """
+    robot = question.robot
     _refuse_rigid(robot)
-    tables = tables_of(robot, q, loads, displacements)
-    return _found(robot, q, loads, tables)
+    q, tables = driven(question)
+    found = run(robot, tables)
+    if found is None:
+        problem = f"no equilibrium was found beyond {100.0 * reached(robot, tables):.0f} % of the load"
+        loads = list(question.loads) or "gravity and payload"
+        raise InputError("load", problem, loads, "a load that the robot can hold")
+    return Equilibrium(question, q, tables, found)
 
 
-def find_pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], q: Floats | None) -> Equilibrium:
-    """Return the equilibrium of a robot whose tendons and chambers have these tensions (m,).
+def driven(question: Question) -> tuple[Floats, Tables]:
+    """Return the configuration (n, 3) that a drive makes without load, and the tables of the robot."""
+    robot, loads, drive, values, initial = question
+    if drive == "q":
+        return values, tables_of(robot, values, loads)
+    if drive == "tensions":
+        return _pulled(robot, values, loads, initial)
+    displacements = robot.drive.motors.displacements(values)
+    q = robot.without_load(displacements, initial)
+    return q, tables_of(robot, q, loads, displacements)
 
-    What they leave alone is as in `q` (n, 3), by default straight and of its mean length.
+
+def _pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], initial: Floats | None) -> tuple[Floats, Tables]:
+    """The same of a robot whose tendons and chambers have these tensions (m,).
+
+    What they leave alone is as in `initial` (n, 3), by default straight and of its mean length.
     """
-    _refuse_rigid(robot)
     body = body_of(robot)
-    own = body.lines
+    own, q = body.lines, initial
     if q is None:
         q = np.array([[0.0, 0.0, 0.5 * sum(segment.length)] for segment in robot.segments])
     tables = tables_of(robot, q, loads)
@@ -222,7 +273,7 @@ def find_pulled(robot: "Robot", tensions: Floats, loads: Sequence[Load], q: Floa
     bends = body.rest + moments * (q[:, 2] / body.stiffness[:, 0])[:, None]
     pulled = (body.pulled & np.isfinite(body.stiffness[:, 0]))[body.owners]
     tables.states[pulled, :2] = (bends / body.counts[:, None])[body.owners][pulled]
-    return _found(robot, q, loads, tables)
+    return q, tables
 
 
 def _refuse_rigid(robot: "Robot") -> None:
@@ -230,15 +281,6 @@ def _refuse_rigid(robot: "Robot") -> None:
         raise InputError(
             "stiffness", "missing", None, "a stiffness of at least one segment; without, nothing gives way"
         )
-
-
-def _found(robot: "Robot", q: Floats, loads: Sequence[Load], tables: Tables) -> Equilibrium:
-    found = run(robot, tables)
-    if found is None:
-        share = reached(robot, tables)
-        problem = f"no equilibrium was found beyond {100.0 * share:.0f} % of the load"
-        raise InputError("load", problem, list(loads) or "gravity and payload", "a load that the robot can hold")
-    return Equilibrium(robot, q, tuple(loads), tables, found)
 
 
 def run(robot: "Robot", tables: Tables, descends: bool = True) -> Found | None:

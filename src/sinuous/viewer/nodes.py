@@ -1,6 +1,6 @@
 """Robots, obstacles, targets and lines as nodes of viser. A node is sent again only where it has changed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,7 @@ GREY, CHOSEN = rgb(OBSTACLE), rgb("#cc79a7")
 """Colours of obstacles, and of the one that is chosen."""
 
 SEE_THROUGH = 0.35
-"""Opacity of meshes and planes, which may hide the robot."""
+"""Opacity of what hides the robot."""
 
 BODY_AROUND, AROUND = 16, 24
 """Faces around a body, and around a round obstacle."""
@@ -146,11 +146,11 @@ class Body:
 
 
 class _Single(NamedTuple):
-    """An obstacle that is a node of its own."""
+    """An obstacle that has nodes of its own."""
 
     obstacle: Obstacle
-    chosen: bool
-    node: SceneNodeHandle
+    look: tuple[bool, bool]
+    nodes: tuple[SceneNodeHandle, ...]
 
 
 _Key = tuple[type[Obstacle], bool]
@@ -175,13 +175,15 @@ class Obstacles:
         self._members: dict[_Key, list[int]] = {}
         self._singles: dict[int, _Single] = {}
         self._rows: dict[Obstacle, tuple[Floats, Floats, Floats]] = {}
-        self._shown: tuple[object, int | None] = None, None
+        self._shown: tuple[object, int | None, frozenset[int]] = None, None, frozenset()
 
-    def show(self, obstacles: Sequence[Obstacle], chosen: int | None = None) -> None:
-        """Show these obstacles; `chosen` is the index of one that is coloured."""
-        if self._shown[0] is obstacles and self._shown[1] == chosen:
+    def show(
+        self, obstacles: Sequence[Obstacle], chosen: int | None = None, hiding: frozenset[int] = frozenset()
+    ) -> None:
+        """Show these obstacles: one that is `chosen` has another colour, those that are `hiding` are see-through."""
+        if self._shown[0] is obstacles and self._shown[1:] == (chosen, hiding):
             return
-        self._shown = obstacles, chosen
+        self._shown = obstacles, chosen, hiding
         self._rows = {each: self._rows.get(each) or _scaled(each) for each in obstacles if type(each) in UNITS}
         members: dict[_Key, list[int]] = {}
         singles = [i for i, obstacle in enumerate(obstacles) if type(obstacle) not in UNITS]
@@ -192,18 +194,19 @@ class Obstacles:
         for key in [key for key in self._groups if key not in members]:
             self._groups.pop(key)[0].remove()
         for key, own in members.items():
-            self._show_group(key, [obstacles[i] for i in own], None if chosen not in own else own.index(chosen))
+            self._show_group(key, [obstacles[i] for i in own])
         for i in [i for i in self._singles if i not in singles]:
-            self._singles.pop(i).node.remove()
+            _remove(self._singles.pop(i))
         for i in singles:
-            self._show_single(i, obstacles[i], i == chosen)
+            self._show_single(i, obstacles[i], (i == chosen, i in hiding))
 
-    def _show_group(self, key: _Key, own: list[Obstacle], chosen: int | None) -> None:
+    def _show_group(self, key: _Key, own: list[Obstacle]) -> None:
+        _, chosen, hiding = self._shown
         places, turns, scales = (np.stack(part) for part in zip(*(self._rows[each] for each in own), strict=True))
-        colours = np.tile(_linear(GREY), (len(own), 1))
-        if chosen is not None:
-            colours[chosen] = _linear(CHOSEN)
+        colours = np.stack([_linear(CHOSEN if i == chosen else GREY) for i in self._members[key]])
+        opacities = np.array([SEE_THROUGH if i in hiding else 1.0 for i in self._members[key]], np.float32)
         arrays: dict[str, Any] = {
+            "batched_opacities": opacities if (opacities < 1.0).any() else None,
             "batched_positions": places.astype(np.float32),
             "batched_wxyzs": turns.astype(np.float32),
             "batched_scales": scales.astype(np.float32),
@@ -223,15 +226,14 @@ class Obstacles:
         self._groups[key] = node, len(own)
         self._listen(node, lambda event: self._members[key][event.instance_index or 0])
 
-    def _show_single(self, i: int, obstacle: Obstacle, chosen: bool) -> None:
+    def _show_single(self, i: int, obstacle: Obstacle, look: tuple[bool, bool]) -> None:
         known = self._singles.get(i)
         if known is not None:
-            if known.chosen == chosen and (known.obstacle is obstacle or _move_node(known, obstacle)):
+            if known.look == look and (known.obstacle is obstacle or _move_nodes(known, obstacle)):
                 return
-            known.node.remove()
-        node = self._node(f"/obstacles/{i}", obstacle, CHOSEN if chosen else GREY)
-        self._singles[i] = _Single(obstacle, chosen, node)
-        self._listen(node, lambda _: i)
+            _remove(known)
+        self._singles[i] = _Single(obstacle, look, tuple(self._nodes(f"/obstacles/{i}", obstacle, *look)))
+        self._listen(self._singles[i].nodes[-1], lambda _: i)
 
     def _listen(self, node: Any, which: Callable[[Any], int]) -> None:
         """Tell which obstacle is clicked on."""
@@ -243,11 +245,12 @@ class Obstacles:
         async def _(event: Any) -> None:
             clicked(which(event))
 
-    def _node(self, name: str, obstacle: Obstacle, colour: Rgb) -> SceneNodeHandle:
+    def _nodes(self, name: str, obstacle: Obstacle, chosen: bool, hides: bool) -> Iterator[SceneNodeHandle]:
+        colour = CHOSEN if chosen else GREY
         if isinstance(obstacle, Dotted):
             is_cloud = isinstance(obstacle, PointCloud)
             size = 2.0 * float(obstacle.radii.min()) if isinstance(obstacle, PointCloud) else obstacle.spacing
-            return self._scene.add_point_cloud(
+            yield self._scene.add_point_cloud(
                 name,
                 dots(obstacle),
                 colour,
@@ -255,15 +258,18 @@ class Obstacles:
                 point_shape="circle" if is_cloud else "square",
                 precision="float32",
             )
-        hides = isinstance(obstacle, Mesh | HalfSpace) and not _is_inside(obstacle)
+            return
+        both = isinstance(obstacle, Mesh | HalfSpace) and not _is_inside(obstacle)
         vertices, faces = self._surface(obstacle)
         arguments: dict[str, Any] = {
-            "opacity": SEE_THROUGH if hides else None,
-            "side": "double" if hides else "front",
+            "color": colour,
+            "side": "double" if both else "front",
             "flat_shading": isinstance(obstacle, Mesh),
             **SHADOWLESS,
         }
-        return self._scene.add_mesh_simple(name, vertices, faces, color=colour, **arguments)
+        if hides:  # of a see-through surface only what is nearest is drawn: its triangles are not sorted by their depth
+            yield self._scene.add_mesh_simple(f"{name}_depth", vertices, faces, opacity=0.0, **arguments)
+        yield self._scene.add_mesh_simple(name, vertices, faces, opacity=SEE_THROUGH if hides else None, **arguments)
 
     def _surface(self, obstacle: Obstacle) -> tuple[Floats, Triangles]:
         surface = obstacle_surface(obstacle, self._bounds.middle, 2.0 * self._bounds.span, AROUND, pieces=1)
@@ -275,14 +281,20 @@ def _is_inside(obstacle: Obstacle) -> bool:
     return bool(getattr(obstacle, "inside", False))
 
 
-def _move_node(known: _Single, obstacle: Obstacle) -> bool:
-    """Move the node of an obstacle to where the same obstacle is now; say whether it is the same."""
+def _move_nodes(known: _Single, obstacle: Obstacle) -> bool:
+    """Move the nodes of an obstacle to where the same obstacle is now; say whether it is the same."""
     (root, before), (same, now) = (each.place or (each, np.eye(4)) for each in (known.obstacle, obstacle))
     if root is not same:
         return False
     motion = now @ np.linalg.inv(before)
-    known.node.position, known.node.wxyz = motion[:3, 3], wxyz(motion[:3, :3])
+    for node in known.nodes:
+        node.position, node.wxyz = motion[:3, 3], wxyz(motion[:3, :3])
     return True
+
+
+def _remove(known: _Single) -> None:
+    for node in known.nodes:
+        node.remove()
 
 
 def _linear(colour: Rgb) -> NDArray[np.uint8]:

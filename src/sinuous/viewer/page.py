@@ -1,5 +1,7 @@
 """The page of `sinuous view`: what browsers show of a session, and what people do in them."""
 
+from viser import ClientHandle
+
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.solution.solution import Solution
@@ -28,6 +30,7 @@ class Page(Session):
     ) -> None:
         super().__init__(job, answer)
         self.server = open_server(host, port)
+        self.server.on_client_connect(self._watch)
         self._build()
         self.do("begin", lambda: None)
 
@@ -59,6 +62,13 @@ class Page(Session):
     def _draw(self) -> None:
         model = self.model
         self.near = nearest(model.robot, model.there, model.shown)
+        self.scenery.show(self.near)
+
+    def _watch(self, client: ClientHandle) -> None:
+        client.camera.on_update(lambda _: self.look())
+
+    def _look(self) -> None:
+        self.scenery.look()
         self.scenery.show(self.near)
 
     def _refresh(self, busy: bool, refused: str) -> None:

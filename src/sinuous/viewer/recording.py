@@ -2,17 +2,23 @@
 
 import html as markup
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 from viser import ViserServer
 
 from sinuous.checks import Floats
-from sinuous.display.bounds import best_view, bounds_of, towards
+from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
+from sinuous.display.captions import told_apart, words_of
 from sinuous.display.contents import Arm, Contents, MovingArm
-from sinuous.display.style import ROUTE, TIP_PATH
+from sinuous.display.sight import hiding
+from sinuous.display.style import ROUTE, TIP_PATH, tones
 from sinuous.scene.moving import Moving
+from sinuous.scene.obstacles import Obstacle
+from sinuous.solution.solution import Solution
+from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import pace
 from sinuous.viewer.nodes import Body, Look, Obstacles, body_tones, show_line, show_target
 from sinuous.viewer.server import aim, close_server, open_server
@@ -25,6 +31,9 @@ GRAIN = 1e-4
 
 FEWEST_FRAMES, MOST_FRAMES = 60, 400
 """Frames of a motion: its knots, or between them where there are few, or some of them where there are many."""
+
+MOST_LINES = 8
+"""Lines of a caption."""
 
 STYLE = """<style>
 [aria-label$="scene tree"] { display: none !important; }
@@ -40,8 +49,11 @@ def record(contents: Contents) -> str:
     server = open_server()
     try:
         aim(server.initial_camera, bounds, towards(best_view(contents)))
+        show_axes(server.scene, bounds)
+        there, eye = contents.obstacles_at(0.0), np.array(server.initial_camera.position)
+        in_front = hiding(there, seen_places(contents), eye[None])
         obstacles = Obstacles(server.scene, bounds)
-        obstacles.show(contents.obstacles_at(0.0))
+        obstacles.show(there, hiding=in_front)
         for i, (target, place) in enumerate(contents.targets):
             show_target(server.scene, f"/targets/{i}", target, place, bounds.span)
         for i, path in enumerate(contents.paths):
@@ -51,7 +63,7 @@ def record(contents: Contents) -> str:
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
             body = Body(server.scene, f"/robots/{i}", arm.robot, Look(bounds.span, opacity=GHOST if ghost else None))
             body.show(arm.q, body_tones(len(arm.robot), arm.solved, i))
-        page = _show_moving(server, contents, bounds.span, obstacles)
+        page = _show_moving(server, contents, bounds.span, partial(obstacles.show, hiding=in_front))
     finally:
         close_server(server)
     return _finished(page, contents)
@@ -73,7 +85,9 @@ def ghosts_of(arms: Sequence[Arm]) -> list[bool]:
     return [any(arm.robot is before.robot for before in arms[:i]) for i, arm in enumerate(arms)]
 
 
-def _show_moving(server: ViserServer, contents: Contents, span: float, obstacles: Obstacles) -> str:
+def _show_moving(
+    server: ViserServer, contents: Contents, span: float, show_obstacles: Callable[[list[Obstacle]], None]
+) -> str:
     """Show what moves, frame by frame, and return the page with everything on it."""
     if not contents.moving:
         return server.get_scene_serializer().as_html()
@@ -95,18 +109,29 @@ def _show_moving(server: ViserServer, contents: Contents, span: float, obstacles
         for body, q, own_times, colours in bodies:
             body.show(q[min(int(np.searchsorted(own_times, now)), len(q) - 1)], colours)
         if others:
-            obstacles.show(contents.obstacles_at(min(1.0, now / first)))
+            show_obstacles(contents.obstacles_at(min(1.0, now / first)))
     recording.insert_sleep(float(times[-1] - times[-2]))
     return recording.as_html()
 
 
 def _finished(page: str, contents: Contents) -> str:
     """Put a title, a caption and our style into a page of viser."""
-    lines = [str(answer).split("\n", maxsplit=1)[0] for answer in contents.answers[:3]]
     head = page.index("</head>")
     page = page[:head] + STYLE + page[head:]
     start, end = page.index("<title>"), page.index("</title>")
     page = page[: start + len("<title>")] + "Sinuous" + page[end:]
     body = page.index("</body>")
-    caption = f'<div id="sinuous-caption">{markup.escape(chr(10).join(lines))}</div>' if lines else ""
+    lines = "\n".join(list(_caption(contents))[:MOST_LINES])
+    caption = f'<div id="sinuous-caption">{lines}</div>' if lines else ""
     return page[:body] + caption + page[body:]
+
+
+def _caption(contents: Contents) -> Iterator[str]:
+    """Yield a line for each answer; of several solutions with the colour of its robot."""
+    solutions = [answer for answer in contents.answers if isinstance(answer, Solution)]
+    if len(contents.arms) != len(solutions) or len(solutions) < 2:
+        yield from (markup.escape(str(answer).split("\n", maxsplit=1)[0]) for answer in contents.answers)
+        return
+    for i, (solution, line) in enumerate(zip(solutions, told_apart(solutions), strict=True)):
+        dot = f'<span style="color:{tones(solution.solved, i)[0]}">\u25cf</span>'
+        yield f"{dot} {markup.escape(f'{line}, {words_of(solution.status)}')}"

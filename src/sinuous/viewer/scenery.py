@@ -8,11 +8,13 @@ import numpy as np
 from viser import ClientHandle, LineSegmentsHandle, TransformControlsHandle, ViserServer
 
 from sinuous.checks import Floats
-from sinuous.display.bounds import best_view, bounds_of, towards
+from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
 from sinuous.display.clearances import clearances
 from sinuous.display.contents import Arm, Contents
+from sinuous.display.sight import hiding
 from sinuous.display.style import TIP_PATH, Rgb, by_bending, by_clearance, rgb
 from sinuous.problem.target import Target
+from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import Model
 from sinuous.viewer.nodes import LINE, Body, Look, Obstacles, body_tones, rotation_of, show_line, wxyz
 from sinuous.viewer.server import aim
@@ -53,24 +55,37 @@ class Scenery:
         contents = _contents(model)
         self.bounds = bounds_of(contents)
         aim(server.initial_camera, self.bounds, towards(best_view(contents)))
+        self._axes = show_axes(server.scene, self.bounds)
         self._obstacles = Obstacles(server.scene, self.bounds, session.choose_obstacle)
         self._bodies: dict[str, Body] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
         self._line: LineSegmentsHandle | None = None
+        self._hiding: frozenset[int] = frozenset()
+        self.look()
         if model.job.is_path:
             self._show_path()
 
     def fit(self, client: ClientHandle) -> None:
         """Let a browser show all that is on the page, from the side that it looks from."""
         away = client.camera.position - client.camera.look_at
+        bounds = bounds_of(_contents(self._model))
+        self._axes = show_axes(self._server.scene, bounds)
         with client.atomic():
-            aim(client.camera, bounds_of(_contents(self._model)), away / np.linalg.norm(away))
+            aim(client.camera, bounds, away / np.linalg.norm(away))
+
+    def look(self) -> None:
+        """Make see-through what hides the body from somebody."""
+        clients = self._server.get_clients().values()
+        eyes = [client.camera.position for client in clients] or [self._server.initial_camera.position]
+        body = Contents(arms=[Arm(self._model.robot, self._model.shown)])
+        self._hiding = hiding(self._model.there.obstacles, seen_places(body), np.array(eyes))
 
     def show(self, near: Near | None) -> None:
         """Show the model as it is."""
         with self._server.atomic():
             self._show_bodies()
-            self._obstacles.show(self._model.there.obstacles, self._model.grasped)
+            self._obstacles.show(self._model.there.obstacles, self._model.grasped, self._hiding)
+            self._axes.visible = self._session.axes
             self._show_gizmos()
             self._show_near(near)
 

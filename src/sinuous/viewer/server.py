@@ -15,9 +15,17 @@ FIELD = math.radians(40.0)
 """Angle that the camera sees, from top to bottom."""
 
 
+MARGIN = 1.1
+"""How far a camera is away, relative to where what is shown fills the view: numbers and names of axes need room."""
+
+
 def aim(camera: CameraHandle | InitialCameraConfig, bounds: Bounds, side: Floats) -> None:
     """Let a camera show all of the bounds from the side that a unit vector (3,) leads to."""
-    away = 0.98 * (0.5 * float(np.linalg.norm(bounds.high - bounds.low)) or 0.5) / math.sin(0.5 * FIELD)
+    right = np.cross((0.0, 0.0, 1.0), side)
+    right = right / np.linalg.norm(right) if right.any() else np.array([1.0, 0.0, 0.0])
+    corners = (np.array(list(np.ndindex(2, 2, 2))) - 0.5) * (bounds.high - bounds.low)
+    across = np.abs(corners @ np.stack([right, np.cross(side, right)], axis=-1)).max(axis=-1)
+    away = MARGIN * (float((corners @ side + across / math.tan(0.5 * FIELD)).max()) or 1.0)
     camera.position, camera.look_at, camera.fov = bounds.middle + away * side, bounds.middle, FIELD
     camera.near, camera.far = 0.01 * away, 100.0 * away
 

@@ -56,6 +56,8 @@ class Session(ABC):
     model : Model
         To be read by any thread, and changed by the owner alone.
     playing : bool
+    axes : bool
+        Whether axes with numbers are drawn.
     colouring : str
         What the colours of the body say.
     sliders : str
@@ -73,6 +75,7 @@ class Session(ABC):
         elif answer is not None:
             self.model.q = answer.q
         self.playing = False
+        self.axes = True
         self.colouring: Colouring = "segment"
         self.sliders: Sliders = "bends and lengths"
         self.first_segment = 0
@@ -94,6 +97,10 @@ class Session(ABC):
     @abstractmethod
     def _draw(self) -> None:
         """Show the shape as it is now."""
+
+    @abstractmethod
+    def _look(self) -> None:
+        """Look again at what hides the shape, which takes longer than to draw it."""
 
     @abstractmethod
     def _refresh(self, busy: bool, refused: str) -> None:
@@ -129,6 +136,10 @@ class Session(ABC):
         if moment is not now:
             self.model.come_back(moment)
 
+    def look(self) -> None:
+        """Look again at what hides the shape: somebody sees it from elsewhere."""
+        self._owner.post("look", lambda: None)
+
     def wait(self) -> None:
         """Wait until somebody stops the page, or an interrupt comes."""
         while not self._stopping.wait(0.2):  # an interrupt is not heard within a longer wait on some systems
@@ -162,6 +173,7 @@ class Session(ABC):
             self._refresh_now()
 
     def _refresh_now(self) -> None:
+        self._look()
         self._refresh(self._busy, self._refused)
         self._refreshed = clock.monotonic()
 

@@ -13,6 +13,7 @@ import numpy as np
 from viser.transforms import SO3
 
 from sinuous.checks import Floats
+from sinuous.display.captions import told_apart
 from sinuous.display.style import Colouring, largest_bends
 from sinuous.methods.registry import METHODS
 from sinuous.problem.target import Tolerance
@@ -63,11 +64,7 @@ def target_tab(session: Session, fields: Fields) -> None:
 
 
 def _solution_names(session: Session) -> tuple[str, ...]:
-    return ("-", *(f"{i}: bends {_bends(each.q):.2f} rad in all" for i, each in enumerate(session.model.ghosts, 1)))
-
-
-def _bends(q: Floats) -> float:
-    return float(np.hypot(q[:, 0], q[:, 1]).sum())
+    return ("-", *told_apart(session.model.ghosts))
 
 
 def _target_fields(session: Session, fields: Fields, i: int) -> None:
@@ -125,6 +122,7 @@ def shape_tab(session: Session, fields: Fields) -> None:
     model = session.model
     colours = partial(setattr, session, "colouring")
     fields.choice("colours say", get_args(Colouring), lambda: session.colouring, colours)
+    fields.field(fields.gui.add_checkbox("axes", True), lambda: session.axes, partial(setattr, session, "axes"))
     fields.button("Solve from here", model.solve_from_here, "Ask for the target again, from this shape.")
     if model.robot.actuators:
         fields.choice("sliders", get_args(Sliders), lambda: session.sliders, partial(setattr, session, "sliders"))

@@ -17,9 +17,11 @@ from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
+from sinuous.solving.between.loaded import Ways
 from sinuous.solving.many import read_workers
 from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
+from sinuous.statics.equilibrium import longest_body
 from sinuous.workspace.grid import Voxels, directions_of, reach_of
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, neighbours_of
@@ -132,7 +134,7 @@ def reach(
         obstacles=obstacles,
         names=tuple(work.scene.name(i) for i in range(len(work.scene))),
         base=np.array(robot.base[:3, 3]),
-        farthest=reach_of(robot),
+        farthest=np.inf if robot.hangs else reach_of(robot),  # loads may stretch it
         seconds=clock.perf_counter() - began,
     )
     if out is not None and checkpoint is not None:
@@ -213,10 +215,13 @@ def _blame(work: _Work, codes: Codes, alone: Answers) -> NDArray[np.int16]:
 def _deepest(robot: Robot, scene: Snapshot, q: NDArray[np.float32]) -> NDArray[np.int16]:
     """Numbers (m,) of the obstacles that bodies (m, n, 3) run into deepest, by some points of each segment."""
     found = np.empty(len(q), np.int16)
-    radii = np.repeat(np.array(robot.needed_radii), SAMPLES)
+    ways, body = (Ways(robot), longest_body(robot)) if robot.hangs else (None, robot)
+    radii = np.repeat(np.array(body.needed_radii), SAMPLES)
     for first in range(0, len(q), BODIES_TOGETHER):
         some = q[first : first + BODIES_TOGETHER].astype(np.float64)
-        points = robot.backbone(some, SAMPLES)[:, 1:]
+        if ways is not None:
+            some = np.array([ways.at(q).shown for q in some])
+        points = body.backbone(some, SAMPLES)[:, 1:]
         along = np.cumsum(np.repeat(some[..., 2] / SAMPLES, SAMPLES, axis=1), axis=1)
         gaps = np.where(along >= robot.mount, scene.distance(points) - radii, np.inf)
         worst = gaps.argmin(axis=1)

@@ -97,14 +97,18 @@ def test_before_a_wall_an_arc_is_as_long_as_fits_or_none() -> None:
     assert out(wall, (0.0, 0.0, 1.5), Segment((1.4, 2.0), 0.2, radius=RADIUS))[1] == math.inf
 
 
-def test_a_rigid_link_is_not_bent() -> None:
+def test_a_rigid_link_is_not_bent_and_cut_before_what_is_across() -> None:
     link = Segment((0.2, 2.0), 0.0, radius=RADIUS)
     near = Scene([Box((0.17, 0.0, 1.0), (0.2, 1.0, 1.0))])
     arc, overlap = out(near, (0.0, 0.0, 1.5), link)
     assert tuple(arc) == (0.0, 0.0, 1.5)
     assert overlap == pytest.approx(0.3, abs=1e-9)
     across = Scene([Box((0.0, 0.0, 1.0), (0.2, 1.0, 1.0))])
-    assert out(across, (0.0, 0.0, 1.5), link)[1] == math.inf
+    arc, overlap = out(across, (0.0, 0.0, 1.5), link)
+    assert arc[:2].tolist() == [0.0, 0.0]
+    assert 0.3 < arc[2] <= 0.5 - (1.0 - KEPT) * RADIUS
+    assert overlap <= KEPT
+    assert out(across, (0.0, 0.0, 1.5), Segment(1.5, 0.0, radius=RADIUS))[1] == math.inf
 
 
 def test_obstacles_do_not_concern_what_is_in_the_mount() -> None:

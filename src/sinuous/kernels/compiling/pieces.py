@@ -117,13 +117,24 @@ PIECES = (
         ),
     ),
     Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
-    Piece("shapes under load", 8, ("kernels.statics.equilibrium.equilibrate",), waits=True),
+    Piece(
+        "shapes under load",
+        8,
+        ("kernels.statics.equilibrium.equilibrate", "kernels.statics.flexibility.soften"),
+        waits=True,
+    ),
     Piece("control loops", 15, ("kernels.velocity.query.tick",), waits=True),
-    Piece("derivatives", 6, ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE)),
+    Piece(
+        "derivatives",
+        6,
+        ("kernels.derivative.query.derive" + FREE, "kernels.derivative.query.derive_many" + FREE),
+        most=FEW,
+    ),
     Piece(
         "derivatives among obstacles",
         9,
         tuple(f"kernels.derivative.query.{name}" for name in ("derive", "derive_many", "find_contacts")),
+        most=FEW,
     ),
     Piece(
         "the method opti_path",

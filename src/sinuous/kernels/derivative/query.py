@@ -183,6 +183,25 @@ def _derive(problem: Problem, asked: Array, lines: Array, desk: Desk, answer: Ar
     answer[STATUS], answer[COUNT], answer[TARGET_ROWS], answer[RESIDUAL] = status, count, targets, residual
 
 
+@kernel
+def _lay_out(
+    robot: Array,
+    scene: Array | None,
+    settings: Array,
+    targets: Array,
+    asked: Array,
+    q: Array,
+    workspace: Array,
+    answer: Array,
+) -> tuple[Problem, Desk]:
+    """Read the problem, and lay out a desk for the configuration `q` (n, 3); arguments as for `derive`."""
+    problem = read_problem(robot, scene, settings, targets)
+    sizes = q.shape[0], asked[ROWS], asked[COLUMNS]
+    desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
+    copy(q, desk.q)
+    return problem, desk
+
+
 @entry
 def derive(
     robot: Array,
@@ -201,10 +220,7 @@ def derive(
     obstacles. `asked` (14,) int64: the first column of each group of parameters, or -1, and sizes, see `layout`.
     `lines` (p, 3): see `sides`. `workspace`: see `layout.desk_size`.
     """
-    problem = read_problem(robot, scene, settings, targets)
-    sizes = q.shape[0], asked[ROWS], asked[COLUMNS]
-    desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
-    copy(q, desk.q)
+    problem, desk = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
     _derive(problem, asked, lines, desk, answer)
 
 
@@ -226,12 +242,9 @@ def derive_many(
     Fills what a unit of each parameter moves, `moved` (m, 3 n, p), and how each ended, `status` (m,). The workspace
     also holds an answer, at its end.
     """
+    answer = workspace[workspace.shape[0] - asked[ANSWER] :]
     for i in range(q.shape[0]):
-        problem = read_problem(robot, scene, settings, targets[i])
-        sizes = q.shape[1], asked[ROWS], asked[COLUMNS]
-        answer = workspace[workspace.shape[0] - asked[ANSWER] :]
-        desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
-        copy(q[i], desk.q)
+        problem, desk = _lay_out(robot, scene, settings, targets[i], asked, q[i], workspace, answer)
         _derive(problem, asked, lines, desk, answer)
         copy(desk.moved, moved[i])
         status[i] = answer[STATUS]
@@ -255,10 +268,7 @@ def find_contacts(
     Arguments as for `derive`; fills the rows of the answer, and of its header how it ended and their number. What is
     left of a gap is counted from `keep`.
     """
-    problem = read_problem(robot, scene, settings, targets)
-    sizes = q.shape[0], asked[ROWS], asked[COLUMNS]
-    desk = carve_desk(workspace, answer, problem.base, number_of(problem.scene), sizes)
-    copy(q, desk.q)
+    problem, desk = _lay_out(robot, scene, settings, targets, asked, q, workspace, answer)
     forward_with_columns(desk.q, desk.frames, desk.columns)
     count, status = add_contacts(problem.scene, problem, desk, 0, keep)
     normalise(problem.limits, desk, count)

@@ -1,11 +1,13 @@
-"""An arc that comes out between obstacles: first a part of it, then more, bent off the walls on its way.
+"""An arc that comes out between obstacles: it is bent off the walls on its way, and cut where no more of it fits.
 
 Where it does not fit as the arc before it ends, both are bent: one that is a little off in a tube has the next one too
 far off to be bent back by itself.
 
 An arc is pushed off the walls by Gauss-Newton in its two bends: places along it, and on its circle for some radii
 beyond its end, are asked to keep a distance. What lies beyond the end makes arcs in a tube turn into the arc that
-follows the tube, whatever they were aimed at: the next segment must fit there, too.
+follows the tube, whatever they were aimed at: the next segment must fit there, too. Only what comes before the axis
+first gets into an obstacle is pushed: deep in a wall, the nearest way out may be that to its other side. So an arc that
+is bent off a wall comes out farther at each step, and meets the next one.
 """
 
 import math
@@ -27,20 +29,14 @@ New = tuple[Start, int, float]
 Two = tuple[Vec, Vec]
 """Coordinates of the arc before the new one, and those of the new one."""
 
-STAGES = 3
-"""Parts in which an arc comes out that does not fit as it is."""
-
-ROUNDS = 6
-"""Most Gauss-Newton steps of each part."""
+ROUNDS = 16
+"""Most Gauss-Newton steps of an arc."""
 
 CLEARANCE = 0.25
 """Clearance beside the body that arcs are pushed to, in radii."""
 
 AHEAD = 3.0
 """How far beyond its end an arc is pushed off walls as if it went on, in radii of the body."""
-
-LOST = 2.0
-"""Overlap from which on an arc is given up, in radii: its axis lies a radius deep in an obstacle."""
 
 KEPT = 0.5
 """Greatest overlap of an arc that is kept, in radii: Newton steps of the whole chain take it out, or do not."""
@@ -50,6 +46,9 @@ SHALLOW = 1e-3
 
 ENOUGH = 0.7
 """Share of the pressure that a step must take away: else it is the last one."""
+
+STUCK = 0.97
+"""The same where not all of the arc is out."""
 
 SHORTER = 0.3
 """Share of a step that is tried next where it does not relieve an arc."""
@@ -63,7 +62,7 @@ ASIDE = 0.9
 MOST = 0.6
 """Most change of a bend in one step, rad."""
 
-DAMPING = 1e-3
+DAMPING = 3e-3
 """Damping of a step, in squares of the length of the arc."""
 
 
@@ -101,36 +100,38 @@ def _solved(a: Vec, c: Vec, b: tuple[float, float, float, float], g: Vec, h: Vec
 @kernel
 def _press(
     problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
-) -> tuple[float, float, tuple[float, float, float, float]]:
-    """Deepest overlap of an arc, in radii; its pressure; and the change that relieves it.
+) -> tuple[float, float, float, tuple[float, float, float, float]]:
+    """Share of an arc that comes out; its deepest overlap, in radii; its pressure; and the change that relieves it.
 
     The change is that of the bends of the arc before it, where `both` are to change, and of its own. The pressure is
-    the integral along what changes of the square of what is missing of the clearance, in radii. `among` lists the
-    `count` obstacles that concern it. Overlap and pressure are inf for an arc that is given up.
+    the integral along what changes of the square of what is missing of the clearance, in radii; where the axis gets
+    into an obstacle, all that is beyond counts as missing as much as there: deeper in it, the way out that is nearest
+    may lead to the other side. `among` lists the `count` obstacles that concern it.
     """
-    scene, radius = problem.scene, thickness(problem, new[1])
+    scene, radius, most = problem.scene, thickness(problem, new[1]), 1.0 + CLEARANCE
     axx = ayy = DAMPING * two[0][2] * two[0][2] + (0.0 if both else 1.0)
     cxx = cyy = DAMPING * two[1][2] * two[1][2]
     axy = cxy = bxx = bxy = byx = byy = gx = gy = hx = hy = deepest = pressure = 0.0
+    fits = 1.0
     for part in range(0 if both else 1, 2):
         (start, _, along), q = (before, two[0]) if part == 0 else (new, two[1])
-        ahead = AHEAD * radius if part == 1 else 0.0
-        at, step, last = max(0.0, problem.mount - along), FINEST * radius, q[2] + ahead
+        at, step = max(0.0, problem.mount - along), FINEST * radius
+        last = q[2] + (AHEAD * radius if part == 1 else 0.0)
         while at < last:
-            most = 1.0 + CLEARANCE
-            if at < q[2]:
-                at, most = min(q[2], at + step), LOST
-            else:
-                at = min(last, at + step)
+            out, at = at, min(q[2] if at < q[2] else last, at + step)
             s = at / q[2]
             p = add(start[1], mat_vec(start[0], point(s * q[0], s * q[1], at)))
             d, _, which = closest(scene, among, count, p, REACH * radius, STEP)
             step = max(FINEST * radius, min(d, REACH * radius) - radius)
-            if at <= q[2]:
-                deepest = max(deepest, 1.0 - d / radius)
-            if deepest > LOST:
-                return math.inf, math.inf, (0.0, 0.0, 0.0, 0.0)
-            missing = min(most, 1.0 + CLEARANCE - d / radius)
+            if at <= q[2] and fits == 1.0:
+                if 1.0 - d / radius > KEPT:
+                    fits = out / q[2] if part == 1 else 0.0
+                else:
+                    deepest = max(deepest, 1.0 - d / radius)
+            if d <= 0.0:
+                pressure += most * most * (last - at)
+                break
+            missing = most - d / radius
             if missing > 0.0:
                 pressure += missing * missing * step
                 _, g = obstacle(scene, which, p, d)
@@ -144,75 +145,38 @@ def _press(
                         bxx, bxy, byx, byy = bxx + u * x, bxy + u * y, byx + v * x, byy + v * y
                 axx, axy, ayy, gx, gy = axx + u * u, axy + u * v, ayy + v * v, gx + u * m, gy + v * m
     if pressure == 0.0:
-        return deepest, pressure, (0.0, 0.0, 0.0, 0.0)
+        return fits, deepest, pressure, (0.0, 0.0, 0.0, 0.0)
     change = _solved((axx, axy, ayy), (cxx, cxy, cyy), (bxx, bxy, byx, byy), (gx, gy, 0.0), (hx, hy, 0.0))
-    return deepest, pressure, change
+    return fits, deepest, pressure, change
 
 
 @kernel
 def _relieve(
-    problem: Problem, before: New, new: New, two: Two, s: float, both: bool, among: Array, count: int
-) -> tuple[Two, float, float]:
-    """Bend an arc until its first part, a share `s`, is pressed as little as can be; its overlap and its pressure."""
+    problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
+) -> tuple[Two, float, float, float]:
+    """Bend an arc until it is pressed as little as can be; the share that comes out, its overlap and its pressure."""
     k, begin = new[1], new
-    q = two[1]
-    part = s * q[0], s * q[1], s * q[2]
-    deepest, pressure, (u, v, x, y) = _press(problem, before, begin, (two[0], part), both, among, count)
+    fits, deepest, pressure, (u, v, x, y) = _press(problem, before, begin, two, both, among, count)
     share = 1.0
     for _ in range(ROUNDS):
-        if not 0.0 < pressure < math.inf:
+        size = max(math.hypot(x, y), math.hypot(u, v))
+        if pressure == 0.0 or size == 0.0:
             break
-        size = max(math.hypot(x, y) / s, math.hypot(u, v))
-        step = share * min(1.0, MOST / size) if size > 0.0 else 0.0
+        step = share * min(1.0, MOST / size)
         first = two[0]
         if both:
             first = project_segment(problem.limits, k - 1, first[0] + step * u, first[1] + step * v, first[2])
             begin = end_of(before[0], first), k, new[2]
-        other = project_segment(problem.limits, k, two[1][0] + step / s * x, two[1][1] + step / s * y, two[1][2])
-        part = s * other[0], s * other[1], s * other[2]
-        deeper, left, change = _press(problem, before, begin, (first, part), both, among, count)
+        other = project_segment(problem.limits, k, two[1][0] + step * x, two[1][1] + step * y, two[1][2])
+        out, deeper, left, change = _press(problem, before, begin, (first, other), both, among, count)
         if left >= pressure:
             share *= SHORTER
             continue
-        enough, share = left > ENOUGH * pressure, 1.0
-        two, deepest, pressure, (u, v, x, y) = (first, other), deeper, left, change
+        enough, share = left > (ENOUGH if out == 1.0 else STUCK) * pressure, 1.0
+        two, fits, deepest, pressure, (u, v, x, y) = (first, other), out, deeper, left, change
         if enough:
             break
-    return two, deepest, pressure
-
-
-@kernel
-def _in_stages(
-    problem: Problem, before: New, new: New, two: Two, both: bool, among: Array, count: int
-) -> tuple[Two, float, float, float]:
-    """Let an arc come out part by part; returns it, the share of it that fits, and the overlap and pressure of that."""
-    best, fits, overlap, pressure = two, 0.0, math.inf, 0.0
-    for stage in range(1, STAGES + 1):
-        s = stage / STAGES
-        if both:
-            new = end_of(before[0], two[0]), new[1], new[2]
-        two, deepest, left = _relieve(problem, before, new, two, s, both, among, count)
-        if deepest > KEPT:
-            break
-        best, fits, overlap, pressure = two, s, deepest, left
-    return best, fits, overlap, pressure
-
-
-@kernel
-def _bent(
-    problem: Problem, before: New, new: New, two: Two, joint: bool, among: Array, count: int
-) -> tuple[Two, float, float, float]:
-    """Bend an arc off the obstacles, and the one before it if need be and `joint`; returns the same as `_in_stages`."""
-    best, share, overlap, pressure = two, 1.0, math.inf, 0.0
-    for both in range(2):
-        if both == 1 and (not joint or share == 0.0):
-            break
-        staged, fits, deepest, left = _in_stages(problem, before, new, two, both == 1, among, count)
-        if both == 0 or fits > share or (fits == share and deepest < overlap):
-            best, share, overlap, pressure = staged, fits, deepest, left
-        if share == 1.0 and overlap <= SHALLOW:
-            break
-    return best, share, overlap, pressure
+    return two, fits, deepest, pressure
 
 
 @kernel
@@ -245,23 +209,20 @@ def come_out(problem: Problem, before: New, new: New, two: Two, joint: bool, amo
     count, _ = near(problem.scene, middle, ASIDE * q[2] + (REACH + AHEAD) * radius, among)
     if count == 0 or q[2] == 0.0:
         return two, 0.0, 0.0
-    overlap, pressure, _ = _press(problem, before, new, two, False, among, count)
+    fits, overlap, pressure, _ = _press(problem, before, new, two, False, among, count)
     if pressure == 0.0:
         return two, 0.0, 0.0
-    if problem.limits[k, MAX_BEND] == 0.0:
-        return two, overlap if overlap <= KEPT else math.inf, pressure / max(q[2], radius)
-    bent, fits = two, 1.0
-    if overlap <= KEPT:
-        bent, overlap, pressure = _relieve(problem, before, new, two, 1.0, False, among, count)
-    if overlap > SHALLOW:
-        if joint:
+    bent = two
+    if problem.limits[k, MAX_BEND] > 0.0:
+        bent, fits, overlap, pressure = _relieve(problem, before, new, two, False, among, count)
+        if joint and (fits < 1.0 or overlap > SHALLOW):
             reach = ASIDE * (two[0][2] + q[2]) + (REACH + AHEAD) * radius
             count, _ = near(problem.scene, position, reach, among)
-        staged, share, deepest, left = _bent(problem, before, new, two, joint, among, count)
-        if overlap > KEPT or (share == 1.0 and deepest < overlap):
-            bent, fits, overlap, pressure = staged, share, deepest, left
+            both, more, deepest, left = _relieve(problem, before, new, two, True, among, count)
+            if more > fits or (more == fits and deepest < overlap):
+                bent, fits, overlap, pressure = both, more, deepest, left
     length = fits * q[2]
-    if overlap > KEPT or length < problem.limits[k, MIN_LENGTH] or length == 0.0:
+    if length < problem.limits[k, MIN_LENGTH] or length == 0.0:
         return two, math.inf, 0.0
     last = bent[1]
     return (bent[0], (fits * last[0], fits * last[1], length)), overlap, pressure / length

@@ -58,7 +58,7 @@ LEEWAY = 1.05
 UNSEEN = 1.0
 """Score of a segment from whose end no point of the guide is seen: it may be on another way."""
 
-PATIENCE = 3
+PATIENCE = 2
 """Arcs that are looked at for each chain that is made, at most: in a tube all of them turn into the same one."""
 
 LOOKS = 100

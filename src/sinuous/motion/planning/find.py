@@ -35,9 +35,13 @@ SHARE = 0.1
 def find_path(query: Query, trees: RRTConnect | None = None) -> ProvedPath | None:
     """Let the planners take turns; `None` when the time is over, or none has anything left to try.
 
+    Under load only a tree grows, whose edges are proved one by one.
+
     Each planner yields a path, or `None` where the other one may go on. `trees`: memory of this robot and scene, to
     grow the first trees in.
     """
+    if query.robot.hangs:
+        return _under_load(query)
     ends = Ends(query)
     planners = [rrt_connect(query, ends, trees or RRTConnect(query.robot, query.scene)), retraction(query, ends)]
     while planners:
@@ -52,6 +56,15 @@ def find_path(query: Query, trees: RRTConnect | None = None) -> ProvedPath | Non
             if path is not None:
                 return path
     return None
+
+
+def _under_load(query: Query) -> ProvedPath | None:
+    """Find a path of a loaded body: a tree whose edges the prover itself proves grows in a time that is made up."""
+    prover = Prover(query.robot, query.scene)
+    seed, deadline = query.seed, query.deadline
+    timed = TimedQuery(query.robot, prover, query.start, 0.0, 1.0, False, query.goals, None, seed, deadline)
+    path = _straight(timed) or grow_timed_tree(timed)
+    return None if path is None else join_edges(timed, path)._replace(times=None)
 
 
 def find_timed_path(query: TimedQuery) -> ProvedPath | None:

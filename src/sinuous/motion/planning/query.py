@@ -9,14 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.between.query import VERDICT
-from sinuous.kernels.body.proof import CLEAR
 from sinuous.motion.configurations import distances
 from sinuous.motion.timing import largest
 from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
+from sinuous.solving.between.loaded import passes
 from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
 from sinuous.solving.solver import Solver
 from sinuous.work_time import work_time
@@ -235,7 +234,7 @@ class TimedQuery:
     def prove(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return what is proved of an edge (14,); `None` where it is not proved clear."""
         answer: Floats = self.prover.prove(np.stack([q0, q1]), 1.0, LOOSE_SECONDS, np.array([t0, t1]))[0]
-        return answer if answer[VERDICT] == CLEAR else None
+        return answer if passes(answer) else None
 
     def prove_in_time(self, q0: Floats, q1: Floats, t0: float, t1: float) -> Floats | None:
         """Return the same for an edge that may be too quick for the rates; `None` where it is."""

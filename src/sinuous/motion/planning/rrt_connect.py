@@ -19,7 +19,8 @@ from sinuous.motion.planning.query import Deadline, ProvedPath, Query
 from sinuous.motion.planning.tree import Chain
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
-from sinuous.solving.between.steps import LOOSE_SECONDS, Prover, unproved
+from sinuous.solving.between.loaded import unproved
+from sinuous.solving.between.steps import LOOSE_SECONDS, Prover
 
 MOST_NODES = 20_000
 """Nodes of one tree."""
@@ -44,7 +45,6 @@ class RRTConnect:
         n = len(robot)
         nodes = min(MOST_NODES, MOST_NUMBERS // (6 * n + 2))
         self._scene, self._robot = scene, robot
-        self._groups = robot_group(robot), scene._kernel_group
         self._scratch, self._workspace = np.empty(sweep_size(n, len(scene))), np.empty(plan_size(n, nodes))
         self._q, self._answers = np.empty((MOST_KNOTS, n, 3)), np.empty((MOST_KNOTS, ANSWER_WIDTH))
 
@@ -97,6 +97,10 @@ class RRTConnect:
         first, second = (len(nodes_of(self._workspace, len(self._robot), side)) for side in (0, 1))
         return first, second
 
+    @cached_property
+    def _groups(self) -> tuple[Floats, Floats]:
+        return robot_group(self._robot), self._scene._kernel_group
+
     @property
     def _work(self) -> tuple[Floats, Floats, Floats, Floats]:
         return self._scratch, self._workspace, self._q, self._answers
@@ -128,7 +132,8 @@ class RRTConnect:
 
 def load_trees(robot: Robot, scene: Snapshot) -> None:
     """Compile what grows trees, or load it."""
-    RRTConnect(robot, scene).load()
+    if not robot.hangs:
+        RRTConnect(robot, scene).load()
 
 
 def rrt_connect(query: Query, ends: Ends, trees: RRTConnect) -> Iterator[ProvedPath | None]:

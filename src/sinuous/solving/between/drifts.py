@@ -86,11 +86,11 @@ def together(answers: Floats, times: Floats, finer: Floats) -> Floats:
     for i in range(len(result)):
         own = np.flatnonzero(step == i)
         begin, length = times[i], times[i + 1] - times[i]
-        result[i] = _joined(answers[own], (finer[own] - begin) / length, (finer[own + 1] - finer[own]) / length)
+        result[i] = joined(answers[own], (finer[own] - begin) / length, (finer[own + 1] - finer[own]) / length)
     return result
 
 
-def _joined(answers: Floats, begins: Floats, lengths: Floats) -> Floats:
+def joined(answers: Floats, begins: Floats, lengths: Floats) -> Floats:
     """One answer (14,) of those (u, 14) about the parts of a step, which begin at these shares of it."""
     joined: Floats = answers[0].copy()
     verdicts: NDArray[np.float64] = answers[:, VERDICT]

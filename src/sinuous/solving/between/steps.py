@@ -10,13 +10,17 @@ from numpy.typing import NDArray
 
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.kernels import tables as k
 from sinuous.kernels.between.query import ANSWER_WIDTH, SEEN, UNTIL, VERDICT, prove_motions
-from sinuous.kernels.between.sweep import DRIFT_WIDTH, SEEN_WIDTH, WHEN, sweep_size
+from sinuous.kernels.between.sweep import DRIFT_WIDTH, SEEN_WIDTH, SEGMENT, WHEN, sweep_size
 from sinuous.kernels.body.proof import CLEAR, UNDECIDED
 from sinuous.reprs import call
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.drifts import Drifts, divided_knots, together
+from sinuous.solving.between.loaded import SAMPLED, SAMPLES, Piece, Ways, prove_way, unproved
+from sinuous.statics.equilibrium import longest_body
+from sinuous.work_time import work_time
 
 SLACK = 0.1
 """How far below the true clearance its proved bound may be, as a share of it."""
@@ -51,6 +55,11 @@ class Steps:
         """Whether the body is proved clear of obstacles and of itself all the way (m,)."""
         proved: NDArray[np.bool_] = self.answers[:, VERDICT] == CLEAR
         return proved
+
+    @property
+    def samples(self) -> NDArray[np.intp]:
+        """At how many shapes each motion was looked at (m,) and found clear, where that is all: see `SAMPLED`."""
+        return np.where(self.answers[:, VERDICT] == SAMPLED, SAMPLES, 0)
 
     @classmethod
     def told(
@@ -119,16 +128,21 @@ class Steps:
 class Prover:
     """Proves one motion after the other for a robot in a scene, without making anything anew.
 
-    Where obstacles move, motions have times, and where these are between them is looked at in the same time.
+    Where obstacles move, motions have times, and where these are between them is looked at in the same time. Of a robot
+    under load it proves the loaded body: linear in the coordinates of its arcs, and as far aside of that as equilibria
+    may be.
 
-    `finest`: length, in robot lengths, below which a proof gives up.
+    `finest`: length, in robot lengths, below which a proof gives up. `owners` (N,): the segment of each of its arcs.
     """
 
     def __init__(self, robot: Robot, scene: Snapshot, finest: float = FINEST) -> None:
         self.scene = scene
-        self._group, self._scene_group = robot_group(robot), scene.at(0.0)._kernel_group
+        self._ways = Ways(robot) if robot.hangs else None
+        body = longest_body(robot) if robot.hangs else robot
+        self._group, self._scene_group = robot_group(body), scene.at(0.0)._kernel_group
         self._mount, self._finest = float(robot.mount), finest * robot.mean_length
-        self._workspace = np.empty(sweep_size(len(robot), len(scene)))
+        self._workspace = np.empty(sweep_size(len(body), len(scene)))
+        self.owners = np.arange(len(robot)) if self._ways is None else self._ways.owners
         self._drifts = Drifts(scene) if scene.moves else None
         if self._drifts is not None:
             self._scene_group = self._scene_group.copy()  # rows of it are written
@@ -146,6 +160,13 @@ class Prover:
         `known` (T, 2): proved clearances and self-clearances of the knots, beyond what is demanded; 0: not known.
         Bounds are no more than `slack` below these, then.
         """
+        if self._ways is not None:
+            return self._prove_under_load(self._ways, knots, slack, seconds, times)
+        return self._prove_in_time(knots, slack, seconds, times, known)
+
+    def _prove_in_time(
+        self, knots: Floats, slack: float, seconds: float, times: Floats | None, known: Floats | None
+    ) -> Floats:
         clear = np.zeros((len(knots), 2)) if known is None else known
         if self._drifts is None:
             return self._prove(knots, clear, np.empty((len(knots) - 1, 0, DRIFT_WIDTH)), slack, seconds)
@@ -163,6 +184,41 @@ class Prover:
         terms = self._mount, slack, self._finest, seconds * len(answers)
         prove_motions(self._group, self._scene_group, knots, known, drifts, terms, self._workspace, answers)
         return answers
+
+    def _prove_under_load(
+        self, ways: Ways, knots: Floats, slack: float, seconds: float, times: Floats | None
+    ) -> Floats:
+        """Prove the steps of a loaded body, each in as many pieces as it takes."""
+        answers = unproved(len(knots) - 1)
+        end = work_time() + seconds * len(answers)
+        if self._drifts is not None and times is None:
+            raise InputError("times", "missing: obstacles move", None, "when the robot is at each knot")
+        for i in range(len(answers)):
+            begin, more = (0.0, 0.0) if times is None else (float(times[i]), float(times[i + 1] - times[i]))
+
+            def clear(piece: Piece, begin: float = begin, more: float = more) -> Floats:
+                when = None if times is None else begin + more * np.array([piece.begin, piece.end])
+                left = max(0.0, end - work_time())
+                return self._prove_piece(piece, slack, left, when)
+
+            answers[i] = prove_way(ways, knots[i], knots[i + 1], clear, end)
+        return answers
+
+    def _prove_piece(self, piece: Piece, slack: float, seconds: float, times: Floats | None) -> Floats:
+        """Prove the way linear in the coordinates of arcs (2, N, 3) for a body that is thicker by `piece.aside`."""
+        count = piece.arcs.shape[1]
+        rows = self._group[k.ROBOT_HEADER : k.ROBOT_HEADER + count * k.SEGMENT_WIDTH].reshape(count, -1)
+        rows[:, k.MAX_LENGTH] = np.maximum(rows[:, k.MAX_LENGTH], piece.arcs[..., 2].max(axis=0))
+        for column in (k.RADIUS, k.SELF_RADIUS):
+            rows[:, column] += piece.aside
+        try:
+            answer: Floats = self._prove_in_time(piece.arcs, slack, seconds, times, None)[0]
+        finally:
+            for column in (k.RADIUS, k.SELF_RADIUS):
+                rows[:, column] -= piece.aside
+        for at in (SEEN, SEEN + SEEN_WIDTH):
+            answer[at + SEGMENT] = self.owners[int(answer[at + SEGMENT])] if answer[at + SEGMENT] >= 0.0 else -1.0
+        return answer
 
 
 def prove_steps(
@@ -186,13 +242,6 @@ def prove_steps(
             again = prover.prove(path[i : i + 2], 1.0, LOOSE_SECONDS, times[i : i + 2])[0]
             answers[i] = again if again[VERDICT] == CLEAR else answers[i]
     return Steps(answers, robot.least_demanded)
-
-
-def unproved(count: int) -> Floats:
-    """Answers (count, 14) about motions of which nothing is known."""
-    answers = np.full((count, ANSWER_WIDTH), math.inf)
-    answers[:, VERDICT], answers[:, UNTIL] = UNDECIDED, 0.0
-    return answers
 
 
 def load_motions(robot: Robot, scene: Snapshot) -> None:

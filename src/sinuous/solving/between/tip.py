@@ -4,7 +4,13 @@ import numpy as np
 
 from sinuous.checks import Floats
 from sinuous.kernels.between.tip import leave_line
+from sinuous.kernels.statics.layout import TWIST
+from sinuous.packing import pose_row
 from sinuous.robot.robot import Robot, robot_group
+from sinuous.solving.between.loaded import Ways
+from sinuous.statics.between import Leave, leave
+from sinuous.statics.equilibrium import longest_body
+from sinuous.statics.rest import rolled
 
 
 class Tip:
@@ -21,8 +27,12 @@ class Tip:
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._group, self._q = robot_group(robot), np.empty((len(robot), 3))
-        self._frames, self.line = np.empty((len(robot) + 1, 12)), np.zeros((2, 3))
+        self._ways = Ways(robot) if robot.hangs else None
+        body = longest_body(robot) if robot.hangs else robot
+        self._group, self._q = robot_group(body), np.empty((len(body), 3))
+        self._frames, self.line = np.empty((len(body) + 1, 12)), np.zeros((2, 3))
+        self._tool = robot.tool
+        self._lever = float(np.linalg.norm(robot.tool[:3, 3])), float(np.linalg.norm(robot.tool[:2, 3]))
         self.deviation(np.zeros((2, len(robot), 3)), 0.0)  # compiled, or loaded
 
     def deviation(self, ends: Floats, enough: float) -> float:
@@ -35,5 +45,22 @@ class Tip:
         enough : float
             What is not above this need not be bounded more tightly (length unit).
         """
+        if self._ways is not None:
+            return self._under_load(self._ways, ends, enough)
         bound: float = leave_line(self._group, ends, self.line, enough, self._q, self._frames)
         return bound
+
+    def _under_load(self, ways: Ways, ends: Floats, enough: float) -> float:
+        """The same for the loaded body; where nothing bounds the equilibria between, as far as the ends show it."""
+        one, other = ways.at(ends[0]), ways.at(ends[1])
+        if one.states is None or other.states is None:
+            return np.inf
+        arcs = np.stack([one.arcs, other.arcs])
+        group, (lever, across) = self._group.copy(), self._lever
+        group[-12:] = pose_row(rolled(float(one.rolls[-1])) @ self._tool)[0]
+        bound = float(leave_line(group, arcs, self.line, enough, self._q, self._frames))
+        # The tool goes round with the roll of the tip, and bends turn it meanwhile.
+        turned = float(np.hypot(*(arcs[1] - arcs[0])[:, :2].T).sum())
+        roll = float(np.abs(other.states - one.states)[:, TWIST].sum())
+        off = leave(one, other) if ways.bounded else Leave(0.0, 0.0)
+        return bound + across * roll * (roll + 2.0 * turned) + off.aside + lever * off.turn

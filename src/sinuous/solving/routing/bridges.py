@@ -10,11 +10,9 @@ from itertools import product
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.solve.search import search
-from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH, SOLVED
+from sinuous.kernels.tables import MAX_BEND, MAX_LENGTH, MIN_LENGTH
 from sinuous.solving.routing.growth import Grown
-from sinuous.solving.routing.parts import beyond, ending, segments_in
+from sinuous.solving.routing.parts import beyond, ending, segments_in, solved
 from sinuous.solving.routing.turned import Groups, joined, rooted
 from sinuous.solving.starts import Deadline
 
@@ -23,9 +21,6 @@ OPEN = 3.5
 
 FREEDOM = 6
 """Least number of coordinates of a bridge between two poses: fewer meet both by chance only."""
-
-SEED = 0
-"""Seed of the scattered starts."""
 
 End = tuple[int, int]
 """A chain, by its number of segments and its own number."""
@@ -62,7 +57,7 @@ def bridged(
         rest = beyond(groups, head)
         if len(tail) > 0:
             rest = ending(rest, n - len(head) - len(tail), behind.frames[two])
-        bridge = _solved(rest, starts, deadline)
+        bridge = solved(rest, np.empty((0, int(rest[0][0]), 3)), starts, deadline)
         if bridge is not None:
             yield joined(groups, np.concatenate([head, bridge]), rooted(other, root), tail)
 
@@ -75,11 +70,3 @@ def _ends(grown: Grown, most: int) -> list[End]:
     ends = [(k, i) for i in outside[: max(1, most // 4)]]
     ends += [(k - 1, grown.parent(*end)) for end in ends if k > 0]
     return list(dict.fromkeys([*ends, (0, 0)]))
-
-
-def _solved(groups: Groups, starts: int, deadline: Deadline) -> Floats | None:
-    """Return a configuration (m, 3) that is proved; `None` where none is found."""
-    (n, actuators), obstacles, targets = (int(x) for x in groups[0][:2]), int(groups[1][0]), len(groups[3])
-    best, workspace = np.empty((n, 3)), np.empty(workspace_size(n, actuators, obstacles, targets))
-    record = search(*groups, np.empty((0, n, 3)), (0, starts, SEED, max(0.0, deadline())), workspace, best)
-    return best if record[0] == SOLVED else None

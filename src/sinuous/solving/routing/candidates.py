@@ -103,6 +103,7 @@ class Candidates:
         self._without, self._problem, self._deadline = without, question.problem, question.deadline
         self._groups = searches.groups(question.problem)
         self._halves: dict[int, Halves] = {}
+        self._chains: dict[int, Chains] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
         self._between = between
@@ -210,7 +211,9 @@ class Candidates:
         if legs is None or self._deadline() <= 0.0:
             return
         yield self._nothing()
-        for chain in Chains(self._groups, legs, self._deadline).of_width(width):
+        if candidate.rank not in self._chains:
+            self._chains[candidate.rank] = Chains(self._groups, legs, self._deadline)
+        for chain in self._chains[candidate.rank].of_width(width):
             if self._is_new(chain):
                 yield along(chain[None], (candidate.route,))
 

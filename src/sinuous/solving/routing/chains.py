@@ -14,17 +14,15 @@ from typing import NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
-from sinuous.kernels.solve.search import search
-from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import POSE_POSITION, POSE_WIDTH, SOLVED, UNIT
+from sinuous.kernels.tables import POSE_POSITION, POSE_WIDTH, UNIT
 from sinuous.solving.routing.bridges import OPEN, bridged
 from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, settled
-from sinuous.solving.routing.parts import ending
+from sinuous.solving.routing.parts import ending, solved
 from sinuous.solving.routing.roots import roots
 from sinuous.solving.routing.turned import Groups, joined, rooted, turned, turned_back
 from sinuous.solving.starts import Deadline
 
-WHOLES = 4
+WHOLES = 2
 """Most chains of one beam that reach the other end by themselves and are given."""
 
 JOINTS = 4
@@ -71,8 +69,6 @@ class Chains:
         self._segment = float(groups[2][UNIT]) / self._n
         self._roots = roots(groups, np.concatenate(list(legs)))
         self._other = turned(groups, self._roots[0]) if len(self._roots) else None
-        robot, scene, _, targets = groups
-        self._workspace = np.empty(workspace_size(self._n, int(robot[1]), int(scene[0]), len(targets) + 1))
 
     def of_width(self, width: int) -> Iterator[Floats]:
         """Yield chains (n, 3) of beams that are so wide, the likeliest first."""
@@ -104,10 +100,9 @@ class Chains:
             yield float(grown.scores[grown.segments, i]), chain
 
     def _given(self, wholes: Iterable[tuple[float, Floats]]) -> Iterator[Floats]:
-        """Yield chains, the best first, each also drawn to the targets."""
-        for _, chain in sorted(wholes, key=lambda whole: whole[0]):
-            yield chain
-            yield from settled(self._groups, [chain], self._deadline)
+        """Yield chains, the best first, drawn to the targets."""
+        best_first = (chain for _, chain in sorted(wholes, key=lambda whole: whole[0]))
+        yield from settled(self._groups, best_first, self._deadline)
 
     def _joined(self, ahead: Grown, behind: Grown, most: int) -> Iterator[Floats]:
         """Yield chains (n, 3) that meet both ends, of parts from either end."""
@@ -147,6 +142,4 @@ class Chains:
 
     def _closed(self, groups: Groups, chain: Floats, end: Floats) -> Floats | None:
         """Return a chain like this one (k, 3) that ends against a pose (12,); `None` where none is found."""
-        part, best = ending(groups, len(chain), end), np.empty((len(chain), 3))
-        record = search(*part, chain[None], (0, 0, 0, max(0.0, self._deadline())), self._workspace, best)
-        return best if record[0] == SOLVED else None
+        return solved(ending(groups, len(chain), end), chain[None], 0, self._deadline)

@@ -10,6 +10,8 @@ from sinuous.checks import Floats
 from sinuous.kernels.chain.batch import frames_of, points_of
 from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.query import ball_radius
+from sinuous.kernels.solve.search import search
+from sinuous.kernels.step.states import workspace_size
 from sinuous.kernels.tables import (
     ACTUATOR_WIDTH,
     ANGLE_TOLERANCE,
@@ -28,6 +30,7 @@ from sinuous.kernels.tables import (
     ROBOT_HEADER,
     ROTATION,
     SEGMENT_WIDTH,
+    SOLVED,
     TARGET_POSITION,
     TARGET_SEGMENT,
     TARGET_WIDTH,
@@ -35,6 +38,7 @@ from sinuous.kernels.tables import (
 )
 from sinuous.solving.polylines import respaced
 from sinuous.solving.routing.turned import FLIP, Groups
+from sinuous.solving.starts import Deadline
 
 NO_TOOL = np.append(np.eye(3).ravel(), np.zeros(3))
 """Pose (12,) of the tip without a tool."""
@@ -45,6 +49,9 @@ FEWEST = 8
 SAMPLES = 8
 """Points of a backbone for each segment."""
 
+SEED = 0
+"""Seed of scattered starts."""
+
 LOOSE, SLANT = 0.25, 0.08
 """How far from a gate the part before it may end: in radii of the body, and in rad."""
 
@@ -53,7 +60,7 @@ def before(groups: Groups, row: Floats) -> Groups:
     """Return the problem of the segments up to a gate, which is a target row (15,): to end there, nearly."""
     robot, scene, settings, targets = groups
     count = int(row[TARGET_SEGMENT]) + 1
-    segments, _, _ = _split(robot)
+    segments = segments_in(robot)
     own = targets[_segments(groups) < count]
     last = row.copy()
     last[TARGET_SEGMENT] = -1.0
@@ -86,14 +93,28 @@ def beyond(groups: Groups, chain: Floats) -> Groups:
     """Return the problem of what is left of a robot, from where the chain (m, 3) of its first segments ends."""
     robot, scene, settings, targets = groups
     count = len(chain)
-    segments, base, tool = _split(robot)
-    frames = np.empty((1, count + 1, POSE_WIDTH))
-    frames_of(chain[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
+    segments, _, tool = _split(robot)
     own = targets[_segments(groups) >= count]
     own[:, TARGET_SEGMENT] = np.where(own[:, TARGET_SEGMENT] < 0.0, -1.0, own[:, TARGET_SEGMENT] - count)
     told = _scaled(settings, segments[count:])
     told[MOUNT] = max(0.0, told[MOUNT] - chain[:, 2].sum())
-    return _robot(robot, count, len(segments), frames[0, count], tool), scene, told, own
+    return _robot(robot, count, len(segments), end_of(groups, chain), tool), scene, told, own
+
+
+def end_of(groups: Groups, chain: Floats) -> Floats:
+    """Return the pose (12,) in which a chain (m, 3) of the first segments ends."""
+    base, frames = _split(groups[0])[1], np.empty((1, len(chain) + 1, POSE_WIDTH))
+    frames_of(chain[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
+    end: Floats = frames[0, -1]
+    return end
+
+
+def solved(groups: Groups, chains: Floats, starts: int, deadline: Deadline) -> Floats | None:
+    """Return a configuration (n, 3) that is proved, from chains (g, n, 3) and scattered starts, or `None`."""
+    (n, actuators), obstacles, targets = (int(x) for x in groups[0][:2]), int(groups[1][0]), len(groups[3])
+    best, workspace = np.empty((n, 3)), np.empty(workspace_size(n, actuators, obstacles, targets))
+    record = search(*groups, chains, (0, starts, SEED, max(0.0, deadline())), workspace, best)
+    return best if record[0] == SOLVED else None
 
 
 def first(robot: Floats, count: int) -> Floats:

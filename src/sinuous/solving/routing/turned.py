@@ -85,7 +85,3 @@ def joined(groups: Groups, head: Floats, other: Groups, tail: Floats) -> Floats:
     base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
     frames_of(head[None].copy(), base.reshape(1, POSE_WIDTH).copy(), frames)
     return np.concatenate([head, turned_back(rooted(groups, frames[0, -1]), other, tail)])
-
-
-def _rotation(flat: Floats) -> Floats:
-    return flat[:POSE_POSITION].reshape(3, 3)

@@ -1,0 +1,98 @@
+"""What an answer has to keep while parameters change: its rows, as kernels find them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.derivatives.parameters import Plan
+from sinuous.kernels.derivative import layout as a
+from sinuous.kernels.derivative.query import derive
+from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
+from sinuous.problem.problem import Problem
+from sinuous.robot.robot import Robot
+
+
+def metric(robot: Robot) -> Floats:
+    """Scales (3 n,) in which motion counts: rad, and mean lengths of segments; 0 for what cannot move."""
+    return robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]].ravel()
+
+
+@dataclass(frozen=True)
+class KeptRows:
+    """The rows of an answer, targets first.
+
+    Attributes
+    ----------
+    problem : Problem
+    plan : Plan
+    answer : ndarray
+        As kernels fill it, see `sinuous.kernels.derivative.layout`.
+    q : ndarray (n, 3)
+        Where they are: at the configuration that was asked for, or a Newton step from there, which meets the targets.
+    """
+
+    problem: Problem
+    plan: Plan
+    answer: Floats
+    q: Floats
+
+    @classmethod
+    def found(cls, problem: Problem, plan: Plan, q: Floats) -> "KeptRows":
+        """Find what `q` (n, 3) keeps, and derive it as the nearest answer."""
+        answer = np.empty(plan.answer)
+        group = problem.scene._kernel_group if plan.obstacles else None
+        own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines
+        derive(*own, np.array(q), plan.workspace, answer)
+        return cls(problem, plan, answer, plan.workspace[: q.size].reshape(q.shape).copy())
+
+    def at(self, q: Floats) -> "KeptRows":
+        """Return those of another configuration."""
+        return self.found(self.problem, self.plan, q)
+
+    @property
+    def moved(self) -> Floats:
+        """Derivatives (3 n, p) of the configuration by all parameters."""
+        size = 3 * len(self.plan.robot)
+        return self.answer[a.ANSWER_HEADER : a.ANSWER_HEADER + size * self.plan.columns].reshape(size, -1)
+
+    @property
+    def targets(self) -> int:
+        """How many are those of targets."""
+        return int(self.answer[a.TARGET_ROWS])
+
+    @property
+    def smooth(self) -> bool:
+        """Whether the targets can follow all small changes, and there was room for all rows."""
+        return not int(self.answer[a.STATUS]) & (a.SINGULAR | a.FULL)
+
+    @cached_property
+    def _parts(self) -> tuple[Floats, Floats, Floats]:
+        count, r, size = int(self.answer[a.COUNT]), self.plan.rows, 3 * len(self.plan.robot)
+        first, found = a.ANSWER_HEADER + size * self.plan.columns, []
+        for width in (size, a.ABOUT_WIDTH, self.plan.columns):
+            found.append(self.answer[first : first + r * width].reshape(r, width)[:count])
+            first += r * width
+        return found[0], found[1], found[2]
+
+    @property
+    def rows(self) -> Floats:
+        """KeptRows (r, 3 n), of length 1 in the metric."""
+        return self._parts[0]
+
+    @property
+    def about(self) -> Floats:
+        """What is known about them (r, 12)."""
+        return self._parts[1]
+
+    @property
+    def sides(self) -> Floats:
+        """What parameters ask of them (r, p)."""
+        return self._parts[2]
+
+    @property
+    def missing(self) -> Floats:
+        """By how much (r,) rows have to change for targets to be met, and for nothing to be left of limits."""
+        left = self.about[:, a.FACTOR] * self.about[:, a.SLACK]
+        return np.where(self.about[:, a.KIND] == a.TARGET_ROW, left, -left)

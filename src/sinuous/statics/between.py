@@ -1,0 +1,268 @@
+"""How far a loaded body leaves the straight way between two of its shapes, while its motors run evenly: a proof.
+
+From state `x0` at one drive to `x1` at another, let `x(s)` be linear. The equilibrium at `s` is the root of the
+gradient `r(y; s)` of the energy. In the norm `|u|^2 = sum m_j u_j^2`, m the stiffness of every coordinate:
+
+- `r(x(s); s)` is looked at in places of s; between two it is at most 1/8 of its largest second derivative more: R;
+- where `u' H u >= c |u|^2` for the second derivative H of the energy all around, y of `|y - x(s)| <= rho`, and
+  `R <= c rho`, there is exactly one root in that ball at every s (Kantorovich; monotone operators), and it is within
+  `R / c`. As the roots go on steadily, they are the equilibria that the body passes through.
+
+c is the least eigenvalue half-way, less what third derivatives can change. All of them are bounded by one rule: a
+tangent of the body is a product of rotations, whose m-th derivative along `u` is at most `A^m`, A the sum of the angles
+of u up to there. A line that follows the arcs pulls with a convex energy, where nothing twists, however taut it is.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sinuous.checks import Floats
+from sinuous.kernels.statics import layout as t
+from sinuous.robot.robot import Robot
+from sinuous.statics.body import Tables, body_of
+from sinuous.statics.rest import Rest, Way
+
+GROWTH = (1.25, 1.6, 2.5, 4.0)
+"""Radii of the ball that are tried, in `R / c` of the first guess."""
+
+PARTS = 4
+"""Parts of the way between whose ends the gradient of the energy is looked at."""
+
+
+class Ends(NamedTuple):
+    """What bounds are made of: greatest values of both ends, and changes between them, of all arcs (N,) each.
+
+    Attributes
+    ----------
+    bend, rest, twist, length : ndarray
+        Sizes of bends (rad) with and without load, twists (rad) and lengths.
+    bend_change, rest_change, twist_change, length_change : ndarray
+    soft : ndarray (N, 3)
+        Compliance of bend, twist and stretch, the greatest of both ends; 0 of what is rigid.
+    growth : ndarray (N,)
+        Change of the length without load, relative to the least.
+    """
+
+    bend: Floats
+    rest: Floats
+    twist: Floats
+    length: Floats
+    bend_change: Floats
+    rest_change: Floats
+    twist_change: Floats
+    length_change: Floats
+    soft: Floats
+    growth: Floats
+
+
+def bounded(robot: Robot) -> bool:
+    """Whether the way of this robot between loaded shapes can be bounded: lines follow arcs that do not twist."""
+    own = body_of(robot)
+    twists = np.isfinite(own.stiffness[:, 1])
+    within = np.arange(len(robot))
+    through = (within >= own.lines.sections[:, :1]) & (within <= own.lines.sections[:, 1:])
+    return not own.lines.straight.any() and not (through & twists).any()
+
+
+class Leave(NamedTuple):
+    """By how much a body leaves a way: any place of it, and how far its end is turned (rad). Infinite: not bounded."""
+
+    aside: float
+    turn: float
+
+
+UNBOUNDED = Leave(np.inf, np.inf)
+
+
+def leave(one: Rest, other: Rest) -> Leave:
+    """How far the body leaves the way that is linear in `Rest.arcs`.
+
+    Parameters
+    ----------
+    one, other : Rest
+        Both in equilibrium, of one robot.
+    """
+    if one is other:
+        return Leave(0.0, 0.0)
+    if not bounded(one.robot):
+        return UNBOUNDED
+    ends = _ends(one, other)
+    stiff, heavy = _weight_beyond(one, other), _offsets(one, other)
+    share = np.sqrt(np.cumsum(ends.soft[:, 0] + ends.soft[:, 1]))  # sum of angles up to an arc <= share |u|
+    long = np.sqrt(ends.soft[:, 2])  # change of a length <= long |u|
+    way = Way(one, other)
+    middle, gradient, softness = way.look(0.5, True)
+    gradients = [gradient, *(way.look(i / PARTS)[1] for i in range(1, PARTS) if 2 * i != PARTS)]
+    sizes = ends.soft[:, [0, 0, 1, 2]]
+    seen = max(float(np.sqrt((sizes * each**2).sum())) for each in gradients)
+    more = (_elastic(ends) + _pull(ends, stiff, heavy, share, long)) / (8.0 * PARTS**2)
+    left = seen + more + _slackening(one, other, ends)
+    least = _least_eigenvalue(middle, softness)
+    if not least > 0.0:
+        return UNBOUNDED
+    turns = np.cumsum(_unrolled(ends))
+    for growth in GROWTH:
+        radius = growth * left / least
+        sure = _sure(ends, least, radius, (stiff, heavy, share, long))
+        if left <= sure * radius:
+            off = left / sure
+            aside = off * ((ends.length + long * off) * share + long).sum() + (ends.length * turns).sum()
+            return Leave(float(aside), float(off * share[-1] + turns[-1]))
+    return UNBOUNDED
+
+
+def _ends(one: Rest, other: Rest) -> Ends:
+    assert one.states is not None
+    assert other.states is not None
+    states, arcs = np.stack([one.states, other.states]), np.stack([one.tables.arcs, other.tables.arcs])
+    rests = arcs[..., t.REST_X : t.REST_LENGTH]
+    change, size = states[1] - states[0], np.abs(states).max(axis=0)
+    with np.errstate(divide="ignore"):
+        soft = 1.0 / arcs[..., : t.REST_X].min(axis=0)
+    length = arcs[..., t.REST_LENGTH]
+    return Ends(
+        np.hypot(states[..., 0], states[..., 1]).max(axis=0),
+        np.hypot(rests[..., 0], rests[..., 1]).max(axis=0),
+        size[:, t.TWIST],
+        size[:, t.LENGTH],
+        np.hypot(change[:, 0], change[:, 1]),
+        np.hypot(*(rests[1] - rests[0]).T),
+        np.abs(change[:, t.TWIST]),
+        np.abs(change[:, t.LENGTH]),
+        soft,
+        np.abs(length[1] - length[0]) / np.maximum(length.min(axis=0), 1e-300),
+    )
+
+
+def _weight_beyond(one: Rest, other: Rest) -> tuple[Floats, Floats]:
+    """Weight (N,) that the direction of every arc carries, at most, and how much that changes on the way."""
+    both = []
+    for each in (one, other):
+        own = np.linalg.norm(each.tables.arcs[:, t.WEIGHT :], axis=1)
+        carried = np.zeros(len(own))
+        loads = each.tables.loads
+        np.add.at(carried, loads[:, t.LOAD_ARC].astype(int), np.linalg.norm(loads[:, t.FORCE : t.MOMENT], axis=1))
+        both.append(np.cumsum((own + carried)[::-1])[::-1])
+    return np.maximum(*both), np.abs(both[1] - both[0])
+
+
+def _offsets(one: Rest, other: Rest) -> Floats:
+    """Moments (N,) of what is carried beside the backbone, at the arcs at whose ends it is."""
+    loads = one.tables.loads
+    result = np.zeros(len(one.tables.arcs))
+    sizes = np.linalg.norm(loads[:, t.FORCE : t.MOMENT], axis=1) * np.linalg.norm(loads[:, t.OFFSET :], axis=1)
+    np.add.at(result, loads[:, t.LOAD_ARC].astype(int), sizes)
+    return result
+
+
+def _second(first: Floats, value: Floats, once: Floats, twice: Floats) -> Floats:
+    """Second derivative of a stiffness that goes with 1 / length, times something; in units of that stiffness.
+
+    `first`: relative growth; `value`, `once` and `twice` bound the other factor and its derivatives.
+    """
+    return twice + 2.0 * first * once + 2.0 * first * first * value
+
+
+def _elastic(ends: Ends) -> float:
+    """Second derivative by s of the moments and forces of the arcs themselves, in the dual norm."""
+    v, c, dv, dc = ends.bend, ends.rest, ends.bend_change, ends.rest_change
+    twists = ends.soft[:, 1] > 0.0
+    tau, dtau = np.where(twists, ends.twist, 0.0), np.where(twists, ends.twist_change, 0.0)
+    g, soft = ends.growth, ends.soft
+    stiff = (1.0 + g)[:, None] * np.divide(1.0, soft, out=np.zeros_like(soft), where=soft > 0.0)
+    twice = 0.25 * c * dtau**2 + dc * dtau
+    bend = stiff[:, 0] * _second(g, v + c, dv + dc + 0.5 * c * dtau, twice)
+    once = 0.5 * (dv * c + v * dc + 0.5 * v * c * dtau)
+    twice = 0.5 * (2.0 * dv * dc + (dv * c + v * dc) * dtau + 0.25 * v * c * dtau**2)
+    turn = stiff[:, 0] * _second(g, 0.5 * v * c, once, twice) * twists + stiff[:, 1] * _second(g, tau, dtau, 0.0 * tau)
+    pull = stiff[:, 2] * _second(g, ends.length, 2.0 * ends.length_change, 0.0 * tau)
+    return float(np.sqrt((soft * np.stack([bend, turn, pull], axis=1) ** 2).sum()))
+
+
+def _pull(ends: Ends, weights: tuple[Floats, Floats], offsets: Floats, share: Floats, long: Floats) -> float:
+    """The same of weights and payloads."""
+    beyond, change = weights
+    A, dl = _angles(ends), ends.length_change
+    once = ends.length * A * share + dl * share + A * long
+    twice = ends.length * A**2 * share + 2.0 * dl * A * share + A**2 * long
+    return float((beyond * twice + 2.0 * change * once + offsets * A**2 * share).sum())
+
+
+def _angles(ends: Ends) -> Floats:
+    """Sum of the angles by which the body changes, up to the end of every arc (N,)."""
+    result: Floats = np.cumsum(ends.bend_change + ends.twist_change)
+    return result
+
+
+def _slackening(one: Rest, other: Rest, ends: Ends) -> float:
+    """By how much tensions leave the straight line where lines become slack or taut on the way, in the dual norm."""
+    lines, total = one.tables.lines, 0.0
+    for i, line in enumerate(lines):
+        if line[t.PUSHES] > 0.0 or line[t.HELD] == 0.0:
+            continue
+        tensions = [each.tensions[i] if each.tensions[i] > 0.0 else _slack(each, i) for each in (one, other)]
+        most, least = max(tensions), min(tensions)
+        if most > 0.0 > least:
+            through = slice(int(line[t.FIRST_ARC]), int(line[t.LAST_ARC]) + 1)
+            arm = float(np.hypot(line[t.ARM], line[t.ARM + 1]))
+            size = float(np.sqrt((arm * arm * ends.soft[through, 0] + ends.soft[through, 2]).sum()))
+            total += size * most * -least / (most - least)
+    return total
+
+
+def _slack(rest: Rest, i: int) -> float:
+    """Tension that a slack line would have if it could push, negative."""
+    assert rest.states is not None
+    line, states = rest.tables.lines[i], rest.states
+    through = slice(int(line[t.FIRST_ARC]), int(line[t.LAST_ARC]) + 1)
+    long = states[through, t.LENGTH] - states[through, :2] @ line[t.ARM : t.ARM + 2]
+    return min(0.0, float(long.sum() - line[t.VALUE]) / float(line[t.COMPLIANCE]))
+
+
+def _least_eigenvalue(tables: Tables, softness: Floats) -> float:
+    """Least eigenvalue of the second derivative, relative to the stiffness of the arcs; at most 1."""
+    root = np.sqrt(np.stack([tables.arcs[:, max(0, j - 1)] for j in range(4)], axis=1).ravel())
+    gives = np.flatnonzero(np.isfinite(root))
+    values = np.linalg.eigvalsh(softness[np.ix_(gives, gives)] * root[gives] * root[gives][:, None])
+    return 0.0 if values[0] <= 0.0 else min(1.0, 1.0 / float(values[-1]))
+
+
+def _sure(
+    ends: Ends, least: float, radius: float, of_weights: tuple[tuple[Floats, Floats], Floats, Floats, Floats]
+) -> float:
+    """Lower bound of the eigenvalues anywhere in the ball, at any time, in the norm of the softest stiffness.
+
+    Half-way they are at `least`, and nothing is farther from there than half of the changes.
+    """
+    (beyond, change), offsets, share, long = of_weights
+    soft = ends.soft
+    stiff = (1.0 + ends.growth) * np.divide(1.0, soft[:, 0], out=np.zeros(len(soft)), where=soft[:, 0] > 0.0)
+    ends, change = _half(ends), 0.5 * change
+    g = ends.growth
+    angles = _angles(ends) + share * radius
+    stretch = ends.length_change + long * radius
+    length = ends.length + long * radius
+    turned = beyond * (length * angles * share**2 + stretch * share**2 + 2.0 * long * angles * share)
+    lighter = change * (length * share**2 + 2.0 * long * share)
+    total = float((turned + lighter + offsets * angles * share**2).sum())
+    twisted = ends.twist_change + np.sqrt(soft[:, 1]) * radius
+    bent, c = ends.bend + np.sqrt(soft[:, 0]) * radius, ends.rest
+    cross = 0.5 * (ends.rest_change + 0.5 * c * twisted + g * c)
+    bent_change = ends.bend_change + np.sqrt(soft[:, 0]) * radius
+    even = 0.25 * (bent_change * c + bent * ends.rest_change + 0.5 * bent * c * twisted + g * bent * c)
+    coupled = stiff * (cross * np.sqrt(soft[:, 0] * soft[:, 1]) + even * soft[:, 1])
+    return 1.0 + (least - 1.0) * (1.0 + float(g.max())) - total - float(coupled.max())
+
+
+def _half(ends: Ends) -> Ends:
+    """The same with half of the changes."""
+    names = ("bend_change", "rest_change", "twist_change", "length_change", "growth")
+    return ends._replace(**{name: 0.5 * getattr(ends, name) for name in names})
+
+
+def _unrolled(ends: Ends) -> Floats:
+    """By how much bends (N,), turned so that no arc is twisted, leave the straight way between both ends."""
+    rolled = np.cumsum(ends.twist_change) - ends.twist_change
+    result: Floats = 0.125 * (ends.bend * rolled**2 + 2.0 * ends.bend_change * rolled)
+    return result

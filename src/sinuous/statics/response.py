@@ -1,0 +1,294 @@
+"""How a body at rest under load answers to small changes of its drive, its loads and the robot.
+
+Each derivative is a central difference of equilibria that Newton's method finds from the one that is derived, in two or
+three steps: exact to the second order of a step of 1e-4, in the scale of what changes.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import LoadParameter, Rows, Vector
+from sinuous.checks import Floats
+from sinuous.groups import check_asked, read_names, read_tangent
+from sinuous.reprs import ShortRepr
+from sinuous.robot.loads import Force, Load
+from sinuous.robot.stiffness import Stiffness
+from sinuous.statics.body import body_of
+
+if TYPE_CHECKING:
+    from sinuous.robot.robot import Robot
+    from sinuous.statics.equilibrium import Equilibrium
+
+STEP = 1e-4
+"""Of the differences, in the scale of what changes."""
+
+KINK = 1e-2
+"""Difference between the derivatives to both sides, relative to the larger, from which on there is a kink."""
+
+ROUNDING = 1e-9
+"""What states of equilibria are exact to."""
+
+TWIST = ("omega_x", "omega_y", "omega_z", "v_x", "v_y", "v_z")
+STIFFNESSES = ("bend", "twist", "stretch")
+
+
+class Question(NamedTuple):
+    """What an equilibrium is of: a robot, its loads beside its own, and its drive.
+
+    Attributes
+    ----------
+    robot : Robot
+    loads : tuple of Force or Payload
+    drive : str
+        What `values` are: `q` (n, 3), `actuators` (m,) in the units of the motors, or `tensions` (m,).
+    values : ndarray
+    initial : ndarray (n, 3) or None
+        Of what no actuator determines, its configuration without load.
+    """
+
+    robot: "Robot"
+    loads: tuple[Load, ...]
+    drive: str
+    values: Floats
+    initial: Floats | None
+
+
+class Column(NamedTuple):
+    """One parameter: what it is called, its scale, and how a question looks after it has changed by `h`."""
+
+    name: str
+    scale: float
+    changed: Any
+
+
+class Response(ShortRepr):
+    """Derivatives of an equilibrium, by groups of parameters; as `Derivative` of an answer.
+
+    Attributes
+    ----------
+    wrt : tuple of str
+    regular : bool
+        Whether there is a derivative: not where the body is unstable, or a tendon just becomes slack.
+    states : mapping of str to ndarray (N, 4, p)
+        Derivatives of the states of all arcs by a group of p parameters.
+    tip : mapping of str to ndarray (6, p)
+        Twists of the tool: angular velocity, and velocity of its origin, in world axes.
+    tensions : mapping of str to ndarray (m, p)
+        NaN of actuators without.
+    """
+
+    def __init__(self, found: "Equilibrium", wrt: LoadParameter | Iterable[LoadParameter]) -> None:
+        known = [name for name in GROUPS if name not in DRIVES or name == found.question.drive]
+        self.wrt: tuple[LoadParameter, ...] = read_names(wrt, known)
+        self._shape = found.states.shape
+        self._columns = {name: tuple(GROUPS[name](found.question)) for name in self.wrt}
+        derived = {name: [_derive(found, column) for column in self._columns[name]] for name in self.wrt}
+        self.regular = found.stable and all(each.regular for listed in derived.values() for each in listed)
+        nothing = _State(*(np.empty((*shape, 0)) for shape in (self._shape, (6,), found.tensions.shape)))
+        self.states, self.tip, self.tensions = (
+            {
+                name: np.concatenate([nothing[i], *(each.change[i][..., None] for each in derived[name])], axis=-1)
+                for name in self.wrt
+            }
+            for i in range(len(nothing))
+        )
+
+    def labels(self, name: LoadParameter) -> tuple[str, ...]:
+        """What the columns of a group are called: `loads[0].force_x`, `s1.stiffness.bend`."""
+        check_asked(name, self.wrt)
+        return tuple(column.name for column in self._columns[name])
+
+    def vjp(self, cotangent: Rows) -> dict[LoadParameter, Floats]:
+        """Derivatives (p,) of `sum(cotangent * states)` by each group, for a cotangent (N, 4).
+
+        Raises
+        ------
+        InputError
+            When it has another shape.
+        """
+        given = checks.array("cotangent", cotangent, self._shape)
+        return {name: np.einsum("kc,kcp->p", given, self.states[name]) for name in self.wrt}
+
+    def jvp(self, tangent: Vector | Mapping[LoadParameter, Vector]) -> Floats:
+        """Motion (N, 4) of the states when the parameters begin to move along `tangent`; see `Derivative.jvp`.
+
+        Raises
+        ------
+        InputError
+            When a name was not asked for, or a tangent has another shape.
+        """
+        moved = np.zeros(self._shape)
+        for name, value in read_tangent(tangent, self.wrt).items():
+            moved += self.states[name] @ checks.array(f"tangent[{name!r}]", value, (len(self._columns[name]),))
+        return moved
+
+    def _shown(self) -> Iterator[str]:
+        yield ", ".join(self.wrt)
+        yield "regular" if self.regular else "kink"
+
+
+class _State(NamedTuple):
+    """States (N, 4), twist (6,) of the tool from where it was, and tensions (m,); or how these change."""
+
+    states: Floats
+    tip: Floats
+    tensions: Floats
+
+
+class _Derived(NamedTuple):
+    change: _State
+    regular: bool
+
+
+def _derive(found: "Equilibrium", column: Column) -> _Derived:
+    """Derive by one parameter; NaN, and not regular, where there is no equilibrium to one side."""
+    h, here = STEP * column.scale, _State(found.states, np.zeros(6), found.tensions)
+    below, above = (_beside(found, column.changed(sign * h)) for sign in (-1.0, 1.0))
+    if below is None or above is None:
+        return _Derived(_State(*(np.full(each.shape, np.nan) for each in here)), False)
+    change = _State(*((after - before) / (2.0 * h) for before, after in zip(below, above, strict=True)))
+    ahead, behind = above.states - here.states, here.states - below.states
+    bent = float(np.abs(ahead - behind).max())
+    return _Derived(change, bent <= ROUNDING + KINK * float(np.abs(ahead + behind).max()))
+
+
+def _beside(found: "Equilibrium", question: Question) -> _State | None:
+    """The equilibrium of a question that differs a little; `None` where there is none nearby."""
+    near = found.beside(question)
+    if near is None:
+        return None
+    turn = near.tip[:3, :3] @ found.tip[:3, :3].T
+    skew = 0.5 * (turn - turn.T)
+    twist = np.array([skew[2, 1], skew[0, 2], skew[1, 0], *(near.tip[:3, 3] - found.tip[:3, 3])])
+    return _State(near.states, twist, near.tensions)
+
+
+def _softest(robot: "Robot") -> float:
+    """Moment that bends the softest segment by 1 rad."""
+    lengths = np.array([0.5 * sum(segment.length) for segment in robot.segments])
+    own: float = (body_of(robot).stiffness[:, 0] / lengths).min()
+    return own if np.isfinite(own) else 1.0
+
+
+def _entries(names: Sequence[str], value: Floats, scale: float, put: Callable[[Floats], Question]) -> Iterator[Column]:
+    """Columns of the numbers of an array, which `put` puts into the question."""
+    for i, name in enumerate(names):
+        unit = np.zeros(value.size)
+        unit[i] = 1.0
+        direction = unit.reshape(value.shape)
+        yield Column(name, scale, lambda h, d=direction: put(value + h * d))
+
+
+def _of_loads(question: Question) -> Iterator[Column]:
+    names = [f"loads[{i}]" for i in range(len(question.loads))]
+    return _of_each(question, names, question.loads, lambda loads: question._replace(loads=loads))
+
+
+def _of_payload(question: Question) -> Iterator[Column]:
+    carried = question.robot.payload
+    names = [f"payload[{i}]" for i in range(len(carried))]
+    return _of_each(
+        question, names, carried, lambda loads: question._replace(robot=question.robot.changed(payload=loads))
+    )
+
+
+def _of_each(
+    question: Question, names: Sequence[str], loads: Sequence[Load], put: Callable[[tuple[Any, ...]], Question]
+) -> Iterator[Column]:
+    robot, moment = question.robot, _softest(question.robot)
+    force = moment / robot.mean_length
+    gravity = 1.0 if robot.gravity is None else max(float(np.linalg.norm(robot.gravity)), 1e-12)
+    for i, load in enumerate(loads):
+        scales = {"force": force, "moment": moment, "mass": force / gravity, "position": robot.mean_length}
+        for key in ("force", "moment", "position") if isinstance(load, Force) else ("mass", "position"):
+            value = np.atleast_1d(getattr(load, key))
+            own = [f"{names[i]}.{key}{axis}" for axis in (("_x", "_y", "_z") if value.size == 3 else ("",))]
+
+            def changed(other: Floats, i: int = i, load: Load = load, key: str = key) -> Question:
+                one = load.changed(**{key: other if other.size == 3 else float(other[0])})
+                return put((*loads[:i], one, *loads[i + 1 :]))
+
+            yield from _entries(own, value, scales[key], changed)
+
+
+def _of_gravity(question: Question) -> Iterator[Column]:
+    robot = question.robot
+    if robot.gravity is None:
+        return
+    names, scale = ("gravity_x", "gravity_y", "gravity_z"), max(float(np.linalg.norm(robot.gravity)), 1e-12)
+    put = lambda gravity: question._replace(robot=robot.changed(gravity=gravity))  # noqa: E731
+    yield from _entries(names, robot.gravity, scale, put)
+
+
+def _of_stiffness(question: Question) -> Iterator[Column]:
+    robot = question.robot
+    for k, segment in enumerate(robot.segments):
+        for key in STIFFNESSES if segment.stiffness is not None else ():
+            own = np.array([getattr(segment.stiffness, each) for each in STIFFNESSES])
+            value = own[STIFFNESSES.index(key)]
+            if np.isfinite(value):
+
+                def changed(h: float, k: int = k, own: Floats = own, key: str = key) -> Question:
+                    more = own + h * (np.array(STIFFNESSES) == key)
+                    one = Stiffness(*(float(each) if np.isfinite(each) else None for each in more))
+                    parts = [s.changed(stiffness=one) if j == k else s for j, s in enumerate(robot.segments)]
+                    return question._replace(robot=robot.changed(segments=parts))
+
+                yield Column(f"{robot.segment_names[k]}.stiffness.{key}", float(value), changed)
+
+
+def _of_base(question: Question) -> Iterator[Column]:
+    from scipy.spatial.transform import Rotation  # noqa: PLC0415
+
+    robot = question.robot
+    for i, name in enumerate(TWIST):
+
+        def changed(h: float, i: int = i) -> Question:
+            base = robot.base.copy()
+            if i < 3:
+                base[:3, :3] = Rotation.from_rotvec(h * np.eye(3)[i]).as_matrix() @ base[:3, :3]
+            else:
+                base[i - 3, 3] += h
+            return question._replace(robot=robot.changed(base=base))
+
+        yield Column(f"base.{name}", 1.0 if i < 3 else robot.mean_length, changed)
+
+
+def _of_drive(question: Question) -> Iterator[Column]:
+    robot, values = question.robot, question.values
+    if question.drive == "q":
+        for k, segment in enumerate(robot.segment_names):
+            for i, key in enumerate(("bend_x", "bend_y", "length")):
+                unit = np.zeros(values.shape)
+                unit[k, i] = 1.0
+                scale = robot.mean_length if key == "length" else 1.0
+                yield Column(f"{segment}.{key}", scale, lambda h, u=unit: question._replace(values=values + h * u))
+        return
+    names, arm = [each.name for each in robot.actuators], 0.05 * robot.mean_length
+    gains = 1.0 if question.drive == "tensions" else float(np.abs(robot.drive.motors.gain).max(initial=1.0))
+    scale = _softest(robot) / arm if question.drive == "tensions" else arm * gains
+    yield from _entries(names, values, scale, lambda other: question._replace(values=other))
+
+
+DRIVES = "q", "actuators", "tensions"
+GROUPS: dict[LoadParameter, Callable[[Question], Iterator[Column]]] = {
+    "loads": _of_loads,
+    "payload": _of_payload,
+    "gravity": _of_gravity,
+    "stiffness": _of_stiffness,
+    "base": _of_base,
+    "q": _of_drive,
+    "actuators": _of_drive,
+    "tensions": _of_drive,
+}
+"""All groups of parameters; of the last three that with which the equilibrium was asked for.
+
+- `loads`, `payload`: of each force its force, its moment and its position, of each mass the mass and its position, as
+  `Force` and `Payload` have them; those that were given, and those that the robot carries;
+- `gravity`: three; `base`: a small rotation about its own origin, in world axes (3), and the motion of that origin (3);
+- `stiffness`: of each segment those of bend, twist and stretch that are finite;
+- `q`: the configuration without load (3 n); `actuators`, `tensions`: a value each.
+"""

@@ -1,0 +1,191 @@
+"""A body at rest under load, as searches and proofs read it: quickly found from one beside it, without the noun."""
+
+import math
+from functools import cached_property
+
+import numpy as np
+
+from sinuous import packing
+from sinuous.checks import Floats
+from sinuous.kernels.statics import layout as t
+from sinuous.robot.robot import Robot
+from sinuous.statics.body import Tables, body_of, tables_of
+from sinuous.statics.equilibrium import run
+
+
+class Rest:
+    """The equilibrium under gravity and payload at a drive `q`; see `Equilibrium`.
+
+    Parameters
+    ----------
+    robot : Robot
+    q : ndarray (n, 3)
+    before : Rest, optional
+        Whose state the search begins in.
+    displacements : ndarray (m,), optional
+        Of the actuators; by default those that belong to `q`.
+
+    Attributes
+    ----------
+    tables : Tables
+    states : ndarray (N, 4) or None
+        `None` where no stable equilibrium was found.
+    tensions : ndarray (t,)
+    """
+
+    states: Floats | None
+    tensions: Floats
+
+    def __init__(
+        self, robot: Robot, q: Floats, before: "Rest | None" = None, displacements: Floats | None = None
+    ) -> None:
+        from sinuous.kernels.statics.equilibrium import UNSTABLE  # noqa: PLC0415
+
+        self.robot, self.q, self.displacements = robot, q, displacements
+        if displacements is None and robot.drive.elastic is not None:
+            self.displacements = robot.drive.displacements(q) + robot.drive.stretch(q)
+        self.tables: Tables = tables_of(robot, q, (), self.displacements)
+        begin = self.tables
+        if before is not None and before.states is not None:
+            change = self.tables.states - before.tables.states
+            begin = begin._replace(states=before.states + change, tensions=before.tensions)
+        found = run(robot, begin)
+        self.states = None
+        if found is not None and found.record[UNSTABLE] == 0.0:
+            self.states, self.tensions = found.states, found.tensions
+
+    @property
+    def found(self) -> tuple[Floats, Floats]:
+        """States and tensions."""
+        assert self.states is not None
+        return self.states, self.tensions
+
+    @cached_property
+    def rolls(self) -> Floats:
+        """By how much the ends of all arcs have rolled (N,), rad."""
+        assert self.states is not None
+        result: Floats = np.cumsum(self.states[:, t.TWIST])
+        return result
+
+    @cached_property
+    def arcs(self) -> Floats:
+        """Configuration (N, 3) of the body as a robot of arcs: bends turned so that none is twisted."""
+        assert self.states is not None
+        turns = self.rolls - self.states[:, t.TWIST]
+        cosine, sine = np.cos(turns), np.sin(turns)
+        x, y = self.states[:, 0], self.states[:, 1]
+        result: Floats = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
+        return result
+
+    @property
+    def shown(self) -> Floats:
+        """The same; as nothing loads it, where no equilibrium was found."""
+        return self.tables.states[:, [0, 1, 3]] if self.states is None else self.arcs
+
+    @cached_property
+    def frames(self) -> Floats:
+        """Frames (1, N + 1, 12) of the base and of the ends of all arcs, without their roll."""
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+
+        result = np.empty((1, len(self.arcs) + 1, 12))
+        batch.frames_of(self.arcs[None], packing.pose_row(self.robot.base), result)
+        return result
+
+    def pose(self, segment: int | None) -> Floats:
+        """Pose (4, 4) of the end of a segment (1 = first), or of the tool."""
+        own = body_of(self.robot)
+        at_tip = segment is None or segment == len(self.robot)
+        end = own.ends[-1 if segment is None or at_tip else segment - 1]
+        row, pose = self.frames[0, end + 1], np.eye(4)
+        pose[:3, :3], pose[:3, 3] = row[:9].reshape(3, 3), row[9:]
+        pose = pose @ rolled(float(self.rolls[end]))
+        return pose @ self.robot.tool if at_tip else pose
+
+    def jacobian(self, segment: int | None) -> Floats:
+        """Derivative (6, 3 n) of that pose, `(omega, v)` in world axes, while arcs deviate so from even ones."""
+        from sinuous.kernels.chain import batch  # noqa: PLC0415
+
+        count, own, robot = len(self.arcs), body_of(self.robot), self.robot
+        at_tip = segment is None or segment == len(robot)
+        end = int(own.ends[-1 if segment is None or at_tip else segment - 1])
+        out = np.zeros((1, 6, 3 * count))
+        tool = packing.pose_row(rolled(float(self.rolls[-1])) @ robot.tool)
+        batch.jacobians_of(self.arcs[None], self.frames, tool, end, np.empty((count, 18)), out)
+        columns = out[0].reshape(6, count, 3)
+        assert self.states is not None
+        turns = self.rolls - 0.5 * self.states[:, t.TWIST]
+        cosine, sine = np.cos(turns), np.sin(turns)
+        turned = np.stack(
+            [
+                cosine * columns[..., 0] + sine * columns[..., 1],
+                cosine * columns[..., 1] - sine * columns[..., 0],
+                columns[..., 2],
+            ],
+            axis=-1,
+        )
+        sums = np.add.reduceat(turned, own.ends - own.counts + 1, axis=1)
+        return (sums / own.counts[:, None]).reshape(6, -1)
+
+
+class Way:
+    """The state that is linear between two shapes, while the motors run evenly from one to the other.
+
+    Parameters
+    ----------
+    one, other : Rest
+        Both in equilibrium, of one robot.
+    """
+
+    def __init__(self, one: Rest, other: Rest) -> None:
+        self._one, self._other = one, other
+        self._base = packing.pose_row(one.robot.base)
+
+    def drive(self, share: float) -> tuple[Floats, Floats | None]:
+        """Where the drive is at a share of the way (n, 3), and the displacements of actuators (m,) that stretch."""
+        one, other = self._one, self._other
+        q: Floats = (1.0 - share) * one.q + share * other.q
+        if one.displacements is None or other.displacements is None:
+            return q, None
+        return q, (1.0 - share) * one.displacements + share * other.displacements
+
+    def rest(self, share: float) -> Rest:
+        """The loaded body there, looked for from the first shape."""
+        q, displacements = self.drive(share)
+        return Rest(self._one.robot, q, self._one, displacements)
+
+    def look(self, share: float, softness: bool = False) -> tuple[Tables, Floats, Floats]:
+        """Tables, gradient of the energy (N, 4), and the `softness` there, if that is asked for.
+
+        That is the change of states (4 N, 4 N) for a unit of force on each, while lines hold nothing.
+        """
+        from sinuous.kernels.statics.flexibility import soften  # noqa: PLC0415
+        from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
+
+        one, other = self._one, self._other
+        assert one.states is not None
+        assert other.states is not None
+        q, displacements = self.drive(share)
+        tables = tables_of(one.robot, q, (), displacements)
+        arcs, loads, lines, slopes, _, _ = tables
+        x, tensions = ((1.0 - share) * a + share * b for a, b in zip(one.found, other.found, strict=True))
+        left, out = np.empty(x.shape), np.empty((x.size if softness else 0, *x.shape))
+        soften(
+            self._base,
+            arcs,
+            loads,
+            lines,
+            slopes,
+            x,
+            tensions,
+            np.empty(room_for(len(x), len(lines), slopes)),
+            left,
+            out,
+        )
+        return tables, left, out.reshape(len(out), x.size)
+
+
+def rolled(angle: float) -> Floats:
+    """Return a roll about z as a pose (4, 4)."""
+    result = np.eye(4)
+    result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    return result

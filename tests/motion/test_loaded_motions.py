@@ -1,0 +1,91 @@
+"""Motions under load: knots and the way between them are of the loaded body, judged by code that solves nothing."""
+
+import numpy as np
+import pytest
+
+import sinuous as sn
+from sinuous.checks import Floats
+from tests.solving.test_under_load import GRAVITY, ROD, Q, arm
+
+SECONDS = 20.0
+AWAY = np.array([0.05, 0.0, 0.0])
+MOVED = np.array([[0.15, -0.1, 0.004], [0.1, 0.1, -0.004], [-0.1, 0.15, 0.0]])
+
+
+def path(robot: sn.Robot, end: Floats, count: int = 3) -> list[sn.Target]:
+    return [sn.Target(robot.shape(Q + share * (end - Q)).tip[:3, 3]) for share in np.linspace(0.0, 1.0, count)]
+
+
+def test_a_track_is_proved_and_verified() -> None:
+    robot = arm()
+    ball = sn.Sphere(robot.shape(Q).tip[:3, 3] + [0.04, 0.0, 0.0], 0.015)
+    motion = sn.track(robot, path(robot, Q + MOVED), [ball], start=Q, time=SECONDS)
+    assert motion.solved, motion
+    assert motion.between == "proved"
+    found = motion.verify()
+    assert all(each.ok for each in found)
+    assert motion.clearance is not None
+    assert 0.0 < motion.clearance <= min(each.clearance for each in found)
+    assert motion.tips[-1][:3, 3] == pytest.approx(motion.solutions[-1].problem.targets[0].position, abs=3e-5)
+    assert np.linalg.norm(robot.tip(motion.q[-1])[:3, 3] - motion.tips[-1][:3, 3]) > 0.01, "nothing bends it"
+
+
+def test_a_plan_goes_round_what_only_the_loaded_body_meets() -> None:
+    robot = arm()
+    end = Q * [-1.0, 1.0, 1.0]
+    half = robot.shape(0.5 * (Q + end)).tip[:3, 3]
+    ball = sn.Sphere(half, 0.008)
+    assert not sn.Motion(robot, [Q, end], [ball]).solved, "the straight way is clear"
+    motion = sn.plan(robot, Q, end, [ball], time=SECONDS)
+    assert motion.solved, motion
+    assert len(motion.q) > 2
+    assert all(each.ok for each in motion.verify())
+
+
+def test_obstacles_that_move_are_met_in_time() -> None:
+    robot = arm()
+    there = robot.shape(Q).tip[:3, 3] + [0.03, 0.0, 0.0]
+    away, back = np.array([0.2, 0.0, 0.0]), np.array([0.03, 0.0, 0.0])
+    gone = sn.Moving(sn.Sphere((0.0, 0.0, 0.0), 0.01), [0.0, 1.0], [there, there + away])
+    near = sn.Moving(sn.Sphere((0.0, 0.0, 0.0), 0.01), [0.0, 1.0], [there + away, there - back])
+    still = np.stack([Q, Q])
+    assert sn.Motion(robot, still, [gone]).solved
+    assert not sn.Motion(robot, still, [near]).solved
+
+
+def test_what_nothing_bounds_is_sampled_and_never_called_proved() -> None:
+    segment = sn.Segment(0.1, max_bend=2.0, radius=0.005, tendons=sn.Tendons(3, 0.004, straight=True, stiffness=300.0))
+    robot = sn.Robot([segment] * 3, stiffness=ROD, mass=0.05, arcs=4, gravity=GRAVITY)
+    near = robot.shape(Q).tip[:3, 3]
+    motion = sn.Motion(robot, [Q, Q + 0.2 * MOVED * [1, 1, 0]], [sn.Sphere(near + AWAY, 0.01)])
+    assert motion.between == "sampled"
+    assert motion.status is sn.Status.UNPROVED
+    assert motion.steps.samples.tolist() == [17]
+    assert not motion.steps.proved.any()
+    assert motion.clearance is None or motion.steps.clearance is None
+    assert "17 shapes" in str(motion)
+    assert motion.verify()[0].ok
+    hit = sn.Motion(robot, [Q, Q + 0.2 * MOVED * [1, 1, 0]], [sn.Sphere(near, 0.01)])
+    assert hit.between == "unproved"
+    assert hit.steps.samples.tolist() == [0]
+    assert not hit.verify()[0].ok
+
+
+def test_a_proof_holds_at_many_shapes_between() -> None:
+    """Law: no shape on a step that is proved, itself at rest by the judge, is nearer than the proved clearance."""
+    robot, random = arm(), np.random.default_rng(3)
+    proved = 0
+    for _ in range(6):
+        q = Q + np.concatenate([random.uniform(-0.5, 0.5, (3, 2)), np.zeros((3, 1))], axis=1)
+        other = q + np.concatenate([random.uniform(-0.2, 0.2, (3, 2)), random.uniform(-0.005, 0.005, (3, 1))], axis=1)
+        place = robot.shape(q).backbone(5)[random.integers(20, 60)] + random.normal(0.0, 0.02, 3)
+        ball = sn.Sphere(place, 0.005)
+        motion = sn.Motion(robot, [q, other], [ball])
+        seen = motion.verify()[0]
+        if motion.solved:
+            proved += 1
+            assert seen.ok
+            assert motion.steps.clearances[0] <= seen.clearance + 1e-12
+        else:
+            assert seen.clearance < 0.01, "a wide gap was not proved"
+    assert proved >= 2

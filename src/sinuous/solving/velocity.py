@@ -18,7 +18,7 @@ from sinuous.kernels.velocity import layout as a
 from sinuous.kernels.velocity import query as t
 from sinuous.kernels.velocity.layout import POSE, POSITION, TARGETS
 from sinuous.problem.problem import Problem, settings_group
-from sinuous.problem.target import Targets, Tolerance, target_list, target_table
+from sinuous.problem.target import Target, Targets, Tolerance, target_list, target_table
 from sinuous.robot.rates import Changes, Rates
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene

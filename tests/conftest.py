@@ -4,7 +4,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from importlib import import_module
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -21,10 +21,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 # Kernels run compiled, whatever happens to be compiled already, unless the command says how.
 os.environ.setdefault("SINUOUS_KERNELS", "compiled")
-
-# Before any kernel is made: tests call every one of them from Python.
-if os.environ["SINUOUS_KERNELS"] != "interpreted":
-    import_module("tests.callable_kernels").install()
 
 # The first example of a law may compile a kernel, so that time says nothing; the same examples every time.
 settings.register_profile(
@@ -51,6 +47,18 @@ def pytest_cmdline_main(config: pytest.Config) -> None:
         config.option.numprocesses = "auto"
         config.option.dist = "loadfile"
         config.option.loadscopereorder = False
+
+
+@pytest.fixture(autouse=True)
+def inner_kernels_are_interpreted(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Let tests call inner kernels, which have no wrappers, as Python: nothing is compiled for tests alone."""
+    import numpy as np
+
+    if "sinuous.kernels.compile" in sys.modules:
+        sys.modules["sinuous.kernels.compile"].interpret_all()
+    silent = request.path.relative_to(HERE).parts[0] in {"kernels", "methods"}  # as machine code is
+    with np.errstate(all="ignore") if silent else nullcontext():
+        yield
 
 
 @pytest.fixture(autouse=True)

@@ -16,6 +16,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.plan import TIME
 from sinuous.poses import pose
 from sinuous.scene.scene import Scene
+from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
 from sinuous.viewer.edits import is_quick
 from sinuous.viewer.history import History
@@ -56,12 +57,18 @@ class Session(ABC):
     model : Model
         To be read by any thread, and changed by the owner alone.
     playing : bool
+    explaining : bool
+        Whether somebody waits for what would help.
     axes : bool
         Whether axes with numbers are drawn.
     colouring : str
         What the colours of the body say.
     sliders : str
         What the sliders of the shape move.
+    plotted : str
+        What is drawn over the time of a motion.
+    blend : float
+        How far corners of a motion may be rounded.
     first_segment : int
         The first segment, 0 = first, that has sliders.
     answered : callable
@@ -75,9 +82,12 @@ class Session(ABC):
         elif answer is not None:
             self.model.q = answer.q
         self.playing = False
+        self.explaining = False
         self.axes = True
         self.colouring: Colouring = "segment"
         self.sliders: Sliders = "bends and lengths"
+        self.plotted = "bends"
+        self.blend = 0.0
         self.first_segment = 0
         self._history = History()
         self.answered: Callable[[int], object] = lambda number: None
@@ -139,6 +149,12 @@ class Session(ABC):
     def look(self) -> None:
         """Look again at what hides the shape: somebody sees it from elsewhere."""
         self._owner.post("look", lambda: None)
+
+    @property
+    def unsolved(self) -> bool:
+        """Whether nothing was solved, and no solve goes on."""
+        answer = self.model.answer
+        return answer is not None and not (answer.solved or self._busy or self.model.by_hand)
 
     def wait(self) -> None:
         """Wait until somebody stops the page, or an interrupt comes."""
@@ -256,6 +272,26 @@ class Session(ABC):
             self.model.ghosts = found
             self.model.choose(0)
 
+    def explain(self) -> None:
+        """Look for what would help where nothing was solved."""
+        number, answer = self.model.number, self.model.answer
+        if answer is None or not self.unsolved:
+            raise InputError("answer", "still looking, or solved", None, "a question that was not solved")
+        self.explaining = True
+
+        def run() -> None:
+            try:
+                found = answer.explain()
+            finally:
+                self._owner.post("explained", lambda: setattr(self, "explaining", False))
+            self.do("explanation", partial(self._show_explanation, number, found))
+
+        self._background.post("explain", run)
+
+    def _show_explanation(self, number: int, found: Explanation) -> None:
+        if number == self.model.number:
+            self.model.explanation = found
+
     def move(self) -> None:
         """Follow the path, or plan a motion to the target or goal, and play it."""
         number, job, own, begin = self.model.number, self.model.job, self.model.settings, self.model.begin
@@ -266,6 +302,18 @@ class Session(ABC):
             else:
                 motion = job.plan(method=own.method, seed=own.seed, time=max(own.time, TIME), begin=begin)
             self.do("motion", partial(self._show_motion, number, motion))
+
+        self._background.post("move", run)
+
+    def retime(self, blend: float) -> None:
+        """Pass the way of the motion as fast as rates and accelerations allow, with corners rounded so far."""
+        number, motion, rates = self.model.number, self.model.motion, self.model.job.rates
+        if motion is None:
+            raise InputError("motion", "none was found yet", None, "a motion")
+
+        def run() -> None:
+            found = motion.timed(rates, blend).as_motion()
+            self.do("motion", partial(self._show_motion, number, found))
 
         self._background.post("move", run)
 

@@ -54,12 +54,16 @@ def listed(texts: Iterable[str]) -> str:
     return f"{', '.join(front)} and {last}" if front else last
 
 
+LIKE = 0.6
+"""How alike a name must be to be suggested, 1 for equal ones."""
+
+
 def suggested(name: Any, known: Iterable[str]) -> str:
     """What a name that is not known should be: `perhaps length (or one of radius, name)`."""
     import difflib  # noqa: PLC0415
 
     names = tuple(known)
-    nearest = difflib.get_close_matches(str(name), names, 1, 0.5)
+    nearest = difflib.get_close_matches(str(name), names, 1, LIKE)
     if not nearest:
         return "one of " + ", ".join(names)
     others = [each for each in names if each != nearest[0]]

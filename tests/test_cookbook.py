@@ -110,6 +110,9 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["batch"].counts["solved"] > 0.9 * FEWER
         case "Ask again in the same place":
             assert names["second"].start == "remembered"
+        case "Explore a place ahead":
+            assert names["found"].motions > names["found"].shapes > 50
+            assert names["motion"].solved
         case "What can it reach?":
             assert 0.0 < names["workspace"].volume().found < names["workspace"].volume(free=True).at_most
             assert sn.Reach.load(tmp_path / "map.npz").equals(names["workspace"])

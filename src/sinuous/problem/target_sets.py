@@ -87,7 +87,7 @@ def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Ma
 
 def listed_targets(robot: Robot, targets: Any) -> tuple[tuple[Target, ...], ...]:
     """Check a list of targets, or of lists of targets that are to be met at once, for this robot."""
-    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets):
+    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets) or is_place(targets):
         raise InputError("targets", "", targets, "a list of targets")
     if isinstance(targets, np.ndarray) and targets.dtype != object:
         raise InputError("targets", INSTEAD, targets, "a list of targets")

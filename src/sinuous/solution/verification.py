@@ -26,7 +26,7 @@ from sinuous.scene.scene import SceneLike, as_snapshot
 from sinuous.scene.snapshot import Snapshot
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, Way
+from sinuous.statics.rest import Rest, Way, tensions_kept
 
 LIMIT_SLACK = 1e-9
 """By how much a limit may be exceeded: rad, or mean lengths of the robot."""
@@ -126,6 +126,7 @@ def verified(robot: Robot, q: Floats, scene: Snapshot, targets: Sequence[Target]
     at_rest = asked.shape is None or imbalance(robot, q, asked.shape.states) <= AT_REST * robot.mean_length
     ok = (
         at_rest
+        and (asked.shape is None or tensions_kept(robot, asked.shape.tensions))
         and off <= (tolerance.position or 0.0) + slack
         and turn <= tolerance.angle + 1e-7
         and _within_limits(robot, q)

@@ -208,16 +208,21 @@ class Solver:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
+        starts = given
+        if self.options.memory is not None and not len(given):
+            starts = self._strategy.remembered(problem._rows[None])[0]
         if blocked:
             outcome = self._look(problem, given)
-        elif self.options.memory is None:
-            outcome = self._prepared.run(problem, given, budget, reference)
         else:
-            outcome = self._from_memory(problem, given, budget)
+            outcome = self._prepared.run(problem, starts, budget, reference)
+            if starts is not given and outcome.source == GIVEN and len(starts):
+                outcome = outcome._replace(source=REMEMBERED)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
         if outcome.clearance < self._prepared.grazing:
             outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
+        if self.options.memory is not None and outcome.code == SOLVED:
+            self._strategy.learn(outcome.q[None], None if starts is given else starts[None])
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_under_load(
@@ -368,9 +373,9 @@ class Solver:
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
-            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
-            many.learn()
+            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
             many.take_room(budget[3])
+            many.learn()
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -553,23 +558,7 @@ class Solver:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
 
-    def _from_memory(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
-        """Make the first call: from the initial configuration, or else from remembered shapes; then from own starts."""
-        if len(given):
-            first = self._prepared.run(problem, given, budget, given[0])
-        else:
-            starts = self._strategy.remembered(problem._rows[None])[0]
-            first = self._prepared.run(problem, starts, budget)
-            if first.source == GIVEN and len(starts):
-                first = first._replace(source=REMEMBERED)
-                if first.code == SOLVED:
-                    self._strategy.learn(first.q[None], starts[first.starts - 1][None])
-                return first
-        if first.code == SOLVED:
-            self._strategy.learn(first.q[None])
-        return first
-
-    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float, learn: bool = True) -> Outcome:
+    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
         if first.code in UNDECIDED:
             with no_work():  # compiling is no solving
@@ -579,8 +568,6 @@ class Solver:
             search.take(self._from_rest(first, problem, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
-        if learn and search.outcome.code == SOLVED:
-            self._strategy.learn(search.outcome.q[None])
         return search.outcome
 
     def _from_rest(self, first: Outcome, problem: Problem, seconds: float) -> Outcome:

@@ -19,6 +19,7 @@ from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.loaded import Ways
 from sinuous.solving.many import read_workers
+from sinuous.solving.memory import only_reading
 from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
 from sinuous.statics.equilibrium import longest_body
@@ -110,6 +111,7 @@ def reach(
     out = None if out is None else Path(out)
     voxels = Voxels.about(robot, spacing, given.pop("low", None), given.pop("high", None))
     axes, place = directions_of(directions), as_scene(scene)
+    given = only_reading(given)
     free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
     checkpoint = None if out is None else Checkpoint(out, _record(solver, voxels, axes), "this map")
     if checkpoint is not None:

@@ -106,7 +106,7 @@ class Memory(ShortRepr):
             When an argument is not what it should be.
         """
         most = checks.integer("count", count, 1, 10_000)
-        rows = target_table(self.robot, target_list("targets", targets))[None]
+        rows = target_table(self.robot, target_list("targets", targets, self.robot))[None]
         found: Floats = self._shapes.nearest(rows, most)[0]
         return found
 

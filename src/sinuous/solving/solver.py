@@ -201,7 +201,7 @@ class Solver:
         looked = scene is not self.scene.snapshot()
         if looked:
             scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given, reference = self._no_initial, None
         if initial is not None:
@@ -237,7 +237,7 @@ class Solver:
             raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
         given = self._given(initial)
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
         starts = self._starts_under_load(problem, given, seconds)
         outcome = solve_under_load(load, problem, starts, seconds, self.options.most_starts)
@@ -306,7 +306,7 @@ class Solver:
         route_class: RouteClass | None = None,
     ) -> Solution:
         """Return the solution that this solver found before with this outcome, in so many seconds."""
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
         return Solution(problem, outcome, seconds, self._resolver, self._given(initial), route_class)
 
@@ -438,7 +438,7 @@ class Solver:
         )
         given = self._given(initial)
         if self._load is not None:
-            targets = (target,) if isinstance(target, Target) else target_list("target", target)
+            targets = self._targets(target)
             loaded = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
             return self._all_under_load(self._load, loaded, wanted, given)
         problem, blocked = self._problem(target)
@@ -534,8 +534,14 @@ class Solver:
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
         scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
+
+    def _targets(self, target: Targets) -> tuple[Target, ...]:
+        """Check one target or several; what most ask for, the tip alone, at once."""
+        if isinstance(target, Target) and target.segment is None:
+            return (target,)
+        return target_list("target", target, self.robot)
 
     def _look_at_base(self) -> tuple[Snapshot, bool]:
         """Take the scene as it is now, and look at the base in it: at first, and after an update."""

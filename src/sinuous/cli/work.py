@@ -187,7 +187,7 @@ def _answer_all(
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     record = {} if output.file is None else record_of(problems, solving, typed)
-    with Journal(output.file, record) as journal, _remembered(solving.memory, problems) as memory:
+    with Journal(output.file, record) as journal, remembered(solving.memory, problems) as memory:
         say_notes({problem.file: problem.notes for problem in problems})
         try:
             ahead = 0.0 if len(read) == 1 else _compile(problems, solving, prepare, memory)
@@ -214,7 +214,7 @@ def _answer_all(
 
 
 @contextmanager
-def _remembered(file: Path | None, problems: list[ProblemFile]) -> Iterator[Memory | None]:
+def remembered(file: Path | None, problems: list[ProblemFile]) -> Iterator[Memory | None]:
     """Yield the shapes of a file, or a new memory where it is not there; in the end, write what is kept then."""
     if file is None:
         yield None

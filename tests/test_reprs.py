@@ -45,6 +45,7 @@ OBJECTS: list[Any] = [
     sn.calibrate(DRAWN, SETTINGS, DRAWN.tip(DRAWN.from_actuators(SETTINGS))[:, :3, 3], fit=["base"]),
     sn.Stage(40.0, 1 / 3, LONG, LONG),
     sn.Memory(ROBOT),
+    sn.Exploration(sn.Memory(ROBOT), 0.1, False, 1.0),
     sn.Cover([sn.Target((0, 0, 1))] * 9, 0.5),
     Design(("length",), (), None, (), (), 12345, 3, 4, 1.5),
     sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),

@@ -3,7 +3,7 @@
 NumPy's own `ArrayLike` takes a text, a single number and true or false for an array; these do not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -49,8 +49,11 @@ Stack = HasArray | Sequence[Number | Entry]
 Limits = Number | Sequence[Number]
 """A number, or a pair [low, high]."""
 
-OneEach = Number | Vector
-"""A number for all segments, or one for each (n,)."""
+OneEach = Number | Vector | Mapping[str, Number]
+"""A number for all segments, or one for each (n,), or by their names; what is not named has 0."""
+
+Which = Whole | str
+"""A segment: its number, 1 = first, or its name."""
 
 Orientation = HasMatrix | HasArray | Sequence[Number | Vector]
 """A rotation: a quaternion (4,), a matrix (3, 3), or a `Rotation` of SciPy."""

@@ -16,6 +16,7 @@ from sinuous.cli.options import (
     BatchSolving,
     Clearance,
     DesignSolving,
+    ExploreSolving,
     Files,
     Json,
     MapSolving,
@@ -132,6 +133,37 @@ def batch(
 
     run = {"chunk": chunk, "engine": read_engine(engine, dask), "workers": workers, "warm": warm}
     return batch_file(file, targets, out, solving, {**run, "shard": read_shard(shard)}, json=json)
+
+
+@app.command()
+@with_groups
+def explore(
+    file: Place,
+    solving: ExploreSolving,
+    memory: Annotated[
+        Path, typer.Option(metavar="FILE", help="What is filled; when it is there, it goes on.", show_default=False)
+    ],
+    rounds: Annotated[
+        int | None, typer.Option(metavar="COUNT", help="Most rounds; by default as many as the time allows.")
+    ] = None,
+    spacing: Annotated[
+        float | None,
+        typer.Option(metavar="LENGTH", help="How near covers a position; by default a 20th of the reach."),
+    ] = None,
+    engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads",
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine."),
+    ] = None,
+    workers: Workers = None,
+    json: Json = False,
+) -> int:
+    """Fill a memory ahead with shapes and proved motions of a place that stays."""
+    from sinuous.cli.batch import read_engine  # noqa: PLC0415
+    from sinuous.cli.explore import explore_file  # noqa: PLC0415
+
+    run = {"rounds": rounds, "spacing": spacing, "engine": read_engine(engine, dask), "workers": workers}
+    return explore_file(file, solving, memory, run, json=json)
 
 
 @app.command()

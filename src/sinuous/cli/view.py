@@ -11,7 +11,7 @@ import typer
 
 from sinuous.cli.options import SOLVED, as_typed, check_writable
 from sinuous.cli.reading import say_notes
-from sinuous.cli.work import remembered
+from sinuous.cli.remembering import remembered
 from sinuous.errors import InputError
 from sinuous.motion.job import Job, load
 from sinuous.motion.motion import Motion
@@ -53,7 +53,7 @@ def view_file(
         job = load(file, Job).demanding(**demands)
     answer = None if result is None else job.result(result)
     say_notes({file: job.notes})
-    with remembered(memory, [job]) as known:
+    with remembered(memory, {file: job.robot}) as known:
         if html is not None:
             show(answer or answer_of(job, known), path=html)
             return SOLVED

@@ -13,6 +13,7 @@ from sinuous.arguments import MethodName
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options
+from sinuous.words import suggested
 
 if TYPE_CHECKING:
     from sinuous.methods.prepared import Prepared
@@ -77,7 +78,7 @@ def name_of(method: Choice | str) -> MethodName:
 
 def _known(name: str, more: str) -> MethodName:
     if not isinstance(name, str) or name not in METHODS:
-        raise InputError("method", "is not known", name, "one of " + ", ".join(METHODS) + more)
+        raise InputError("method", "is not known", name, suggested(name, METHODS) + more)
     return name
 
 

@@ -116,7 +116,11 @@ PIECES = (
             "kernels.between.tip.leave_line",
         ),
     ),
-    Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
+    Piece(
+        "plans",
+        10,
+        ("kernels.planning.query.plan", "kernels.planning.query.tighten", "kernels.planning.walk.walk"),
+    ),
     Piece(
         "shapes under load",
         8,

@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.arguments import Vector
-from sinuous.pictures.files import check_picture
+from sinuous.pictures.files import check_picture, save_figure, stills
 from sinuous.pictures.space import new_figure
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.verdicts import Verdict
+from sinuous.writing.documents import written
 
 PLANES = ((2, "x", "y"), (1, "x", "z"), (0, "y", "z"))
 """Axis across each slice, and what lies along its picture."""
@@ -34,7 +36,7 @@ def check_map(key: str, file: Path) -> None:
     InputError
         When Matplotlib is missing, or does not know the kind of file.
     """
-    check_picture(key, file.with_suffix(".png") if file.suffix.lower() == ".html" else file)
+    check_picture(key, file, ("html", *stills()))
 
 
 def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None:
@@ -51,24 +53,24 @@ def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None
     Raises
     ------
     InputError
-        When Matplotlib is missing, does not know the kind of file, or `at` is outside the map.
-    OSError
-        When the file cannot be written.
+        When Matplotlib is missing, does not know the kind of file, `at` is outside the map, or the file cannot be
+        written.
     """
     target = Path(file)
     check_map("file", target)
     figure = map_of(found, at)
     if target.suffix.lower() != ".html":
-        figure.savefig(target, bbox_inches="tight", pad_inches=0.15)
+        save_figure(figure, target)
         return
     data = io.BytesIO()
     figure.savefig(data, format="png", bbox_inches="tight", pad_inches=0.15)
-    target.write_text(_page(found, data.getvalue()), encoding="utf-8")
+    with written(target, "file"):
+        target.write_text(_page(found, data.getvalue()), encoding="utf-8")
 
 
 def map_of(found: Reach, at: Vector | None = None) -> Any:
     """Return the figure of a map; see `plot_reach`."""
-    return _draw(found, _middle(found) if at is None else found._index(at))
+    return _draw(found, _middle(found) if at is None else found._index(checks.vector("at", at)))
 
 
 def _middle(found: Reach) -> tuple[int, int, int]:

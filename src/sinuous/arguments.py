@@ -72,7 +72,9 @@ _Cells = HasArray | NDArray[np.bool_]
 Occupancy = _Cells | Sequence[_Cells | Sequence[_Cells | Sequence[Number | Truth]]]
 """Numbers or truth values (nx, ny, nz)."""
 
-MethodName = Literal["newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx", "fabrik_avoid", "monte_carlo"]
+MethodName = Literal[
+    "newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx", "fabrik_avoid", "monte_carlo", "learned"
+]
 """All methods, as `sinuous.methods.registry` has them."""
 
 SelfCollision = Literal["avoid", "allow"]

@@ -616,6 +616,12 @@ def robot_group(robot: Robot) -> Floats:
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 
+def same_body(one: Robot, other: Robot) -> bool:
+    """Whether two robots are the same, whatever clearances they demand."""
+    free, also = (demanding(each, 0.0, 0.0) for each in (one, other))
+    return free.equals(also)
+
+
 def demanding(robot: Robot, clearance: OneEach | None, self_clearance: OneEach | None) -> Robot:
     """Return the robot with other clearances demanded, where they are given; the same one where nothing changes."""
     given = {"clearance": clearance, "self_clearance": self_clearance}

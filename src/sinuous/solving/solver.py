@@ -16,6 +16,7 @@ from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
+from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
@@ -124,7 +125,10 @@ class Solver:
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
-        self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
+        method = registry.ready(chosen.method, robot, scene)
+        if method is not chosen.method:
+            self.options = chosen = replace(chosen, method=method)
+        self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = SolvesAgain(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
@@ -737,5 +741,7 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
     check_sizes(robot, place)
     if chosen.memory is not None:
         chosen.memory.check(robot)
+    if isinstance(chosen.method, Options):
+        chosen.method.refuse(robot)
     warn_of(suspicions(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

@@ -245,6 +245,10 @@ def view(
         int, typer.Option(min=0, max=65535, help="Port to listen at, or the next one that is free.")
     ] = 8080,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    memory: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; what is solved is added."),
+    ] = None,
     clearance: Clearance = None,
     self_clearance: SelfClearance = None,
 ) -> int:
@@ -252,7 +256,7 @@ def view(
     from sinuous.cli.view import view_file  # noqa: PLC0415
 
     demands = read_demands(clearance, self_clearance)
-    return view_file(file, html, host, port, result, browser=browser, demands=demands)
+    return view_file(file, html, host, port, result, browser=browser, memory=memory, demands=demands)
 
 
 def _kinds_like(begun: str) -> list[str]:

@@ -97,7 +97,12 @@ OBJECTS: list[Any] = [
         methods.Fabrikx(),
         methods.FabrikAvoid(),
     ),
-    *(methods.MonteCarlo(), methods.Slinki()),
+    *(
+        methods.MonteCarlo(),
+        methods.Slinki(),
+        methods.Learned(),
+        sn.Network(ROBOT, [[np.zeros((k, 3 * len(ROBOT)))] for k in (4, 7, 13)]),
+    ),
     *(WRONG, sn.NotSolvedError("stalled: no", SOLUTION), sn.SuspiciousInput("odd")),
 ]
 

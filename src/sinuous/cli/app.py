@@ -188,6 +188,21 @@ def reach(
 
 
 @app.command()
+def train(
+    file: Place,
+    out: Annotated[Path, typer.Option(metavar="NPZ", help="Write the networks.", show_default=False)],
+    samples: Annotated[int, typer.Option(metavar="COUNT", help="Targets of each kind to learn from.")] = 5_000,
+    width: Annotated[int, typer.Option(metavar="COUNT", help="Units of each of the two hidden layers.")] = 64,
+    rounds: Annotated[int, typer.Option(metavar="COUNT", help="How often all targets are gone through.")] = 40,
+    seed: Annotated[int, typer.Option(help="Of the targets; the same seed gives the same networks.")] = 0,
+) -> int:
+    """Train networks that give the robot shapes for targets, for the method learned."""
+    from sinuous.cli.train import train_file  # noqa: PLC0415
+
+    return train_file(file, out, samples, width, rounds, seed)
+
+
+@app.command()
 @with_groups
 def check(files: Files, json: Json = False) -> int:
     """Say what files contain; verify their starts."""
@@ -230,6 +245,10 @@ def view(
         int, typer.Option(min=0, max=65535, help="Port to listen at, or the next one that is free.")
     ] = 8080,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    memory: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; what is solved is added."),
+    ] = None,
     clearance: Clearance = None,
     self_clearance: SelfClearance = None,
 ) -> int:
@@ -237,7 +256,7 @@ def view(
     from sinuous.cli.view import view_file  # noqa: PLC0415
 
     demands = read_demands(clearance, self_clearance)
-    return view_file(file, html, host, port, result, browser=browser, demands=demands)
+    return view_file(file, html, host, port, result, browser=browser, memory=memory, demands=demands)
 
 
 def _kinds_like(begun: str) -> list[str]:

@@ -347,7 +347,7 @@ class Planner:
         """The configuration (n, 3) or the targets that are meant."""
         listed = isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal)
         if listed or isinstance(goal, Target) or is_place(goal):
-            return list(target_list("goal", goal))
+            return list(target_list("goal", goal, self._robot))
         end = self._configuration("goal", cast(Initial, goal))
         check_limits(self._robot, "goal", end)
         return end

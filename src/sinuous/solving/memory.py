@@ -14,9 +14,9 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.problem.target import Targets, target_list, target_table
 from sinuous.reprs import ShortRepr
-from sinuous.robot.robot import Robot, demanding
+from sinuous.robot.robot import Robot, same_body
 from sinuous.solving.shapes import NEAREST, Shapes
-from sinuous.writing.documents import written
+from sinuous.writing.archives import read_archive, write_archive
 
 FORMAT = 2
 """Version of the file; the kind of file is told by the key `memory`."""
@@ -106,14 +106,13 @@ class Memory(ShortRepr):
             When an argument is not what it should be.
         """
         most = checks.integer("count", count, 1, 10_000)
-        rows = target_table(self.robot, target_list("targets", targets))[None]
+        rows = target_table(self.robot, target_list("targets", targets, self.robot))[None]
         found: Floats = self._shapes.nearest(rows, most)[0]
         return found
 
     def _serves(self, robot: Robot) -> bool:
         """Whether these are shapes of this robot, whatever clearances it demands."""
-        one, other = (demanding(each, 0.0, 0.0) for each in (robot, self.robot))
-        return one.equals(other)
+        return same_body(robot, self.robot)
 
     def check(self, robot: Robot) -> None:
         """Refuse to serve another robot.
@@ -144,19 +143,10 @@ class Memory(ShortRepr):
         InputError
             When the file cannot be written.
         """
-        path = Path(file)
-        draft = path.with_name(f".{path.name}.draft")
-        with written(path):
-            try:
-                with draft.open("wb") as out:
-                    own: dict[str, Any] = {"megabytes": self.megabytes, "learns": self.learns}
-                    own |= {"q": self.q, "edges": self.edges}
-                    if self._explored is not None:
-                        own["explored"] = json.dumps(self._explored._asdict())
-                    np.savez(out, memory=FORMAT, robot=json.dumps(self.robot.to_dict()), **own)
-                draft.replace(path)
-            finally:
-                draft.unlink(missing_ok=True)
+        own: dict[str, Any] = {"megabytes": self.megabytes, "learns": self.learns, "q": self.q, "edges": self.edges}
+        if self._explored is not None:
+            own["explored"] = json.dumps(self._explored._asdict())
+        write_archive(file, memory=FORMAT, robot=json.dumps(self.robot.to_dict()), **own)
 
     @classmethod
     def load(cls, file: str | Path) -> "Memory":
@@ -245,25 +235,15 @@ def read_memory(file: str | Path) -> Memory:
     """
     from sinuous.files.nouns import read_robot  # noqa: PLC0415
 
-    what = "a file that Memory.save wrote"
-    try:
-        with Path(file).open("rb") as stream, np.load(stream) as data:  # NumPy leaves a file open that is no archive
-            if int(data["memory"]) not in (1, FORMAT):
-                raise InputError("memory", "of another version", int(data["memory"]), str(FORMAT), str(file))
-            robot = read_robot(json.loads(str(data["robot"])))
-            memory = Memory(robot, float(data["megabytes"]), learns=bool(data["learns"]))
-            q = robot.configuration("q", data["q"])
-            edges = data["edges"] if "edges" in data else np.empty((0, 2), np.int64)
-            if edges.ndim != 2 or edges.shape[1] != 2 or edges.dtype != np.int64:
-                raise InputError("edges", "", edges.shape, "pairs of numbers")
-            if len(edges) and not 0 <= edges.min() <= edges.max() < len(q):
-                raise InputError("edges", "", [int(edges.min()), int(edges.max())], f"numbers of {len(q)} shapes")
-            explored = Explored(**json.loads(str(data["explored"]))) if "explored" in data else None
-            memory._take(q.reshape(-1, len(robot), 3), edges, explored)
-            return memory
-    except OSError as error:
-        raise InputError("memory", f"cannot be read: {error}", str(file), what) from None
-    except InputError as error:
-        raise InputError("memory", f"damaged: {error}", str(file), what) from None
-    except Exception as error:  # a damaged archive raises errors of zipfile, zlib, numpy, json
-        raise InputError("memory", f"damaged: {error}", str(file), what) from None
+    with read_archive(file, "memory", (1, FORMAT), "a file that Memory.save wrote") as data:
+        robot = read_robot(json.loads(str(data["robot"])))
+        memory = Memory(robot, float(data["megabytes"]), learns=bool(data["learns"]))
+        q = robot.configuration("q", data["q"])
+        edges = data["edges"] if "edges" in data else np.empty((0, 2), np.int64)
+        if edges.ndim != 2 or edges.shape[1] != 2 or edges.dtype != np.int64:
+            raise InputError("edges", "", edges.shape, "pairs of numbers")
+        if len(edges) and not 0 <= edges.min() <= edges.max() < len(q):
+            raise InputError("edges", "", [int(edges.min()), int(edges.max())], f"numbers of {len(q)} shapes")
+        explored = Explored(**json.loads(str(data["explored"]))) if "explored" in data else None
+        memory._take(q.reshape(-1, len(robot), 3), edges, explored)
+    return memory

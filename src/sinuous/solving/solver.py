@@ -16,6 +16,7 @@ from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
+from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
@@ -124,7 +125,10 @@ class Solver:
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
-        self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
+        method = registry.ready(chosen.method, robot, scene)
+        if method is not chosen.method:
+            self.options = chosen = replace(chosen, method=method)
+        self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = SolvesAgain(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
@@ -197,7 +201,7 @@ class Solver:
         looked = scene is not self.scene.snapshot()
         if looked:
             scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given, reference = self._no_initial, None
         if initial is not None:
@@ -233,7 +237,7 @@ class Solver:
             raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
         given = self._given(initial)
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
         starts = self._starts_under_load(problem, given, seconds)
         outcome = solve_under_load(load, problem, starts, seconds, self.options.most_starts)
@@ -302,7 +306,7 @@ class Solver:
         route_class: RouteClass | None = None,
     ) -> Solution:
         """Return the solution that this solver found before with this outcome, in so many seconds."""
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
         return Solution(problem, outcome, seconds, self._resolver, self._given(initial), route_class)
 
@@ -434,7 +438,7 @@ class Solver:
         )
         given = self._given(initial)
         if self._load is not None:
-            targets = (target,) if isinstance(target, Target) else target_list("target", target)
+            targets = self._targets(target)
             loaded = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
             return self._all_under_load(self._load, loaded, wanted, given)
         problem, blocked = self._problem(target)
@@ -530,8 +534,14 @@ class Solver:
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
         scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
+
+    def _targets(self, target: Targets) -> tuple[Target, ...]:
+        """Check one target or several; what most ask for, the tip alone, at once."""
+        if isinstance(target, Target) and target.segment is None:
+            return (target,)
+        return target_list("target", target, self.robot)
 
     def _look_at_base(self) -> tuple[Snapshot, bool]:
         """Take the scene as it is now, and look at the base in it: at first, and after an update."""
@@ -731,5 +741,7 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
     check_sizes(robot, place)
     if chosen.memory is not None:
         chosen.memory.check(robot)
+    if isinstance(chosen.method, Options):
+        chosen.method.refuse(robot)
     warn_of(suspicions(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

@@ -23,7 +23,7 @@ from sinuous.solving.memory import only_reading
 from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
 from sinuous.statics.equilibrium import longest_body
-from sinuous.workspace.grid import Voxels, directions_of
+from sinuous.workspace.grid import Voxels, directions_of, reach_of
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, neighbours_of
 from sinuous.workspace.verdicts import Codes, Verdict
@@ -136,6 +136,7 @@ def reach(
         obstacles=obstacles,
         names=tuple(work.scene.name(i) for i in range(len(work.scene))),
         base=np.array(robot.base[:3, 3]),
+        farthest=np.inf if robot.hangs else reach_of(robot),  # loads may stretch it
         seconds=clock.perf_counter() - began,
     )
     if out is not None and checkpoint is not None:

@@ -223,8 +223,8 @@ class Candidates:
         if legs is None or self._deadline() <= 0.0 or not self.clear(candidate):
             return
         if candidate.rank not in self._halves:
-            room = np.stack([self.searches.beside(self._problem, leg) for leg in legs])
-            self._halves[candidate.rank] = Halves(self._groups, legs, room)
+            widths = np.stack([self.searches.widths_across(self._problem, leg) for leg in legs])
+            self._halves[candidate.rank] = Halves(self._groups, legs, widths)
         if not self._halves[candidate.rank].any:
             return
         yield self._nothing()
@@ -236,9 +236,9 @@ class Candidates:
         """Whether a route is known not to lead through walls."""
         if candidate.finest:
             return True
-        room = self.searches.room(self._problem, candidate.route)
-        skipped = max(1, round(ENDS * len(room)))
-        return bool(room[skipped:-skipped].min() > CUT * self.query[QUERY_RADIUS])
+        distances = self.searches.distances(self._problem, candidate.route)
+        skipped = max(1, round(ENDS * len(distances)))
+        return bool(distances[skipped:-skipped].min() > CUT * self.query[QUERY_RADIUS])
 
     def _nothing(self) -> Batch:
         """A batch without any start."""

@@ -35,10 +35,10 @@ from sinuous.solving.routing.turned import Groups
 from sinuous.solving.starts import Deadline
 
 WIDE = 3.0
-"""Room across a route, in radii of the body, from which on no place of it is narrow."""
+"""Distance from the obstacles across a route, in radii of the body, from which on no place of it is narrow."""
 
 NARROW = 1.35
-"""Room up to which a place is as narrow as the narrowest one, in units of that one's."""
+"""Distance up to which a place is as narrow as the narrowest one, in units of that one's."""
 
 ENDS = 0.04
 """Share of a leg at either end that is not looked at: an end may lie in a narrow place."""
@@ -126,16 +126,16 @@ class Halves:
         The problem, see `Groups`.
     legs : ndarray (l, K, 3)
         The legs of a route, evenly spaced, in the length unit.
-    room : ndarray (l, K)
-        Room across the route at these points, in the length unit.
+    widths : ndarray (l, K)
+        Greatest distance from the obstacles in the plane across the route at these points, in the length unit.
     """
 
-    def __init__(self, groups: Groups, legs: Floats, room: Floats) -> None:
+    def __init__(self, groups: Groups, legs: Floats, widths: Floats) -> None:
         self._groups, self._legs = groups, legs
         self._heads: dict[int, Part] = {}
         self._tails: dict[int, tuple[Floats, Part]] = {}
         skipped = max(1 + TANGENT, round(ENDS * legs.shape[1]))
-        looked = room[:, skipped:-skipped]
+        looked = widths[:, skipped:-skipped]
         self._which = which = int(looked.min(axis=1).argmin())
         own = looked[which]
         first, last = _run_about(own <= NARROW * max(0.0, own.min()), int(own.argmin()))
@@ -188,14 +188,14 @@ class Halves:
         if head is None:
             return None, not self._heads[count].possible
         if count not in self._tails:
-            held = self._held(beyond(self._groups, head), deadline)
-            self._tails[count] = held, Part(beyond(self._groups, np.concatenate([head, held])), self._cut(1))
-        held, part = self._tails[count]
+            within = self._within(beyond(self._groups, head), deadline)
+            self._tails[count] = within, Part(beyond(self._groups, np.concatenate([head, within])), self._cut(1))
+        within, part = self._tails[count]
         tail = part.solved(starts, deadline)
         tail = part.nearest if tail is None else tail
-        return (None if tail is None else np.concatenate([head, held, tail])), True
+        return (None if tail is None else np.concatenate([head, within, tail])), True
 
-    def _held(self, rest: Groups, deadline: Deadline) -> Floats:
+    def _within(self, rest: Groups, deadline: Deadline) -> Floats:
         """The segments (m, 3) that lie in a long narrow place beyond the first part, laid along the route."""
         line = self._legs[self._which][self._at : self._end + 1]
         if not self._long:

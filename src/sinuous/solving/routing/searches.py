@@ -283,8 +283,8 @@ class Searches:
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
             self._enclosed(problem.scene)
-            self.room(problem, line)
-            self.beside(problem, line)
+            self.distances(problem, line)
+            self.widths_across(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
             base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
             Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
@@ -296,17 +296,17 @@ class Searches:
             beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
 
-    def room(self, problem: Problem, points: Floats) -> Floats:
+    def distances(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
         points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
         room_along(problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.needed_radii), distances)
         return distances
 
-    def beside(self, problem: Problem, line: Floats) -> Floats:
-        """Return the room (K,) across a line (K, 3); from `WIDE` radii on it may be anything that is not less."""
-        room = np.empty(len(line))
-        room_beside(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, room)
-        return room
+    def widths_across(self, problem: Problem, line: Floats) -> Floats:
+        """Return the greatest distance (K,) from the obstacles across a line (K, 3); any beyond `WIDE` radii."""
+        widths = np.empty(len(line))
+        room_beside(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, widths)
+        return widths
 
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""

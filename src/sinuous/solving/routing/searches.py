@@ -74,8 +74,6 @@ class Plan(NamedTuple):
         Whether to ask for exact distances, not for samples.
     prove : bool
         Whether to prove that there is none, where none is found.
-    between : bool
-        Whether it is left out where a route is known, until a table of finer cells is full.
     """
 
     cell: float
@@ -84,7 +82,6 @@ class Plan(NamedTuple):
     routes: int
     exact: bool
     prove: bool
-    between: bool = False
 
 
 class Found(NamedTuple):
@@ -135,16 +132,13 @@ class Searches:
         self.coarse, self.fine = (_plan_of(self._radius, self._longest, coarse) for coarse in (True, False))
         self.proves = min(robot.needed_radii) >= self._radius
 
-    def coarser(self, plan: Plan) -> Plan:
-        """Return a search with cells of twice the edge."""
-        return _coarser(plan, self._radius)
-
     @property
     def single_plans(self) -> tuple[Plan, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
         few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
-        first = self.coarser(coarse)
+        edge = 2.0 * coarse.cell
+        first = coarse._replace(cell=edge, clearance=_wide_enough(self._radius, edge))
         among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
         plans = [plan._replace(cells=cells) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
@@ -311,11 +305,6 @@ class Searches:
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""
         return self._group, problem.scene._kernel_group, self._settings, problem._rows
-
-
-def _coarser(plan: Plan, radius: float) -> Plan:
-    """A plan with cells of twice the edge."""
-    return plan._replace(cell=2.0 * plan.cell, clearance=_wide_enough(radius, 2.0 * plan.cell))
 
 
 def _wide_enough(radius: float, cell: float) -> float:

@@ -1,6 +1,7 @@
 """Which places of a sampled body concern each other, by the words of the definition: an oracle for all its proofs."""
 
 import math
+from itertools import combinations_with_replacement, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -45,17 +46,21 @@ def sample_body(q: Floats, radii: Floats, pieces: int, base: Floats | None = Non
 
 def gaps_of(body: Sampled) -> Floats:
     """Gaps (m, m) of all places that concern each other, the first nearer to the base; infinite of the others."""
-    p, t = body.points, body.tangents
-    apart, both = body.along - body.along[:, None], body.radii + body.radii[:, None]
-    across = p - p[:, None]
-    here, there = np.einsum("ijk,ik->ij", across, t), np.einsum("ijk,jk->ij", across, t)
-    alike = body.runs == body.runs[:, None]
-    turned = body.turned - body.turned[:, None]
-    concerned = np.where(
-        alike,
-        apart >= math.pi * np.maximum(body.radii, body.radii[:, None]),
-        (turned >= 0.5 * math.pi) & ((here <= 0.0) | (there <= 0.0)),
-    )
-    order = np.arange(len(p))
-    gaps: Floats = np.where(concerned & (both > 0.0) & (order > order[:, None]), cdist(p, p) - both, np.inf)
+    gaps = np.full((len(body.points),) * 2, np.inf)
+    cuts = [*np.flatnonzero(np.diff(body.runs, prepend=-1.0)), len(gaps)]
+    parts = [slice(*ends) for ends in pairwise(cuts)]  # of one radius each
+    for a, b in combinations_with_replacement(parts, 2):
+        both = body.radii[a.start] + body.radii[b.start]
+        if a == b:
+            concerned = body.along[b] - body.along[a, None] >= math.pi * body.radii[a.start]
+        else:
+            concerned = body.turned[b] - body.turned[a, None] >= 0.5 * math.pi
+        if both == 0.0 or not concerned.any():
+            continue
+        p, t, q, u = body.points[a], body.tangents[a], body.points[b], body.tangents[b]
+        if a != b:
+            here = t @ q.T - (p * t).sum(axis=1)[:, None]
+            there = (q * u).sum(axis=1) - p @ u.T
+            concerned &= (here <= 0.0) | (there <= 0.0)
+        gaps[a, b][concerned] = cdist(p, q)[concerned] - both
     return gaps

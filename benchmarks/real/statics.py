@@ -171,31 +171,36 @@ OFFSETS = np.array([[0.0, 0.025, 0.0], [0.0, -0.021, 0.0], [0.0, 0.020, 0.0], [0
 TAPER = ((0.0, 15.41e-3), (0.305, 6.42e-3), (0.36, 4.80e-3))
 """Arc length and radius, in m; linear in between."""
 
-NOMINAL = np.array([505e3, 1500.0, 0.0295])
-"""Young's modulus (Pa), density (kg / m^3) and the slope of tendons towards the backbone, as the makers state them."""
+NOMINAL = np.array([505e3, 1500.0, 0.0295, 0.45])
+"""Young's modulus (Pa), density (kg / m^3), slope of tendons towards the backbone, Poisson's ratio: as the makers state
+them."""
 
-POISSON = 0.45
+LOWEST, LARGEST = (0.3, 0.2, 0.3, 0.02), (2.0, 2.0, 1.06, 1.1)
+"""Of the nominal ones; with a little more slope tendons would cross the backbone before the tip."""
 
-LARGEST_SLOPE = 1.06
-"""Of the nominal slope; a little more, and tendons would cross the backbone before the tip."""
+FITTED = {"as published: E, density, Poisson's ratio": (0, 1, 3), "E, density, slope of tendons": (0, 1, 2)}
+"""Three parameters each."""
 
 
 def tentacle() -> list[Line]:
-    """Distances of markers with the nominal material, and with the one that is fitted."""
+    """Distances of markers with the nominal material, and with three parameters that are fitted."""
     loads, markers = read_tentacle()
 
-    def residual(scale: Floats) -> Floats:
-        return (_places(NOMINAL * scale, loads) - markers).ravel() * 1e3
+    def residual(scale: Floats, which: tuple[int, ...] = (0, 1, 2, 3)) -> Floats:
+        material = NOMINAL.copy()
+        material[list(which)] *= scale
+        return (_places(material, loads) - markers).ravel() * 1e3
 
-    limits = ((0.3, 0.2, 0.3), (2.0, 2.0, LARGEST_SLOPE))
-    fit = least_squares(residual, np.array([0.9, 0.6, 1.0]), bounds=limits, diff_step=[1e-3], xtol=1e-4)
-    young, density, slope = NOMINAL * fit.x
-    nominal, fitted = (_rms(residual(scale)) for scale in (np.ones(3), fit.x))
-    note = f"E {young / 1e3:.0f} kPa, density {density:.0f}, slope {slope:.4f}; published 15.8 mm (E, nu, density)"
-    return [
-        Line(TENTACLE, "rms of markers, nominal", nominal, "mm", note="published 36.8 mm"),
-        Line(TENTACLE, "rms of markers, three parameters fitted", fitted, "mm", Goal(15.8), note=note),
-    ]
+    lines = [Line(TENTACLE, "rms of markers, nominal", _rms(residual(np.ones(4))), "mm", note="published 36.8 mm")]
+    for name, which in FITTED.items():
+        limits = np.array(LOWEST)[list(which)], np.array(LARGEST)[list(which)]
+        begin = np.array([0.9, 0.6, 0.95, 0.95])[list(which)]
+        fit = least_squares(residual, begin, bounds=limits, diff_step=[1e-3], xtol=1e-4, args=(which,))
+        values = ", ".join(f"{value:.4g}" for value in NOMINAL[list(which)] * fit.x)
+        what = f"rms of markers, fitted {name}"
+        note = f"{values} (Pa, kg / m^3); published 15.8 mm"
+        lines.append(Line(TENTACLE, what, _rms(residual(fit.x, which)), "mm", Goal(15.8), note=note))
+    return lines
 
 
 def _rms(residual: Floats) -> float:
@@ -212,7 +217,7 @@ def read_tentacle() -> tuple[Floats, Floats]:
 
 def _places(material: Floats, tensions: Floats) -> Floats:
     """Places of the markers (m, 4, 3) at these tensions (m, 2)."""
-    young, density, slope = material
+    young, density, slope, poisson = material
     ends = np.unique(np.concatenate([np.linspace(0.0, 0.305, 13)[1:], np.linspace(0.305, 0.36, 4), MARKERS]).round(6))
     begins = np.concatenate([[0.0], ends[:-1]])
     segments = []
@@ -221,7 +226,7 @@ def _places(material: Floats, tensions: Floats) -> Floats:
         radius = float(np.interp(middle, *np.array(TAPER).T))
         # A tendon that comes nearer to the backbone: a line in each piece, all with the same tension.
         lines = sn.Chambers(angles=np.radians([30.0, 150.0]), radius=11.4e-3 - slope * middle)
-        rod = sn.Stiffness(youngs_modulus=young, poisson=POISSON, radius=radius)
+        rod = sn.Stiffness(youngs_modulus=young, poisson=poisson, radius=radius)
         mass = density * math.pi * radius**2
         segments.append(sn.Segment(end - begin, chambers=lines, stiffness=rod, mass=mass))
     base = np.eye(4)

@@ -23,6 +23,8 @@ Remedies = dict[str, Remedy]
 def helped(solution: sn.Solution) -> Remedies:
     explanation = solution.explain(time=ENOUGH)
     assert explanation.complete
+    for remedy in explanation.remedies:
+        assert (remedy.problem is None) == (remedy.change in ("method", "time", "max_starts", "within"))
     return {remedy.change: remedy for remedy in explanation.remedies}
 
 
@@ -226,7 +228,11 @@ def test_remedies_solve_what_they_say() -> None:
         solution = sn.solve(ROBOT, target, max_starts=20)
         assert not solution.solved
         for remedy in solution.explain(time=ENOUGH).remedies:
-            after = remedy.after
+            after, own = remedy.after, remedy.problem
+            assert own is not None
+            scene, start = sn.Scene.of(own.scene), remedy.start
+            again = sn.solve(own.robot, own.targets, scene, tolerance=own.tolerance, initial=start, max_starts=20)
+            assert again.solved
             if remedy.change in ("target position", "target direction"):
                 changed = target.changed(**{remedy.change.removeprefix("target "): after})
                 assert sn.solve(ROBOT, changed, max_starts=20).solved
@@ -261,7 +267,7 @@ def test_the_nearest_is_no_farther_than_the_best_that_was_found(seed: int) -> No
     """A tip whose place no search finds anew is offered with the start from which it is met."""
     place = 100.0, 30.0, -130.0
     target = sn.Target(place, direction=(0, 0, 1))
-    solution = sn.solve(BELLOWS, target, seed=seed)
+    solution = sn.solve(BELLOWS, target, seed=seed, max_starts=1000)
     assert solution.position_error is not None
     remedies = helped(solution)
     for key in ("position", "direction"):

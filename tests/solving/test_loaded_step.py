@@ -1,15 +1,9 @@
 """Ticks of a control loop under load: the loaded tip moves as asked, within limits and rates, and is proved clear."""
 
-from functools import partial
-from typing import Any
-
 import numpy as np
 import pytest
-from scipy.optimize import LinearConstraint, minimize
 
 import sinuous as sn
-from sinuous.checks import Floats
-from sinuous.solving.loaded_tick import Row, _least_distance
 from tests.solving.test_under_load import Q, arm
 
 DT = 0.02
@@ -88,29 +82,3 @@ def test_what_was_measured_corrects_the_loaded_model() -> None:
     off = np.linalg.norm(real.shape(step.q).tip[:3, 3] - place)
     alone = np.linalg.norm(real.shape(sn.solve(robot, target, initial=Q).q).tip[:3, 3] - place)
     assert off < 1e-3 * robot.mean_length < alone
-
-
-def _energy(free: Floats, square: Floats, y: Floats) -> float:
-    return float(0.5 * (y - free) @ square @ (y - free))
-
-
-def test_the_least_distance_is_that_of_scipy() -> None:
-    random = np.random.default_rng(5)
-    held = 0
-    for _ in range(8):
-        half = random.normal(size=(5, 5))
-        square: Any = half @ half.T + 0.1 * np.eye(5)
-        free = random.normal(size=5)
-        rows = [Row(random.normal(size=5), float(random.uniform(-1.0, 0.5)), 0, 0, 0) for _ in range(6)]
-        found = _least_distance(np.linalg.cholesky(square), free, rows)
-        own = LinearConstraint(np.array([row.weights for row in rows]), [row.low for row in rows])
-        start, energy = np.zeros(5), partial(_energy, free, square)
-        oracle: Any = minimize(energy, start, constraints=own, tol=1e-12, method="SLSQP")
-        if not oracle.success:
-            continue
-        assert found is not None
-        step, active = found
-        assert step == pytest.approx(oracle.x, abs=1e-4)
-        assert all(row.weights @ step >= row.low - 1e-9 for row in rows)
-        held += len(active) > 0
-    assert held >= 3

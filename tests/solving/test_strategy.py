@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +19,7 @@ from sinuous.scene.obstacles import Obstacle
 from sinuous.solving import strategy as own
 from sinuous.solving.attempts import ATTEMPTS, COST_OF_A_CHAIN, Attempt, Attempts, read_without
 from sinuous.solving.options import SolveOptions
-from sinuous.solving.routing.growth import LAST_WIDTH
+from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.starts import Batch, Question, Scattered
 from sinuous.solving.strategy import Strategy, attempts_of, plans_of
@@ -58,6 +58,19 @@ def made(strategy: Attempts, monkeypatch: pytest.MonkeyPatch) -> list[Attempt]:
     monkeypatch.setattr(strategy, "_next", popped)
     list(strategy.batches())
     return attempts
+
+
+@cache
+def everything_made() -> list[Attempt]:
+    """All attempts of a search from which nothing is left out."""
+    with pytest.MonkeyPatch.context() as patch:
+        return made(searching(), patch)
+
+
+@pytest.fixture
+def narrow_beams(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let beams widen once and no more: nearly all of the time goes into wide ones."""
+    monkeypatch.setattr(own, "LAST_WIDTH", 2 * FIRST_WIDTH)
 
 
 def noted(order: list[str], name: str) -> Make:
@@ -169,6 +182,7 @@ def test_the_first_call_is_one_batch_and_scattered_starts_go_on_from_there(given
     assert numbers == list(range(batch.own[1], most - given))
 
 
+@pytest.mark.usefixtures("narrow_beams")
 @pytest.mark.parametrize("name", ATTEMPTS)
 def test_what_is_switched_off_is_not_made(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert name not in {attempt.name for attempt in made(searching(without=(name,)), monkeypatch)}
@@ -210,23 +224,28 @@ def test_prices_grow_with_what_is_tried() -> None:
         assert prices_of == sorted(prices_of)
 
 
-def test_chains_are_grown_with_more_effort_later_and_nothing_is_tried_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    attempts = made(searching(), monkeypatch)
+def test_attempts_come_with_more_effort_later() -> None:
+    attempts = everything_made()
     assert {"laid", "grown", "cells", "gates"} <= {attempt.name for attempt in attempts}
     prices = [attempt.price for attempt in attempts]
     assert all(
         before <= after or attempts[i + 1].number > attempts[i].number
         for i, (before, after) in enumerate(pairwise(prices))
     )
+
+
+@pytest.mark.usefixtures("narrow_beams")
+def test_nothing_is_tried_twice() -> None:
     tried = [q.tobytes() for batch in searching().batches() for q in batch.initial]
     assert len(tried) == len(set(tried))
 
 
-def test_beams_widen_as_long_as_there_is_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    prices = [attempt.price for attempt in made(searching(), monkeypatch) if attempt.name == "grown"]
+def test_beams_widen_as_long_as_there_is_time() -> None:
+    prices = [attempt.price for attempt in everything_made() if attempt.name == "grown"]
     assert max(prices) >= own.GROWN_COST * LAST_WIDTH
 
 
+@pytest.mark.usefixtures("narrow_beams")
 def test_where_several_are_wanted_chains_are_grown_after_all_searches(monkeypatch: pytest.MonkeyPatch) -> None:
     names = [attempt.name for attempt in made(searching(several=True), monkeypatch)]
     assert "gates" not in names
@@ -245,6 +264,7 @@ def test_a_chain_that_has_to_be_stowed_is_led_through_gates_first(
     assert next(name for name in names if name in ("laid", "gates")) == first
 
 
+@pytest.mark.usefixtures("narrow_beams")
 def test_over_cells_the_first_search_waits_where_a_route_around_edges_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Searches, "by_edges", lambda *_: np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 40))
     attempts = made(searching(), monkeypatch)

@@ -11,7 +11,9 @@ import pytest
 
 import sinuous as sn
 from sinuous.display.contents import straight
+from sinuous.display.curves import speeds_of
 from sinuous.errors import InputError
+from sinuous.solution.remedies import Remedy
 from sinuous.viewer.history import History
 from sinuous.viewer.model import Model
 from sinuous.viewer.saving import loaded, saved
@@ -184,6 +186,74 @@ def test_what_was_decided_is_taken_back_step_by_step() -> None:
     assert page.grasped == 0
 
 
+def test_remedies_are_applied_to_what_is_on_the_page() -> None:
+    ball = sn.Sphere((1, 0, 2), radius=0.2, name="at the target")
+    page, solvers = model(scene=[BALL, ball]), Solvers(routes=False)
+    found = solvers.solve(page.question())
+    assert page.accept(page.number, found)
+    remedies = {remedy.change: remedy for remedy in found.explain(time=60.0).remedies}
+    page.apply(remedies["obstacle at the target"])
+    assert [page.scene.name(i) for i in range(len(page.scene))] == ["ball"]
+    assert page.targets[0].equals(found.problem.targets[0])
+    assert solvers.solve(page.question()).solved
+    page = model(scene=[BALL, ball])
+    page.accept(page.number, solvers.solve(page.question()))
+    page.apply(remedies["target position"])
+    assert len(page.scene) == 2
+    assert solvers.solve(page.question()).solved
+    page.apply(Remedy("time", 1.0, 4.0))
+    assert page.settings.time == 4.0
+    with pytest.raises(InputError, match="from Python"):
+        page.apply(Remedy("max_starts", 1, 10))
+
+
+def test_segments_are_added_and_taken_away_with_all_that_counts_them() -> None:
+    start = [[0.1, 0.0, 1.0], [0.2, 0.0, 1.0], [0.3, 0.0, 1.0]]
+    page = model(target=[sn.Target((1, 0, 2)), sn.Target((0.2, 0, 1), segment=2)], start=start)
+    page.limit(0, radius=0.08)
+    page.add_segment(0)
+    assert page.robot.radii == (0.08, 0.08, 0.05, 0.05)
+    assert page.targets[1].segment == 3
+    assert page.job.start is not None
+    assert page.job.start[:, 0].tolist() == [0.1, 0.1, 0.2, 0.3]
+    page.add_segment(None)
+    assert len(page.robot) == len(page.q) == 5
+    assert page.targets[1].segment == 3
+    with pytest.raises(InputError, match="a target asks for its end"):
+        page.remove_segment(2)
+    page.remove_segment(None)
+    page.remove_segment(0)
+    assert page.targets[1].segment == 2
+    assert page.job.start.shape == (3, 3)
+    assert page.question().initial.shape == (3, 3)
+    page = model()
+    page.remove_segment(0)
+    page.remove_segment(0)
+    with pytest.raises(InputError, match="segments"):
+        page.remove_segment(0)
+    assert len(page.robot) == 1
+
+
+def test_rates_change_the_times_of_a_motion_and_not_its_way() -> None:
+    page = model(target=sn.Target((-0.9, 0.2, 2)), start=[[-0.3, 0.0, 1.0]] * 3)
+    motion = page.job.plan()
+    page.show_motion(motion)
+    slow, none = np.array([0.1, 0.2, 0.0]), np.zeros(3)
+    page.set_rates(slow, none)
+    assert page.motion is not None
+    np.testing.assert_array_equal(page.motion.q, motion.q)
+    shares = speeds_of(page.motion, page.job.rates).values
+    np.testing.assert_allclose(shares, 100.0)
+    before = page.motion.duration
+    page.set_rates(2.0 * slow, none)
+    assert page.motion is not None
+    np.testing.assert_allclose(page.motion.duration, 0.5 * before)
+    page.set_rates(none, none)
+    assert not page.job.rates
+    with pytest.raises(InputError, match="bend"):
+        page.set_rates(-slow, none)
+
+
 def test_limits_change_for_one_segment_or_all() -> None:
     page = model()
     page.limit(1, max_bend=1.5)
@@ -283,6 +353,20 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     assert again is not None
     np.testing.assert_array_equal(again.initial, solution.q)
     assert not page.accept_beside(second.number, solution)
+
+
+def test_pages_remember_what_is_solved_by_the_robot_of_the_memory() -> None:
+    page, memory = model(), sn.Memory(ROBOT)
+    solvers = Solvers(routes=True, memory=memory)
+    page.accept(page.number, solvers.solve(page.question()))
+    assert len(memory) == 1
+    page.place_target(0, np.array([-0.5, 0.8, 2.0]))
+    assert solvers.solve(page.question()).solved
+    assert len(memory) == 2
+    page.limit(None, max_bend=1.9)
+    page.place_target(0, np.array([0.5, -0.8, 2.0]))
+    assert solvers.solve(page.question()).solved
+    assert len(memory) == 2
 
 
 def test_what_is_asked_is_asked_at_the_time_that_is_shown() -> None:

@@ -262,6 +262,23 @@ def blueness(tab: Any, camera: Any, point: Floats) -> float:
     return float(seen[2] - seen[0])
 
 
+def test_what_would_help_is_a_button(page: Page, fresh: Any) -> None:
+    load(page, fresh, sn.Job(ROBOT, sn.Target((0, 0, 4.0))))
+    fresh.locator(".badge", has_text="out of reach").wait_for()
+    fresh.get_by_role("button", name="What would help?").click()
+    fresh.get_by_role("button", name="length of all segments").click()
+    fresh.locator(".badge", has_text="solved").wait_for()
+    assert page.model.robot.segments[0].length[1] > 1.2
+    fresh.get_by_role("tab", name="Robot").click()
+    fresh.get_by_role("button", name="Add a segment").click()
+    until(lambda: len(page.model.robot) == 4, "one more")
+    for count in (3, 3):
+        fresh.keyboard.press("Control+z")
+        until(lambda count=count: len(page.model.robot) == count, "what was before")  # type: ignore[misc]
+    settled(page)
+    assert page.model.robot is ROBOT
+
+
 def test_an_obstacle_is_chosen_dragged_and_deleted(page: Page, fresh: Any) -> None:
 
     def chosen() -> bool:
@@ -344,6 +361,19 @@ def test_a_motion_to_a_goal_is_planned_and_played(page: Page, fresh: Any) -> Non
     np.testing.assert_array_equal(page.model.motion.q[0], GOAL.start)
     np.testing.assert_allclose(page.model.shown, GOAL.goal)
     fresh.locator(".badge", has_text="proved clear here").wait_for()
+    for label in ("rates", "accelerations"):
+        for field in inputs(fresh, label).all()[:2]:
+            field.fill("0.4")
+            field.press("Tab")
+    limits = sn.Rates(0.4, 0.4, acceleration=sn.Rates(0.4, 0.4))
+    until(lambda: page.model.job.rates.equals(limits), "rates")
+    choose(fresh, "plot", "speed")
+    fresh.get_by_text("% of the rates").wait_for()
+    untimed = page.model.motion
+    fresh.get_by_role("button", name="As fast as rates allow").click()
+    until(lambda: page.model.motion is not untimed and not page.playing, "the timed motion played to its end")
+    assert page.model.motion is not None
+    np.testing.assert_allclose(page.model.motion.duration, untimed.timed(limits).duration)
 
 
 def test_obstacles_move_with_the_time_that_is_shown(page: Page, fresh: Any) -> None:

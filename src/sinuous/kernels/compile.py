@@ -71,10 +71,9 @@ def interpreted_as(machine: Function) -> Callable[[Function], Function]:
     """Let this function of the same file run in the place of the kernel `machine` where kernels are interpreted."""
 
     def mark(function: Function) -> Function:
-        kernel: Any = getattr(machine, "py_func", machine)  # tests have something around it
-        IN_PLACE_OF[kernel] = function  # type: ignore[assignment]
+        IN_PLACE_OF[machine] = function  # type: ignore[assignment, index]
         if MODE == "interpreted":
-            interpret([kernel])
+            interpret([machine])  # type: ignore[list-item]
         return function
 
     return mark
@@ -121,14 +120,19 @@ def interpreted(function: Any) -> Any:
 
     @functools.wraps(function)
     def call(*arguments: Any, most: float = math.inf) -> Any:
-        if _functions:
-            with no_work():
-                interpret(_functions)
-            _functions.clear()
+        interpret_all()
         with np.errstate(all="ignore"), counting_looks(most):
             return plain(function(*arguments))
 
     return call
+
+
+def interpret_all() -> None:
+    """Let all kernels that have been made run as Python where Python calls them."""
+    if _functions:
+        with no_work():
+            interpret(_functions)
+        _functions.clear()
 
 
 _functions: list[FunctionType] = []

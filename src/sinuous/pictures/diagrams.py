@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.display.clearances import clearances, lengths_along
+from sinuous.display.curves import Curves, actuators_of, bends_of, lengths_of
 from sinuous.display.style import CURVES, GRID, INK, LINE, PALE, SMALL, TARGET, TEXT, TITLE, tones
 from sinuous.errors import InputError
 from sinuous.methods import registry
@@ -233,25 +235,11 @@ def _draw_map(axes: Any, answer: Solution | Motion) -> None:
     axes.yaxis.get_major_locator().set_params(integer=True)
 
 
-def _draw_actuators(axes: Any, answer: Solution | Motion) -> None:
+def _draw_values(of: Callable[[Motion], Curves], axes: Any, answer: Solution | Motion) -> None:
     assert isinstance(answer, Motion)
-    robot = answer.robot
-    _draw_curves(axes, answer.times, answer.actuators, [actuator.name for actuator in robot.actuators])
-    units = {actuator.unit or ("value" if robot.linear else "length unit") for actuator in robot.actuators}
-    tidy(axes, "actuators", x="time", y=units.pop() if len(units) == 1 else "value")
-
-
-def _draw_bends(axes: Any, answer: Solution | Motion) -> None:
-    assert isinstance(answer, Motion)
-    q = answer.q
-    _draw_curves(axes, answer.times, np.hypot(q[..., 0], q[..., 1]), answer.robot.segment_names)
-    tidy(axes, "bends of the segments", x="time", y="rad")
-
-
-def _draw_lengths(axes: Any, answer: Solution | Motion) -> None:
-    assert isinstance(answer, Motion)
-    _draw_curves(axes, answer.times, answer.q[..., 2], answer.robot.segment_names)
-    tidy(axes, "lengths of the segments", x="time", y="length unit")
+    curves = of(answer)
+    _draw_curves(axes, curves.times, curves.values, curves.names)
+    tidy(axes, curves.title, x="time", y=curves.unit)
 
 
 def _draw_curves(axes: Any, times: Floats, values: Floats, names: Any) -> None:
@@ -294,8 +282,8 @@ _DRAWN: dict[str, Callable[[Any, Solution | Motion], None]] = {
     "clearance": _draw_clearance,
     "clearance map": _draw_map,
     "convergence": _draw_convergence,
-    "actuators": _draw_actuators,
-    "bends": _draw_bends,
-    "lengths": _draw_lengths,
+    "actuators": partial(_draw_values, actuators_of),
+    "bends": partial(_draw_values, bends_of),
+    "lengths": partial(_draw_values, lengths_of),
     "times": _draw_times,
 }

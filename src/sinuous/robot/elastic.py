@@ -151,6 +151,12 @@ class Elastic(Frozen):
         held = sum(np.linalg.matrix_rank(springs.arms[np.ix_(g.lines, g.coordinates)]) for g in groups)
         self._set(_groups=groups, bounded=not (free.all() and held == len(columns)))
 
+    def beyond(self, tensions: Floats) -> Floats:
+        """By how much tensions (..., e) are outside their limits, as a stretch in the length unit; 0 within."""
+        low, high = self._limits.T
+        result: Floats = np.maximum(0.0, np.maximum(low - tensions, tensions - high)) / self.springs.stiffness
+        return result
+
     def shape(self, displacements: Floats, q: Floats) -> Floats:
         """Configurations (..., n, 3) for displacements (..., m) of all actuators; `q` says what rigid ones do."""
         there = np.array(q.reshape(-1, *q.shape[-2:]))

@@ -6,7 +6,7 @@ began it; or from a start that is told with it.
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -65,6 +65,9 @@ class Remedy(ShortRepr):
         What else there is to say, like how far a target moves; may be empty.
     start : list or None
         The configuration (n, 3) from which it is solved, where the search alone does not find it: `initial` of a solve.
+    problem : Problem or None
+        The problem with this change; nothing where an option of the solve is changed (`method`, `time`, `max_starts`,
+        `within`).
     """
 
     change: str
@@ -72,6 +75,7 @@ class Remedy(ShortRepr):
     after: Any
     note: str = ""
     start: list[list[float]] | None = None
+    problem: Problem | None = field(default=None, compare=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain values, in the order of the file format."""
@@ -183,7 +187,8 @@ def demand_less(trials: Trials, case: Case) -> Iterator[Remedy]:
 
         share = trials.smallest(less, 1.0, thorough=True) if np.any(before) else None
         if share is not None:
-            yield Remedy(key, _listed(before), _listed(getattr(less(share).robot, key)))
+            problem = less(share)
+            yield Remedy(key, _listed(before), _listed(getattr(problem.robot, key)), problem=problem)
 
 
 def _listed(demanded: float | tuple[float, ...]) -> float | list[float]:
@@ -206,7 +211,8 @@ def widen(trials: Trials, case: Case) -> Iterator[Remedy]:
     ]
     for one, amount in zip(usable, amounts, strict=True):
         if amount is not None:
-            yield Remedy(one.name(robot), plain(one.limits), plain(one.by(amount)))
+            changed = problem.changed(robot=one.applied(robot, amount))
+            yield Remedy(one.name(robot), plain(one.limits), plain(one.by(amount)), problem=changed)
     if len(usable) < 2 or any(amount is not None for amount in amounts):
         return
 
@@ -220,7 +226,7 @@ def widen(trials: Trials, case: Case) -> Iterator[Remedy]:
     if share is not None:
         before = {each.name(robot): plain(each.limits) for each in usable}
         after = {each.name(robot): plain(each.by(share * each.most)) for each in usable}
-        yield Remedy("limits", before, after)
+        yield Remedy("limits", before, after, problem=wider(share))
 
 
 def relax(trials: Trials, case: Case) -> Iterator[Remedy]:
@@ -264,11 +270,13 @@ def _nearest(trials: Trials, case: Case, key: str) -> Iterator[Remedy]:
     if size <= tolerance:  # nothing has to be changed: the target itself is met from there
         found = trials.quick(problem, reached.q)
         if found is not None:
-            yield Remedy("start", None if case.given is None else case.given.tolist(), found.q.tolist())
+            given = None if case.given is None else case.given.tolist()
+            yield Remedy("start", given, found.q.tolist(), problem=problem)
         return
     loose = rounded_up(tolerance + size)
-    if loose <= LOOSER * tolerance and trials.whole(_looser(problem, **{of: loose})) is not None:
-        yield Remedy(f"tolerance.{of}", tolerance, loose)
+    looser = _looser(problem, **{of: loose})
+    if loose <= LOOSER * tolerance and trials.whole(looser) is not None:
+        yield Remedy(f"tolerance.{of}", tolerance, loose, problem=looser)
     tries = []
     for farther in (factor * by for factor in FARTHER):
         after, size = _moved(key, before, farther, tolerance), float(np.linalg.norm(farther))
@@ -282,12 +290,12 @@ def _offered(trials: Trials, tries: Sequence[tuple[Problem, Remedy]], q: Floats)
     """Yield the first of several changes that the whole search solves; otherwise the first, with a start near `q`."""
     for problem, remedy in tries:
         if trials.whole(problem) is not None:
-            yield remedy
+            yield replace(remedy, problem=problem)
             return
     problem, remedy = tries[0]
     found = trials.quick(problem, q)
     if found is not None:
-        yield replace(remedy, start=found.q.tolist())
+        yield replace(remedy, start=found.q.tolist(), problem=problem)
 
 
 def _moved(key: str, before: Floats, by: Floats, tolerance: float) -> Floats:
@@ -357,8 +365,9 @@ def drop(trials: Trials, case: Case) -> Iterator[Remedy]:
     """Yield the targets, of several, without which the others can be met."""
     targets = case.problem.targets
     for i, target in enumerate(targets if len(targets) > 1 else ()):
-        if trials.whole(case.problem.changed(targets=targets[:i] + targets[i + 1 :])) is not None:
-            yield Remedy(f"target {i + 1}", repr(target), None)
+        fewer = case.problem.changed(targets=targets[:i] + targets[i + 1 :])
+        if trials.whole(fewer) is not None:
+            yield Remedy(f"target {i + 1}", repr(target), None, problem=fewer)
 
 
 def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
@@ -366,12 +375,15 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     scene = case.problem.scene
     every = [scene.name(i) for i in range(len(scene))]
 
+    def cleared(names: Sequence[str]) -> Problem:
+        return case.problem.changed(scene=scene.without(names))
+
     def helps(names: Sequence[str]) -> bool:
-        return trials.whole(case.problem.changed(scene=scene.without(names))) is not None
+        return trials.whole(cleared(names)) is not None
 
     if not every or case.status is Status.OUT_OF_REACH:  # which is proved without a look at them
         return
-    bare = case.problem.changed(scene=scene.without(every))
+    bare = cleared(every)
     free = trials.quick(bare) or trials.whole(bare)
     if free is None:
         trials.obstacles_matter = trials.left <= 0.0
@@ -381,10 +393,10 @@ def clear_away(trials: Trials, case: Case) -> Iterator[Remedy]:
     names = [name for name in dict.fromkeys([*held, *met]) if name is not None][:MOST_OBSTACLES]
     alone = [name for name in names if helps([name])]
     for name in alone:
-        yield Remedy(f"obstacle {name}", "in the scene", None)
+        yield Remedy(f"obstacle {name}", "in the scene", None, problem=cleared([name]))
     together = [name for name in every if name in met]
     if not alone and 1 < len(together) <= MOST_OBSTACLES and helps(together):
-        yield Remedy(f"obstacles {listed(together)}", "in the scene", None)
+        yield Remedy(f"obstacles {listed(together)}", "in the scene", None, problem=cleared(together))
 
 
 def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
@@ -397,7 +409,7 @@ def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
 
     amount = trials.smallest(mounted, longest)
     if amount is not None:
-        yield Remedy("mount", robot.mount, rounded(robot.mount + amount))
+        yield Remedy("mount", robot.mount, rounded(robot.mount + amount), problem=mounted(amount))
     slope = problem.scene.gradient(robot.base[:3, 3] + robot.mount * robot.base[:3, 2])
     size = float(np.linalg.norm(slope))
     if size == 0.0:
@@ -410,8 +422,9 @@ def free_the_base(trials: Trials, case: Case) -> Iterator[Remedy]:
 
     amount = trials.smallest(moved, longest)
     if amount is not None:
-        after = moved(amount).robot.base[:3, 3]
-        yield Remedy("base position", robot.base[:3, 3].tolist(), after.tolist(), f"{number(amount)} away")
+        free = moved(amount)
+        after, note = free.robot.base[:3, 3].tolist(), f"{number(amount)} away"
+        yield Remedy("base position", robot.base[:3, 3].tolist(), after, note, problem=free)
 
 
 def make_thinner(trials: Trials, case: Case) -> Iterator[Remedy]:
@@ -428,4 +441,4 @@ def make_thinner(trials: Trials, case: Case) -> Iterator[Remedy]:
 
     amount = trials.smallest(thinner, (1.0 - THINNEST) * radius, thorough=True)
     if amount is not None:
-        yield Remedy("radius", radius, rounded(radius - amount))
+        yield Remedy("radius", radius, rounded(radius - amount), problem=thinner(amount))

@@ -25,6 +25,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.observed import vector_of
 from sinuous.solving.between.loaded import SAMPLED
 from sinuous.solving.between.steps import Prover
+from sinuous.solving.least_distance import least_distance
 from sinuous.solving.under_load import errors_of
 from sinuous.statics.equilibrium import longest_body
 from sinuous.statics.rest import Rest
@@ -203,7 +204,7 @@ class LoadedTick:
         for wishes in (True, False):
             bounds = [row for row in fixed if wishes or not row.wish]
             for _ in range(CUTS):
-                found = _least_distance(root, free, bounds)
+                found = _held(root, free, bounds)
                 if found is None:
                     break
                 step, active = found
@@ -382,26 +383,13 @@ def _wished(at: Floats, aim: float, room: float, where: tuple[int, int]) -> list
     return [Row(side * at, side * aim - room, a.ACCELERATION, *where, True) for side in (1.0, -1.0)]
 
 
-def _least_distance(root: Floats, free: Floats, bounds: list[Row]) -> tuple[Floats, list[tuple[float, Row]]] | None:
-    """The step nearest to a free one within bounds, in the metric `root root'`, and the active ones; `None`: none."""
-    from scipy.optimize import nnls  # noqa: PLC0415
-
+def _held(root: Floats, free: Floats, bounds: list[Row]) -> tuple[Floats, list[tuple[float, Row]]] | None:
+    """The step nearest to a free one within bounds, and the active ones, strongest first; `None`: there is none."""
     if not bounds:
         return free, []
-    sizes = np.array([max(1e-300, float(np.linalg.norm(row.weights))) for row in bounds])
-    weights = np.array([row.weights for row in bounds]) / sizes[:, None]
-    low = np.array([row.low for row in bounds]) / sizes - weights @ free
-    if (low <= 0.0).all():
-        return free, []
-    shaped = np.linalg.solve(root, weights.T)
-    unit = float(np.abs(low).max())
-    system = np.concatenate([shaped, low[None] / unit])
-    wanted = np.zeros(len(system))
-    wanted[-1] = 1.0
-    multipliers, left = nnls(system, wanted, maxiter=30 * len(bounds))
-    rest = system @ multipliers - wanted
-    if left < 1e-9 or rest[-1] >= 0.0:
+    found = least_distance(root, free, np.array([row.weights for row in bounds]), np.array([row.low for row in bounds]))
+    if found is None:
         return None
-    step = free + np.linalg.solve(root.T, -unit * rest[:-1] / rest[-1])
+    step, multipliers = found
     order = np.argsort(-multipliers, kind="stable")
     return step, [(float(multipliers[i]), bounds[i]) for i in order if multipliers[i] > 0.0]

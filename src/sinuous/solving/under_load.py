@@ -7,6 +7,7 @@ Broyden's updates of it (1965) for how they do not. What is proved is the loaded
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +18,10 @@ from sinuous.packing import pose_row
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot, robot_group
+from sinuous.solving.least_distance import least_distance
 from sinuous.statics.body import body_of
 from sinuous.statics.equilibrium import longest_body
-from sinuous.statics.rest import Rest, rolled
+from sinuous.statics.rest import Rest, rolled, tensions_kept
 from sinuous.work_time import work_time
 
 MOST_ROUNDS = 25
@@ -145,17 +147,24 @@ class UnderLoad:
         self._robot, self._low, self._high = robot, low, high
         self._scale = np.stack([robot.limits[:, k.BEND_SCALE]] * 2 + [robot.limits[:, k.LENGTH_SCALE]], axis=-1)
         self._bends = np.array([segment.max_bend for segment in robot.segments])
-        self._curvatures = np.array(robot.curvatures)
+        curvatures = np.array(robot.curvatures)
+        self._straight = curvatures if np.isfinite(curvatures).any() else None
+        self._over = np.where(self._scale.ravel() > 0.0, self._scale.ravel(), math.inf)
+        limits = robot.drive.limits
+        limited = np.isfinite(limits).any(axis=1)
+        self._weights = robot.drive.jacobian[limited] if limited.any() else np.zeros((0, 3 * len(robot)))
+        self._least, self._most = limits[limited].T
         self._body: Body | None = None
 
     def within(self, q: Floats) -> Floats:
         """Bring a drive (n, 3) within the limits of segments."""
         q = q.copy()
-        q[:, 2] = np.clip(q[:, 2], self._low, self._high)
-        with np.errstate(invalid="ignore"):
-            most = np.fmin(self._bends, self._curvatures * q[:, 2])
-        size = np.hypot(q[:, 0], q[:, 1])
-        q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
+        length = q[:, 2] = np.minimum(np.maximum(q[:, 2], self._low), self._high)
+        most = self._bends if self._straight is None else np.fmin(self._bends, self._straight * length)
+        square = q[:, 0] ** 2 + q[:, 1] ** 2
+        if (square > most * most).any():
+            size = np.sqrt(square)
+            q[:, :2] *= np.where(size > most, most / np.maximum(size, 1e-300), 1.0)[:, None]
         return q
 
     def correct(self, q: Floats, problem: Problem, end: float) -> tuple[Rest | None, float, float, int]:
@@ -165,9 +174,11 @@ class UnderLoad:
         shape = Rest(self._robot, self.within(q))
         if shape.states is None:
             return None, math.inf, math.inf, 0
-        left, off, turn = errors_of(shape, problem.targets, unit)
-        rows, exact = rows_of(shape, problem.targets, unit) * self._scale.ravel(), False
+        scale = self._scale.ravel()
+        errors = errors_of(shape, problem.targets, unit)
+        rows, exact = rows_of(shape, problem.targets, unit) * scale, False
         for rounds in range(MOST_ROUNDS):
+            left, off, turn = errors
             if (off <= most_off and turn <= most_turn) or work_time() > end:
                 return shape, off, turn, rounds
             tried = self._step(shape, rows, left, problem)
@@ -176,25 +187,43 @@ class UnderLoad:
             if tried is None:
                 rows, exact = self._differences(shape, left, problem), True
                 continue
-            after, off, turn = errors_of(tried, problem.targets, unit)
-            moved = ((tried.q - shape.q) / np.maximum(self._scale, 1e-300)).ravel() * (self._scale.ravel() > 0.0)
-            rows, exact = _updated(rows, moved, left - after), False
-            shape, left = tried, after
-        return shape, off, turn, MOST_ROUNDS
+            before, (shape, errors) = shape, tried
+            moved = (shape.q - before.q).ravel() / self._over
+            rows, exact = _updated(rows, moved, left - errors[0]), False
+        return shape, errors[1], errors[2], MOST_ROUNDS
 
-    def _step(self, shape: Rest, rows: Floats, left: Floats, problem: Problem) -> Rest | None:
-        """Correct once; `None` where not even a short step brings the body nearer."""
-        scale = np.maximum(self._scale.ravel(), 1e-300)
+    def _step(
+        self, shape: Rest, rows: Floats, left: Floats, problem: Problem
+    ) -> tuple[Rest, tuple[Floats, float, float]] | None:
+        """Correct once, and say what is left; `None` where not even a short step brings the body nearer."""
         step = _least(rows, left)
+        if len(self._weights):
+            step = self._keep_actuators(shape.q, rows, step)
         step *= min(1.0, LARGEST / max(1e-300, float(np.abs(step).max())))
+        size = float(left @ left)
         for _ in range(HALVINGS):
-            tried = Rest(self._robot, self.within(shape.q + (step * scale).reshape(-1, 3)), shape)
+            tried = Rest(self._robot, self.within(shape.q + (step * self._scale.ravel()).reshape(-1, 3)), shape)
             if tried.states is not None:
-                after, _, _ = errors_of(tried, problem.targets, self._robot.mean_length)
-                if after @ after < left @ left:
-                    return tried
-            step *= 0.4
+                errors = errors_of(tried, problem.targets, self._robot.mean_length)
+                if errors[0] @ errors[0] < size:
+                    return tried, errors
+            step = 0.4 * step
         return None
+
+    def _keep_actuators(self, q: Floats, rows: Floats, step: Floats) -> Floats:
+        """Keep a step within the limits of actuators: those that it would violate are rows of it."""
+        values = self._weights @ q.ravel()
+        moves = self._weights * self._scale.ravel()
+        low, high = (np.minimum(0.0, self._least - values), np.maximum(0.0, self._most - values))
+        ahead = moves @ step
+        if (ahead >= low).all() and (ahead <= high).all():
+            return step
+        bounds = np.concatenate([low, -high])
+        known = np.isfinite(bounds)
+        square: Any = rows.T @ rows
+        root = np.linalg.cholesky(square + DAMPING * max(1e-12, float(np.trace(square))) * np.eye(len(step)))
+        found = least_distance(root, step, np.concatenate([moves, -moves])[known], bounds[known])
+        return step if found is None else found[0]
 
     def _differences(self, shape: Rest, left: Floats, problem: Problem) -> Floats:
         """The derivative by differences: what the body really does, weights and tendons included."""
@@ -214,7 +243,8 @@ class UnderLoad:
         if self._body is None:
             self._body = Body(self._robot, problem)
         outcome = self._body.prove(shape.arcs, shape.rolls, problem, max(0.0, seconds))
-        held = len(self._robot.drive) == 0 or not self._robot.violations(shape.q)
+        robot = self._robot
+        held = len(robot.drive) == 0 or (not robot.violations(shape.q) and tensions_kept(robot, shape.pulls))
         wrong = outcome.code == OUT_OF_REACH or (outcome.code == SOLVED and not held)  # of this shape alone
         code = FAILED if wrong else outcome.code
         return outcome._replace(q=shape.q.copy(), code=code)

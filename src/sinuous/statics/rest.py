@@ -8,7 +8,7 @@ import numpy as np
 from sinuous import packing
 from sinuous.checks import Floats
 from sinuous.kernels.statics import layout as t
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import LIMIT_ROUNDING, Robot
 from sinuous.statics.body import Tables, body_of, tables_of
 from sinuous.statics.equilibrium import run
 
@@ -55,6 +55,13 @@ class Rest:
             self.states, self.tensions = found.states, found.tensions
 
     @property
+    def pulls(self) -> Floats:
+        """Tensions of all actuators (m,), NaN of what is no line through what gives."""
+        result = np.full(len(self.robot.drive), np.nan)
+        result[body_of(self.robot).lines.actuators] = self.tensions
+        return result
+
+    @property
     def found(self) -> tuple[Floats, Floats]:
         """States and tensions."""
         assert self.states is not None
@@ -71,10 +78,12 @@ class Rest:
     def arcs(self) -> Floats:
         """Configuration (N, 3) of the body as a robot of arcs: bends turned so that none is twisted."""
         assert self.states is not None
-        turns = self.rolls - self.states[:, t.TWIST]
+        states, result = self.states, np.empty((len(self.states), 3))
+        turns = self.rolls - states[:, t.TWIST]
         cosine, sine = np.cos(turns), np.sin(turns)
-        x, y = self.states[:, 0], self.states[:, 1]
-        result: Floats = np.stack([cosine * x - sine * y, sine * x + cosine * y, self.states[:, t.LENGTH]], axis=-1)
+        result[:, 0] = cosine * states[:, 0] - sine * states[:, 1]
+        result[:, 1] = sine * states[:, 0] + cosine * states[:, 1]
+        result[:, 2] = states[:, t.LENGTH]
         return result
 
     @property
@@ -189,3 +198,13 @@ def rolled(angle: float) -> Floats:
     result = np.eye(4)
     result[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
     return result
+
+
+def tensions_kept(robot: Robot, tensions: Floats) -> bool:
+    """Whether tensions (m,) of all actuators under load are within the limits of those that stretch."""
+    elastic = robot.drive.elastic
+    if elastic is None:
+        return True
+    own = tensions[elastic.places]
+    beyond = elastic.beyond(np.where(np.isnan(own), 0.0, own))
+    return bool((beyond[~np.isnan(own)] <= LIMIT_ROUNDING * robot.mean_length).all())

@@ -1,15 +1,26 @@
 """Fields and buttons of the panel: what the model says, and events for what people put there."""
 
+import html as markup
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
-from viser import GuiApi
+from viser import GuiApi, uplot
 
 from sinuous.checks import Floats
+from sinuous.display.curves import Curves
+from sinuous.display.style import CURVES
 from sinuous.viewer.session import Session
+from sinuous.viewer.status import framed
+
+PLOT = 220
+"""Height of a plot, in pixels."""
+
+MOST_NAMED = 12
+"""Curves that a legend has a name for."""
 
 
 class Fields:
@@ -22,6 +33,7 @@ class Fields:
     def __init__(self, gui: GuiApi, session: Session) -> None:
         self.gui, self._session = gui, session
         self._bound: list[tuple[Any, Callable[[], Any]]] = []
+        self._conditions: list[tuple[Any, Callable[[], bool]]] = []
         self._handles: list[Any] = []
 
     def bind(self, handle: Any, get: Callable[[], Any], changed: Callable[[Any], object]) -> None:
@@ -41,9 +53,11 @@ class Fields:
         """Show `get()` in a field; `put` changes the model by what a person puts there."""
         self.bind(handle, get, lambda value: self._session.do(handle.label, partial(put, value)))
 
-    def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> None:
-        """Add a field for a number."""
-        self.field(self.gui.add_number(label, get(), **look), get, put)
+    def number(self, label: str, get: Callable[[], float], put: Callable[[Any], object], **look: Any) -> Any:
+        """Add a field for a number. Return its handle."""
+        handle = self.gui.add_number(label, get(), **look)
+        self.field(handle, get, put)
+        return handle
 
     def vector(self, label: str, get: Callable[[], Floats], put: Any, step: float, hint: str | None = None) -> None:
         """Add three fields for a vector (3,)."""
@@ -94,6 +108,26 @@ class Fields:
         self.field(handle, chosen, choose)
         return handle
 
+    def text(self, text: str) -> None:
+        """Add a sentence."""
+        self._handles.append(self.gui.add_html(framed(markup.escape(text))))
+
+    def plot(self, curves: Curves) -> None:
+        """Add a plot of curves over time, with numbers where the mouse points."""
+        colours = itertools.cycle(CURVES)
+        series = [uplot.Series(label=name, stroke=next(colours), width=1.5) for name in curves.names]
+        few = len(curves.names) <= MOST_NAMED
+        self._handles.append(
+            self.gui.add_uplot(
+                (curves.times, *curves.values.T),
+                (uplot.Series(label="time"), *series),
+                title=f"{curves.title}, {curves.unit}",
+                scales={"x": uplot.Scale(time=False)},
+                legend=uplot.Legend(show=few),
+                height=PLOT,
+            )
+        )
+
     def button(self, label: str, act: Callable[[], object], hint: str | None = None, color: Any = "gray") -> Any:
         """Add a button; `act` is what happens in the session when it is pressed. Return its handle."""
         return self.answer(label, lambda _: act(), hint, color)
@@ -123,12 +157,19 @@ class Fields:
             value = get()
             if handle.value != value:
                 handle.value = value
+        for handle, holds in self._conditions:
+            if handle.visible != holds():
+                handle.visible = holds()
+
+    def only_while(self, holds: Callable[[], bool], *handles: Any) -> None:
+        """Show fields and buttons only while something holds."""
+        self._conditions += [(handle, holds) for handle in handles]
 
     def clear(self) -> None:
         """Take all fields and buttons from the panel."""
         for handle in self._handles:
             handle.remove()
-        self._bound, self._handles = [], []
+        self._bound, self._conditions, self._handles = [], [], []
 
 
 def step_of(size: float) -> float:

@@ -14,13 +14,17 @@ from sinuous.errors import InputError, SuspiciousInput
 from sinuous.methods.registry import name_of
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
+from sinuous.motion.paced import paced
 from sinuous.poses import least_rotation
 from sinuous.problem.target import Target, Tolerance
+from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Obstacle, Primitive
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Mover, Snapshot
+from sinuous.solution.explanation import Explanation
+from sinuous.solution.remedies import Remedy
 from sinuous.solution.solution import Solution
 from sinuous.viewer import edits
 from sinuous.viewer.solvers import Question, Settings
@@ -102,6 +106,8 @@ class Model:
         Pose of the chosen obstacle; None when there is none, or it cannot be moved.
     ghosts : list of Solution
         Distinct solutions to choose from.
+    explanation : Explanation or None
+        Why the answer is no solution, and what would help, once that was looked for.
     motion : Motion or None
         Along the path, or to the goal, once it was found.
     time : float
@@ -126,6 +132,7 @@ class Model:
         self.by_hand = False
         self.grasped: int | None = None
         self.ghosts: list[Solution] = []
+        self.explanation: Explanation | None = None
         self.grip: Floats | None = None
         self._mover: Mover | None = None
         self.motion: Motion | None = None
@@ -218,7 +225,7 @@ class Model:
     def _asked_anew(self) -> None:
         self.answer = self.beside = self._pulled = None
         self.by_hand = False
-        self.ghosts, self.motion = [], None
+        self.ghosts, self.motion, self.explanation = [], None, None
         self.number += 1
 
     # What is asked
@@ -281,16 +288,38 @@ class Model:
         self.settings = Settings(name_of(method), second, number, seconds)
         self._asked_anew()
 
+    def apply(self, remedy: Remedy) -> None:
+        """Make a change that helps."""
+        parts: dict[str, Any] = {}
+        if remedy.change in ("method", "time"):
+            self.settings = replace(self.settings, **{remedy.change: remedy.after})
+        elif remedy.problem is None or self.answer is None:
+            raise InputError("remedy", "is for calls from Python", remedy.change, "a change of what is on the page")
+        else:
+            before, after, scene = self.answer.problem, remedy.problem, self.scene
+            gone = _names(before.scene) - _names(after.scene)
+            given = {"robot": after.robot, "tolerance": after.tolerance, "targets": after.targets}
+            parts = {key: value for key, value in given.items() if value is not getattr(before, key)}
+            parts |= {"scene": Scene.of(scene.without(gone))} if gone else {}
+        start = remedy.after if remedy.change == "start" else remedy.start
+        if start is not None:
+            self.q = np.array(start)
+        if "targets" in parts:
+            parts |= self._with_targets(parts.pop("targets"))
+        self._change(**parts)
+
     def _target(self, index: int) -> Target:
         return self.targets[checks.integer("target", index, 0, len(self.targets) - 1)]
 
     def _replace_target(self, index: int, target: Target) -> None:
-        targets = (*self.targets[:index], target, *self.targets[index + 1 :])
-        if not self.job.is_path:
-            self._change(target=targets)
-            return
+        self._change(**self._with_targets((*self.targets[:index], target, *self.targets[index + 1 :])))
+
+    def _with_targets(self, targets: tuple[Target, ...]) -> dict[str, Any]:
+        """Arguments of `Job` for other targets now."""
         path = self.job.waypoints
-        self._change(path=(*path[: self.waypoint], targets, *path[self.waypoint + 1 :]))
+        if not self.job.is_path:
+            return {"target": targets}
+        return {"path": (*path[: self.waypoint], targets, *path[self.waypoint + 1 :])}
 
     # The robot
 
@@ -347,6 +376,51 @@ class Model:
             with checks.inside(f"segments[{k}]"):
                 segments[k] = segments[k].changed(**values)
         self._change(robot=self.robot.changed(segments=segments))
+
+    def add_segment(self, segment: int | None) -> None:
+        """Add a segment like this one (0 = first; None: the last) right after it."""
+        count = len(self.robot)
+        k = count - 1 if segment is None else checks.integer("segment", segment, 0, count - 1)
+        self._rebuild([*range(k + 1), *range(k, count)], new=k + 1)
+
+    def remove_segment(self, segment: int | None) -> None:
+        """Take a segment away (0 = first; None: the last)."""
+        count = len(self.robot)
+        k = count - 1 if segment is None else checks.integer("segment", segment, 0, count - 1)
+        if any(target.segment == k + 1 for targets in self.job.waypoints for target in targets):
+            raise InputError("segment", "a target asks for its end", self.robot.segment_names[k], "another segment")
+        self._rebuild([i for i in range(count) if i != k])
+
+    def _rebuild(self, rows: list[int], new: int | None = None) -> None:
+        """Make the robot of these segments of before (0 = first); one that is `new` has no name of its own."""
+        segments = [self.robot.segments[i] for i in rows]
+        if new is not None:
+            segments[new] = segments[new].changed(name=None)
+        place = {old: i for i, old in reversed([*enumerate(rows)])}
+
+        def moved(target: Target) -> Target:
+            return target if target.segment is None else target.changed(segment=place[target.segment - 1] + 1)
+
+        parts: dict[str, Any] = {"robot": self.robot.changed(segments=segments)}
+        if self.job.waypoints:
+            path = [[moved(target) for target in targets] for targets in self.job.waypoints]
+            parts |= {"path": path} if self.job.is_path else {"target": path[0]}
+        parts |= {key: q[rows] for key in ("start", "goal") if (q := getattr(self.job, key)) is not None}
+        self.job = changed(self.job, **parts)
+        self.q, self._q_beside = self.q[rows], self._q_beside[rows]
+        self._asked_anew()
+
+    def set_rates(self, most: Floats, acceleration: Floats) -> None:
+        """Set the largest speeds and accelerations of bends, lengths and actuators (3,); 0: no limit.
+
+        A motion among obstacles that stand still goes the same way as fast as they allow.
+        """
+        speeds, gains = ([float(each) or None for each in own] for own in (most, acceleration))
+        rates = Rates(speeds[0], speeds[1], speeds[2], Rates(gains[0], gains[1], gains[2]) if any(gains) else None)
+        rates.check(self.robot)
+        self.job = changed(self.job, rates=rates)
+        if self.motion is not None and not self.motion.scene.moves:
+            self.show_motion(paced(self.motion, rates))
 
     def choose(self, index: int) -> None:
         """Show one of the distinct solutions."""
@@ -447,7 +521,7 @@ class Model:
         self._change(scene=Scene(kept))
 
     def _free_name(self, kind: str) -> str:
-        names = {self.scene.name(i) for i in range(len(self.scene))}
+        names = _names(self.scene)
         return next(name for i in range(len(names) + 1) if (name := f"{kind}[{len(names) + i}]") not in names)
 
     def _replace_obstacle(self, obstacle: Obstacle) -> None:
@@ -464,6 +538,10 @@ class Model:
     def folder(self) -> Path:
         """Where names of files in the problem begin."""
         return Path(self.job.file).parent
+
+
+def _names(scene: Snapshot) -> set[str]:
+    return {scene.name(i) for i in range(len(scene))}
 
 
 def changed(job: Job, **parts: Any) -> Job:

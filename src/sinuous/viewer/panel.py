@@ -86,9 +86,9 @@ class Panel:
         for name, build, made_for in entries if model.targets else entries[1:]:
             tab = group.add_tab(name)
             self._sections.append(Section(tab, Fields(gui, session), partial(build, session), made_for))
-            if name == "Scene":
-                sizes = partial(tabs.size_fields, session)
-                self._sections.append(Section(tab, Fields(gui, session), sizes, partial(_sizes, session)))
+            for more, for_what in BELOW.get(name, ()):
+                own = Fields(gui, session)
+                self._sections.append(Section(tab, own, partial(more, session), partial(for_what, session)))
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
 
@@ -139,3 +139,20 @@ def _limits(session: Session) -> object:
 
 def _sizes(session: Session) -> object:
     return (session.model.grasped, *tabs.chosen_sizes(session))
+
+
+def _remedies(session: Session) -> object:
+    return session.unsolved, session.explaining, id(session.model.explanation)
+
+
+def _plot(session: Session) -> object:
+    rates = session.model.job.rates
+    return id(session.model.motion), session.plotted, id(rates) if rates else None
+
+
+BELOW: dict[str, list[tuple[Callable[[Session, Fields], None], Callable[[Session], object]]]] = {
+    "Motion": [(tabs.plot_fields, _plot)],
+    "Target": [(tabs.remedy_fields, _remedies)],
+    "Scene": [(tabs.size_fields, _sizes)],
+}
+"""What stands below the fields of a tab, and what that is made for."""

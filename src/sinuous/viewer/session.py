@@ -16,12 +16,14 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.plan import TIME
 from sinuous.poses import pose
 from sinuous.scene.scene import Scene
+from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
+from sinuous.solving.memory import Memory
 from sinuous.viewer.edits import is_quick
 from sinuous.viewer.history import History
 from sinuous.viewer.model import Model, Moment, pace
 from sinuous.viewer.saving import loaded
-from sinuous.viewer.solvers import QUICK, Question, Solvers
+from sinuous.viewer.solvers import QUICK, Question, Solvers, serving
 from sinuous.viewer.workers import Worker
 
 PATIENCE = 0.15
@@ -50,40 +52,53 @@ class Session(ABC):
     job : Job
     answer : Solution, Motion or None
         What was found before, to begin with.
+    memory : Memory, optional
+        Shapes to begin from; what is solved is added.
 
     Attributes
     ----------
     model : Model
         To be read by any thread, and changed by the owner alone.
     playing : bool
+    explaining : bool
+        Whether somebody waits for what would help.
     axes : bool
         Whether axes with numbers are drawn.
     colouring : str
         What the colours of the body say.
     sliders : str
         What the sliders of the shape move.
+    plotted : str
+        What is drawn over the time of a motion.
+    blend : float
+        How far corners of a motion may be rounded.
     first_segment : int
         The first segment, 0 = first, that has sliders.
     answered : callable
         Called with the number of every state of the model as soon as it has a shape.
     """
 
-    def __init__(self, job: Job, answer: Solution | Motion | None = None) -> None:
+    def __init__(self, job: Job, answer: Solution | Motion | None = None, memory: Memory | None = None) -> None:
         self.model = Model(job)
         if isinstance(answer, Motion):
             self.model.show_motion(answer)
         elif answer is not None:
             self.model.q = answer.q
         self.playing = False
+        self.explaining = False
         self.axes = True
         self.colouring: Colouring = "segment"
         self.sliders: Sliders = "bends and lengths"
+        self.plotted = "bends"
+        self.blend = 0.0
         self.first_segment = 0
         self._history = History()
         self.answered: Callable[[int], object] = lambda number: None
         self._refused, self._asked, self._busy, self._refreshed = "", -1, False, 0.0
         self._stopping = threading.Event()
-        self._quick, self._thorough, self._second = Solvers(routes=False), Solvers(routes=True), Solvers(routes=True)
+        self._memory = memory
+        self._quick = Solvers(routes=False, memory=memory)
+        self._thorough, self._second = Solvers(routes=True, memory=memory), Solvers(routes=True)
         self._solving = Worker("solving", self._failed)
         self._solving_beside = Worker("solving-beside", self._failed)
         self._background = Worker("background", self._failed)
@@ -139,6 +154,12 @@ class Session(ABC):
     def look(self) -> None:
         """Look again at what hides the shape: somebody sees it from elsewhere."""
         self._owner.post("look", lambda: None)
+
+    @property
+    def unsolved(self) -> bool:
+        """Whether nothing was solved, and no solve goes on."""
+        answer = self.model.answer
+        return answer is not None and not (answer.solved or self._busy or self.model.by_hand)
 
     def wait(self) -> None:
         """Wait until somebody stops the page, or an interrupt comes."""
@@ -256,16 +277,50 @@ class Session(ABC):
             self.model.ghosts = found
             self.model.choose(0)
 
+    def explain(self) -> None:
+        """Look for what would help where nothing was solved."""
+        number, answer = self.model.number, self.model.answer
+        if answer is None or not self.unsolved:
+            raise InputError("answer", "still looking, or solved", None, "a question that was not solved")
+        self.explaining = True
+
+        def run() -> None:
+            try:
+                found = answer.explain()
+            finally:
+                self._owner.post("explained", lambda: setattr(self, "explaining", False))
+            self.do("explanation", partial(self._show_explanation, number, found))
+
+        self._background.post("explain", run)
+
+    def _show_explanation(self, number: int, found: Explanation) -> None:
+        if number == self.model.number:
+            self.model.explanation = found
+
     def move(self) -> None:
         """Follow the path, or plan a motion to the target or goal, and play it."""
         number, job, own, begin = self.model.number, self.model.job, self.model.settings, self.model.begin
 
         def run() -> None:
+            memory = serving(self._memory, job.robot)
             if job.is_path:
-                motion = job.track(method=own.method, seed=own.seed, time=own.time)
+                motion = job.track(method=own.method, seed=own.seed, time=own.time, memory=memory)
             else:
-                motion = job.plan(method=own.method, seed=own.seed, time=max(own.time, TIME), begin=begin)
+                seconds = max(own.time, TIME)
+                motion = job.plan(method=own.method, seed=own.seed, time=seconds, begin=begin, memory=memory)
             self.do("motion", partial(self._show_motion, number, motion))
+
+        self._background.post("move", run)
+
+    def retime(self, blend: float) -> None:
+        """Pass the way of the motion as fast as rates and accelerations allow, with corners rounded so far."""
+        number, motion, rates = self.model.number, self.model.motion, self.model.job.rates
+        if motion is None:
+            raise InputError("motion", "none was found yet", None, "a motion")
+
+        def run() -> None:
+            found = motion.timed(rates, blend).as_motion()
+            self.do("motion", partial(self._show_motion, number, found))
 
         self._background.post("move", run)
 

@@ -37,6 +37,8 @@ STYLE = """<style>
 .sinuous .scale { height: 8px; border-radius: 4px; margin: 2px 0; }
 .sinuous .ends { display: flex; justify-content: space-between; color: #6b7178; font-size: 12px; }
 button:has(.tabler-icon-adjustments) { display: none; }
+.mantine-Button-root { height: auto; min-height: 2em; }
+.mantine-Button-label { white-space: normal; }
 .sinuous .notice { color: #a34700; margin-top: 4px; }
 </style>"""
 

@@ -14,9 +14,11 @@ from viser.transforms import SO3
 
 from sinuous.checks import Floats
 from sinuous.display.captions import told_apart
+from sinuous.display.curves import Curves, actuators_of, bends_of, lengths_of, speeds_of
 from sinuous.display.style import Colouring, largest_bends
 from sinuous.methods.registry import METHODS
 from sinuous.problem.target import Tolerance
+from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.viewer.edits import KINDS, sizes_of
@@ -50,7 +52,6 @@ def target_tab(session: Session, fields: Fields) -> None:
         _target_fields(session, fields, i)
 
     def current() -> int:
-        forget.visible = found.visible = bool(model.ghosts)
         return next((i for i, ghost in enumerate(model.ghosts, 1) if ghost is model.answer), 0)
 
     def choose(index: int) -> None:
@@ -61,6 +62,26 @@ def target_tab(session: Session, fields: Fields) -> None:
     found = fields.index("solution", partial(_solution_names, session), current, choose, hint)
     fields.button("Find other solutions", partial(session.find_others, OTHERS))
     forget = fields.button("Forget them", model.forget_ghosts)
+    fields.only_while(lambda: bool(model.ghosts), found, forget)
+
+
+def remedy_fields(session: Session, fields: Fields) -> None:
+    """What would help where nothing was solved: each change is a button."""
+    model, found = session.model, session.model.explanation
+    if not session.unsolved:
+        return
+    if session.explaining:
+        fields.text("Looking for what would help ...")
+    elif found is None:
+        fields.button("What would help?", session.explain, "Tries changes for about two seconds.", color=None)
+    else:
+        asked = [
+            remedy for remedy in found.remedies if remedy.problem is not None or remedy.change in ("method", "time")
+        ]
+        said = "Each of these changes was tried, and helps:" if asked else "Nothing that was tried would help."
+        fields.text(" ".join([said, found.untried]))
+        for remedy in asked:
+            fields.button(str(remedy), partial(model.apply, remedy), "Make this change.")
 
 
 def _solution_names(session: Session) -> tuple[str, ...]:
@@ -115,6 +136,55 @@ def motion_tab(session: Session, fields: Fields) -> None:
 
     fields.slider("moment, %", (0.0, 100.0), moment, lambda value: session.go_to(0.01 * value), 0.1)
     fields.bind(fields.gui.add_checkbox("play", False), lambda: session.playing, session.play)
+    _rate_fields(session, fields)
+
+
+def _rate_fields(session: Session, fields: Fields) -> None:
+    """Put in how fast the robot may move."""
+    model = session.model
+
+    def shown(rates: Rates | None) -> Floats:
+        each = [None if rates is None else getattr(rates, key) for key in ("bend", "length", "actuator")]
+        return np.array([0.0 if most is None else float(np.min(most)) for most in each])
+
+    def put(index: int, value: Floats) -> None:
+        own = [shown(model.job.rates), shown(model.job.rates.acceleration)]
+        own[index] = value
+        model.set_rates(*own)
+
+    hint = "Largest speeds of a bend (rad/s), a length and an actuator (units of it a second); 0: no limit."
+    fields.vector("rates", lambda: shown(model.job.rates), partial(put, 0), 0.001, hint)
+    hint = "How fast these speeds may change; 0: no limit."
+    fields.vector("accelerations", lambda: shown(model.job.rates.acceleration), partial(put, 1), 0.001, hint)
+    step, blend = step_of(model.robot.mean_length), partial(setattr, session, "blend")
+    hint = "How far any place of the body may leave the way to round a corner; 0: the robot stops in each."
+    rounding = fields.number("blend", lambda: session.blend, blend, min=0.0, step=step, hint=hint)
+    timed = fields.button("As fast as rates allow", lambda: session.retime(session.blend))
+
+    def has_corners() -> bool:
+        motion, rates = model.motion, model.job.rates
+        return motion is not None and rates.acceleration is not None and not motion.scene.moves
+
+    fields.only_while(has_corners, rounding, timed)
+
+
+def plot_fields(session: Session, fields: Fields) -> None:
+    """What changes along the motion, over its time."""
+    motion, rates = session.model.motion, session.model.job.rates
+    if motion is None:
+        return
+    curves: dict[str, Callable[[], Curves]] = {
+        "bends": partial(bends_of, motion),
+        "lengths": partial(lengths_of, motion),
+    }
+    if motion.robot.actuators:
+        curves["actuators"] = partial(actuators_of, motion)
+    if rates:
+        curves["speed"] = partial(speeds_of, motion, rates)
+    if session.plotted not in curves:
+        session.plotted = "bends"
+    fields.choice("plot", tuple(curves), lambda: session.plotted, partial(setattr, session, "plotted"))
+    fields.plot(curves[session.plotted]())
 
 
 def shape_tab(session: Session, fields: Fields) -> None:
@@ -231,6 +301,10 @@ def robot_tab(session: Session, fields: Fields) -> None:
     def curvature() -> float:
         return segment().max_curvature if math.isfinite(segment().max_curvature) else 0.0
 
+    add_one = lambda: model.add_segment(index())  # noqa: E731
+    fields.button("Add a segment", add_one, "Like the chosen one, right after it; of all, like the last one.")
+    remove = lambda: model.remove_segment(index())  # noqa: E731
+    fields.button("Remove a segment", remove, "The chosen one; of all, the last one.")
     step = step_of(model.robot.mean_length)
     add("least length", step, lambda: segment().length[0], lambda value: {"length": (value, segment().length[1])})
     add("greatest length", step, lambda: segment().length[1], lambda value: {"length": (segment().length[0], value)})
@@ -257,7 +331,7 @@ def solve_tab(session: Session, fields: Fields) -> None:
 
     hint = "A second method, shown beside the first."
     fields.choice("method", names, lambda: model.settings.method, partial(put, "method"))
-    fields.choice("beside it", (NONE, *names), lambda: model.settings.beside or NONE, beside, hint)
+    fields.choice("second method", (NONE, *names), lambda: model.settings.beside or NONE, beside, hint)
     fields.number(
         "seed", lambda: model.settings.seed, lambda value: put("seed", int(value)), min=0, max=2**31 - 1, step=1
     )

@@ -1,6 +1,7 @@
 """Random robots, places and motions, and what dense sampling of a motion finds."""
 
 import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,7 @@ def obstacle(rng: np.random.Generator) -> sn.Sphere | sn.Box | sn.Cylinder:
     return sn.Sphere(center, float(rng.uniform(0.05, 0.6)))
 
 
+@cache
 def random_case(seed: int) -> Case:
     """A motion of a robot of one to seven segments: a hundredth, a fifth or all of its range."""
     rng = np.random.default_rng(seed)
@@ -54,6 +56,12 @@ def random_case(seed: int) -> Case:
     q0 = shape(robot, rng)
     q1 = q0 + float(rng.choice([0.01, 0.2, 1.0])) * (shape(robot, rng) - q0)
     return Case(robot, Scene([obstacle(rng) for _ in range(int(rng.integers(0, 10)))]), q0, q1)
+
+
+@cache
+def sampled_case(seed: int) -> tuple[float, float]:
+    """What is `sampled` of a random case."""
+    return sampled(random_case(seed))
 
 
 def sampled(case: Case) -> tuple[float, float]:

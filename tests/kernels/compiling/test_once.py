@@ -98,13 +98,11 @@ def test_code_that_numba_compiles_by_itself_can_call_kernels() -> None:
 @pytest.mark.usefixtures("fresh")
 def test_names_are_the_same_in_every_process() -> None:
     """Numba numbers functions as they come; kernels are called by what they depend on."""
-    parts.norm(3.0, 4.0)  # compiles it, behind the proxy of the tests
-    compiled = parts.twice_the_norm
-    compiled(3.0, 4.0)
+    parts.twice_the_norm(3.0, 4.0)
     (result,) = store.KERNELS[parts.__name__, "norm"]().overloads.values()
-    name = store.Store(parts.norm.py_func, "inner").name  # type: ignore[attr-defined]
+    name = store.Store(parts.norm, "inner").name
     assert re.fullmatch("inner[0-9a-f]{16}", name)
-    assert name != store.Store(parts.square.py_func, "inner").name  # type: ignore[attr-defined]
+    assert name != store.Store(parts.square, "inner").name
     assert "inner" in result.fndesc.mangled_name
 
 
@@ -119,7 +117,7 @@ def test_an_untried_numba_compiles_as_it_does_by_itself(
         return 0.25 * x
 
     inner = compiling.kernel(_copy(quarter))
-    plain = inner.compiled
+    plain = compiling.compiled_form(inner)
 
     def both(x: float) -> float:
         return float(plain(x) + plain(2.0 * x))

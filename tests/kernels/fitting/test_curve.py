@@ -71,7 +71,6 @@ def test_what_is_too_much_of_a_chain_goes_where_there_is_room() -> None:
 
 
 def test_the_length_of_a_curve_is_measured_along_its_points() -> None:
-    curve_through = curves.curve_through.py_func  # type: ignore[attr-defined]
-    curve = curve_through(np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0]]), np.empty(3))
+    curve = curves.curve_through(np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0]]), np.empty(3))
     assert curve.spacing == 2.0
     assert curve.chain == pytest.approx([0.0, 0.5, 1.0])

@@ -1,7 +1,6 @@
 """The table of blocks, against a dictionary; and the memory that a search works in."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -85,15 +84,9 @@ def test_a_restart_keeps_cells_and_a_clearing_does_not() -> None:
     assert cells.block_of(table, key) == cells.NONE
 
 
-def side(work: cells.Memory, which: int) -> cells.Side:
-    """One side, as views: a compiled kernel cannot hand over arrays to Python."""
-    pick: Any = cells.pick
-    return pick.py_func(work.sides, which)  # type: ignore[no-any-return]
-
-
 def test_each_side_has_a_heap_of_its_own() -> None:
     work = memory(64)
-    one, other = side(work, 0), side(work, 1)
+    one, other = cells.pick(work.sides, 0), cells.pick(work.sides, 1)
     for cell, priority in enumerate((3.0, 1.0, 2.0)):
         cells.push(work, 0, priority, cell)
         cells.push(work, 1, -priority, cell)
@@ -104,8 +97,7 @@ def test_each_side_has_a_heap_of_its_own() -> None:
 @pytest.mark.parametrize("most", [64, 256, 1 << 13])
 def test_the_arrays_of_a_search_fill_its_memory_and_nothing_twice(most: int) -> None:
     buffer = np.zeros(cells.memory_size(most))
-    carve: Any = cells.carve
-    work = carve.py_func(buffer, most)
+    work = cells.carve(buffer, most)
     model = memory(most)
     arrays = [*work.table, *work.sides, work.points, work.stack, work.clock]
     expected = [*model.table, *model.sides, model.points, model.stack, model.clock]

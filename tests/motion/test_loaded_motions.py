@@ -30,6 +30,23 @@ def test_a_track_is_proved_and_verified() -> None:
     assert np.linalg.norm(robot.tip(motion.q[-1])[:3, 3] - motion.tips[-1][:3, 3]) > 0.01, "nothing bends it"
 
 
+def test_the_loaded_tip_stays_on_the_line_between_waypoints() -> None:
+    robot = arm()
+    begin, end = (each.position for each in path(robot, Q + 2.0 * MOVED, 2))
+    assert begin is not None
+    assert end is not None
+    motion = sn.track(robot, [sn.Target(begin), sn.Target(end)], start=Q, time=SECONDS, deviation=0.002)
+    assert motion.solved
+    along = (end - begin) / np.linalg.norm(end - begin)
+    worst = 0.0
+    for q, other in zip(motion.q[:-1], motion.q[1:], strict=True):
+        for share in (0.0, 0.3, 0.5, 0.7):
+            away = robot.shape((1.0 - share) * q + share * other).tip[:3, 3] - begin
+            worst = max(worst, float(np.linalg.norm(away - along * (away @ along))))
+    assert 1e-5 < worst < 0.002
+    assert len(motion.q) > 3
+
+
 def test_a_plan_goes_round_what_only_the_loaded_body_meets() -> None:
     robot = arm()
     end = Q * [-1.0, 1.0, 1.0]

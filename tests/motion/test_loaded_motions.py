@@ -5,6 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.checks import Floats
+from tests.helpers import refused
 from tests.solving.test_under_load import GRAVITY, ROD, Q, arm
 
 SECONDS = 20.0
@@ -106,3 +107,14 @@ def test_a_proof_holds_at_many_shapes_between() -> None:
         else:
             assert seen.clearance < 0.01, "a wide gap was not proved"
     assert proved >= 2
+
+
+def test_what_knows_no_loads_refuses_them() -> None:
+    robot = arm()
+    motion = sn.Motion(robot, [Q, Q + 0.05 * MOVED, Q])
+    rates = sn.Rates(bend=1.0, length=1.0, acceleration=sn.Rates(bend=5.0, length=5.0))
+    refused("gravity", lambda: motion.timed(rates, blend=0.01))
+    assert motion.timed(rates).duration > 0.0
+    refused("gravity", lambda: sn.follow_the_leader(robot, [[0.0, 0.0, 0.3]]))
+    straight = [robot.base[:3, 3], motion.tips[0][:3, 3]]
+    assert motion.deviation(straight).tip < sn.Motion(robot.changed(gravity=None), motion.q).deviation(straight).tip

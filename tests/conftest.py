@@ -70,7 +70,7 @@ def no_figures_stay() -> Iterator[None]:
 
 
 FIRST = (
-    "solving/test_routes.py",  # our own method and routes, for one process
+    "solving/routing/test_routes.py",  # our own method and routes, for one process
     "methods/opti_path/test_options.py",  # methods that share little with it, for the other
     "methods/slinki/test_search.py",
     "methods/fabrik/test_reaching.py",
@@ -87,5 +87,5 @@ FIRST = (
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the files that compile most in front."""
-    places = {name: place for place, name in enumerate(FIRST)}
-    items.sort(key=lambda item: places.get(item.path.relative_to(HERE).as_posix(), len(FIRST)))
+    places = {(HERE / name).resolve(strict=True): place for place, name in enumerate(FIRST)}
+    items.sort(key=lambda item: places.get(item.path, len(FIRST)))

@@ -2,6 +2,8 @@
 
 import re
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ ROOT = Path(__file__).parent.parent
 PAGE = (ROOT / "docs" / "cookbook.md").read_text(encoding="utf-8")
 JOBS = dict(re.findall(r"^## (.*?)\n.*?```python\n(.*?)```", PAGE, re.DOTALL | re.MULTILINE))
 MOST = 8
+
+SCHEDULER = "tcp://10.0.0.1:8786"
 
 FEWER = 2_000
 """What a batch of 100,000 is here: nothing in it depends on how many there are."""
@@ -42,8 +46,20 @@ def run(job: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, An
     if "import mujoco" in JOBS[job]:
         pytest.importorskip("mujoco")
     names: dict[str, Any] = {}
-    exec(compile(JOBS[job].replace("100_000", str(FEWER)), job, "exec"), names)
+    with scheduler_in(JOBS[job].replace("100_000", str(FEWER))) as code:
+        exec(compile(code, job, "exec"), names)
     return names
+
+
+@contextmanager
+def scheduler_in(code: str) -> Iterator[str]:
+    """Put the address of a Dask scheduler of this process in the place of the one that the page shows."""
+    if SCHEDULER not in code:
+        yield code
+        return
+    settings = {"n_workers": 1, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with pytest.importorskip("distributed").LocalCluster(**settings) as cluster:
+        yield code.replace(SCHEDULER, cluster.scheduler_address)
 
 
 @pytest.mark.parametrize("job", JOBS)
@@ -94,6 +110,9 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["batch"].counts["solved"] > 0.9 * FEWER
         case "Ask again in the same place":
             assert names["second"].start == "remembered"
+        case "Explore a place ahead":
+            assert names["found"].motions > names["found"].shapes > 50
+            assert names["motion"].solved
         case "What can it reach?":
             assert 0.0 < names["workspace"].volume().found < names["workspace"].volume(free=True).at_most
             assert sn.Reach.load(tmp_path / "map.npz").equals(names["workspace"])
@@ -105,6 +124,23 @@ def test_it_does_what_it_says(job: str, tmp_path: Path, monkeypatch: pytest.Monk
             assert names["same"].to_dict() == solution.to_dict()
         case "From here to there, clear all the way":
             assert names["motion"].solved
+        case "Past obstacles that move":
+            assert names["motion"].solved
+            assert names["motion"].clearance > 0.0
+        case "On target, although the model is wrong":
+            assert abs(names["seen"] - names["target"].position).max() < 0.01
+        case "How does the answer change?":
+            assert names["derivative"].regular
+        case "As near as it can come":
+            assert not names["failed"].solved
+        case "Pick up a payload":
+            assert names["empty"].solved
+            assert max(abs(names["empty"].actuators[key] - value) for key, value in solution.actuators.items()) > 1e-4
+        case "On a cluster, with Dask":
+            assert names["batch"].counts["solved"] > 0.9 * FEWER
+        case "The best robot for some tasks":
+            assert sn.load(tmp_path / "best.yaml", sn.Robot).equals(names["found"].robot)
+            assert names["found"].tasks == 2
         case "Shapes from elsewhere":
             assert names["checked"].ok.shape == (20,)
         case "Calibrate an arm from motion capture":

@@ -52,9 +52,12 @@ def test_a_place_is_a_target_wherever_one_is_asked_for(place: Any) -> None:
 
 def test_what_is_no_place_is_refused() -> None:
     refused("target.position", lambda: sn.solve(ROBOT, (1.0, float("nan"), 3.0)), "finite numbers")
-    refused("target[0]", lambda: sn.solve(ROBOT, (1.0, 2.0)), "a Target")
     guess: Any = "tip"
-    refused("target", lambda: sn.solve(ROBOT, guess), "a Target, a position, a pose (4, 4), or a list of Targets")
+    refused(
+        "target",
+        lambda: sn.solve(ROBOT, guess),
+        "a position of 3 numbers, a pose (4, 4), a Target, or a list of Targets",
+    )
     near = np.array([[0, 0.1, 55.0]] * 3)
     assert sn.plan(ROBOT, near, near + 0.01).solutions == ()  # a configuration, though it has three rows
 
@@ -135,3 +138,53 @@ def test_a_picture_goes_into_a_file(tmp_path: Path) -> None:
         assert hasattr(axes, "get_proj")
     refused("path", lambda: sn.plot(ROBOT, path=tmp_path / "arm.txt"), "png")
     refused("path", lambda: sn.plot(ROBOT, path=tmp_path / "nowhere" / "arm.png"), "can be written")
+
+
+NAMED = sn.Robot([sn.Segment((40, 60), 2, name=name) for name in ("shoulder", "elbow", "wrist")], radius=4)
+ELBOW = sn.Target((20, 10, 90), segment="elbow")
+Q = [[0.0, 0.1, 50.0]] * 3
+
+
+def test_a_segment_may_be_named_wherever_one_is_asked_for() -> None:
+    both = [ELBOW, sn.Target((40, 20, 130))]
+    solution = sn.solve(NAMED, both, sn.Sphere((0, 80, 100), 10), clearance={"wrist": 5})
+    assert solution.solved
+    assert solution.problem.targets[0].segment == 2
+    assert solution.demanded_clearance == (0.0, 0.0, 5.0)
+    numbered = sn.solve(NAMED, [ELBOW.changed(segment=2), both[1]], sn.Sphere((0, 80, 100), 10), clearance=(0, 0, 5))
+    np.testing.assert_array_equal(solution.q, numbered.q)
+    assert sn.check(NAMED, solution.q, targets=both).ok
+    np.testing.assert_array_equal(NAMED.jacobian(Q, "elbow"), NAMED.jacobian(Q, 2))
+    solver = sn.Solver(NAMED)
+    assert solver.solve_many([ELBOW, both]).solved.all()
+    assert solver.step(Q, target=ELBOW, dt=0.01).proved
+    assert sn.track(NAMED, [ELBOW]).solved
+    assert sn.plan(NAMED, Q, ELBOW).solved
+    carrying = NAMED.changed(payload=sn.Payload(0.1, segment="elbow"))
+    assert carrying.payload[0].segment == 2
+    job = sn.Job(NAMED, path=[ELBOW])
+    assert job.waypoints[0][0].segment == 2
+    assert [r.segments[2].max_bend for r in sn.sweep(NAMED, {"segments[wrist].max_bend": [1, 1.5]}).values()] == [
+        1,
+        1.5,
+    ]
+
+
+def test_a_name_of_no_segment_is_refused_and_the_nearest_is_said() -> None:
+    solver, wrong = sn.Solver(NAMED), ELBOW.changed(segment="elbw")
+    words = "expected perhaps elbow (or one of shoulder, wrist), got 'elbw' (no segment has this name)"
+    refused("target.segment", lambda: solver.solve(wrong), words)
+    refused("targets[1].segment", lambda: solver.solve_many([ELBOW, wrong]), words)
+    refused("segment", lambda: NAMED.jacobian(Q, "elbw"), words)
+    refused("clearance", lambda: sn.solve(NAMED, ELBOW, clearance={"elbw": 1}), words)
+    refused("clearance.wrist", lambda: sn.solve(NAMED, ELBOW, clearance={"wrist": -1}), "at least 0")
+    refused("payload.segment", lambda: NAMED.changed(payload=sn.Payload(1, segment="elbw")), words)
+    refused("fields['segments[elbw].radius']", lambda: sn.sweep(NAMED, {"segments[elbw].radius": [1]}), "or one of")
+
+
+def test_numbers_that_are_no_position_are_refused_as_a_whole() -> None:
+    refused("target", lambda: sn.solve(NAMED, (1, 2)), "a position of 3 numbers, a pose (4, 4), a Target")
+    refused("target", lambda: sn.solve(NAMED, (1, 2, 3, 4)), "(not 3 numbers)")
+    refused("targets", lambda: sn.track(NAMED, (0, 0, 150)), "a list of targets")
+    wrong: Any = "room.yaml"
+    refused("scene", lambda: sn.solve(NAMED, (0, 0, 150), wrong), "a list of obstacles", "sinuous.load reads files")

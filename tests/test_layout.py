@@ -14,6 +14,7 @@ FLOORS = {
     "pictures": 6,
     "assessing": 5,
     "designing": 5,
+    "exploring": 5,
     "batch": 5,
     "calibration": 5,
     "workspace": 5,

@@ -45,6 +45,7 @@ OBJECTS: list[Any] = [
     sn.calibrate(DRAWN, SETTINGS, DRAWN.tip(DRAWN.from_actuators(SETTINGS))[:, :3, 3], fit=["base"]),
     sn.Stage(40.0, 1 / 3, LONG, LONG),
     sn.Memory(ROBOT),
+    sn.Exploration(sn.Memory(ROBOT), 0.1, False, 1.0),
     sn.Cover([sn.Target((0, 0, 1))] * 9, 0.5),
     Design(("length",), (), None, (), (), 12345, 3, 4, 1.5),
     sn.Actuators(np.ones((40, 120)), limits=(-1e3, 1e3)),
@@ -96,7 +97,12 @@ OBJECTS: list[Any] = [
         methods.Fabrikx(),
         methods.FabrikAvoid(),
     ),
-    *(methods.MonteCarlo(), methods.Slinki()),
+    *(
+        methods.MonteCarlo(),
+        methods.Slinki(),
+        methods.Learned(),
+        sn.Network(ROBOT, [[np.zeros((k, 3 * len(ROBOT)))] for k in (4, 7, 13)]),
+    ),
     *(WRONG, sn.NotSolvedError("stalled: no", SOLUTION), sn.SuspiciousInput("odd")),
 ]
 

@@ -19,32 +19,37 @@ WRONG = 1e-6
 BESIDE = 16
 """Answers near each one that is drawn, whose targets are moved a little."""
 
+TOLD = 10
+"""Most wrong ones that are named: the draw, and which of the answers beside it."""
+
 AWAY = 0.01
 """How far their targets are moved: rad, and mean lengths of the robot."""
 
 
-def measure(plan: Plan) -> Iterator[Line]:
-    """Lines for each family: the share of regular answers, wrong ones among them, the worst of those that agree."""
-    count = plan.count(100_000 // (len(FAMILIES) * (BESIDE + 1)), 12)
-    for number, family in enumerate(FAMILIES):
-        total = regular = wrong = 0
-        worst = 0.0
-        for i in plan.track(range(count), family, count):
-            rng = plan.rng(83, number, i)
-            for j, found in enumerate(_some(family, rng)):
-                total += 1
-                way = random_tangent(found, rng)
-                if j:  # for the others targets alone, which needs no other robot
-                    way = {"target": way["target"]}
-                derivative = found.derivative(ALL if j == 0 else "target")
-                if derivative.regular:
-                    regular += 1
-                    error = agreement(found, derivative.jvp(way), way).error
-                    wrong += error > WRONG
-                    worst = max(worst, error if error <= WRONG else 0.0)
-        yield Line(SECTION, f"{family}: regular", 100.0 * regular / max(total, 1), "%", note=f"of {total:,} answers")
-        yield Line(SECTION, f"{family}: wrong among those", float(wrong), "", Goal(0.0, correctness=True))
-        yield Line(SECTION, f"{family}: largest difference of the others", worst, "", Goal(WRONG))
+def measure(plan: Plan, family: str) -> Iterator[Line]:
+    """Lines of a family: the share of regular answers, wrong ones among them, the worst of those that agree."""
+    count, number = plan.count(100_000 // (len(FAMILIES) * (BESIDE + 1)), 12), list(FAMILIES).index(family)
+    total = regular = 0
+    worst, wrong = 0.0, list[str]()
+    for i in plan.track(range(count), family, count):
+        rng = plan.rng(83, number, i)
+        for j, found in enumerate(_some(family, rng)):
+            total += 1
+            way = random_tangent(found, rng)
+            if j:  # for the others targets alone, which needs no other robot
+                way = {"target": way["target"]}
+            derivative = found.derivative(ALL if j == 0 else "target")
+            if derivative.regular:
+                regular += 1
+                error = agreement(found, derivative.jvp(way), way).error
+                if error <= WRONG:
+                    worst = max(worst, error)
+                else:
+                    wrong.append(f"{i}.{j}")
+    yield Line(SECTION, f"{family}: regular", 100.0 * regular / max(total, 1), "%", note=f"of {total:,} answers")
+    told = ", ".join(wrong[:TOLD])
+    yield Line(SECTION, f"{family}: wrong among those", float(len(wrong)), "", Goal(0.0, correctness=True), note=told)
+    yield Line(SECTION, f"{family}: largest difference of the others", worst, "", Goal(WRONG))
 
 
 def _some(family: str, rng: Generator) -> Iterator[Solution]:

@@ -1,8 +1,11 @@
 """`python -m benchmarks derivatives`: what derivatives of answers cost, and whether differences agree with them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import partial
 
-from benchmarks.harness.experiment import OfSections
+from benchmarks.derivatives import agreement
+from benchmarks.derivatives.families import FAMILIES
+from benchmarks.harness.experiment import Measurement, OfSections
 from benchmarks.harness.plan import Plan
 
 SECTIONS = ("costs", "agreement", "calibration")
@@ -21,3 +24,11 @@ class OfDerivatives(OfSections):
 
     def __init__(self, plan: Plan, sections: Sequence[str] = SECTIONS) -> None:
         super().__init__("derivatives", plan, sections)
+
+    def parts(self) -> Iterator[tuple[str, Measurement]]:
+        """One section is one piece; of agreement each family is one, so that a run goes on after the last."""
+        for name, measure in super().parts():
+            if name == "agreement":
+                yield from ((f"{name} {family}", partial(agreement.measure, self.plan, family)) for family in FAMILIES)
+            else:
+                yield name, measure

@@ -204,14 +204,16 @@ OBSTACLES: dict[str, Callable[[Floats, Floats, float, float, Generator], Obstacl
 }
 
 
-def touching(kind: str, rng: Generator, beside: float = 0.0) -> tuple[Problem, Floats]:
+def touching(kind: str, rng: Generator, beside: float = 0.0, place: float | None = None) -> tuple[Problem, Floats]:
     """The body touches an obstacle: its gap is the one that solves keep, and `beside` mean lengths more.
+
+    It does so at the fraction `place` of a segment, by default anywhere but at the ends.
 
     Returns a problem, and the configuration (n, 3) that answers it.
     """
     robot = random_robot(rng, thick=0.02)
     q = random_shape(robot, rng)
-    k, s = int(rng.integers(len(robot))), rng.uniform(0.3, 0.7)
+    k, s = int(rng.integers(len(robot))), rng.uniform(0.3, 0.7) if place is None else place
     part = q.copy()
     part[k] *= s
     here = robot.forward(part)[k]

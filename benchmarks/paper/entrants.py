@@ -1,18 +1,28 @@
 """Who takes part: every registered method, as a user calls it, and `opti_path` also as published."""
 
+import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 from benchmarks.harness.markdown import table
 from benchmarks.problems import ProblemSet
 from sinuous.errors import InputError
+from sinuous.files.nouns import read_robot
 from sinuous.methods.capabilities import Capabilities
+from sinuous.methods.learned.network import Network
+from sinuous.methods.learned.search import Learned
+from sinuous.methods.learned.training import train
 from sinuous.methods.opti_path.options import OptiPath
 from sinuous.methods.registry import METHODS, capabilities, name_of
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Tolerance
+from sinuous.scene.scene import Scene
 from sinuous.solving.solver import Solver
+
+STEP, ALONE = "learned, one step", "learned, alone"
+"""Labels of the method that has learned with one step after the answer of its network, and with none."""
 
 FAITHFUL, DIFFERENCES = "opti_path, faithful", "opti_path, differences"
 """Labels of `OptiPath.faithful()`, and of the repaired method with the gradient of the paper."""
@@ -50,11 +60,15 @@ class Entrant:
 
     def solver(self, problems: ProblemSet, seconds: float, seed: int) -> Solver:
         """Prepare it, to spend at most `seconds` on a solve."""
+        method = self.method
+        if isinstance(method, Learned):
+            place = problems.scene if len(problems.scene) else None
+            method = replace(method, network=_trained(json.dumps(problems.robot.to_dict()), place))
         return Solver(
             problems.robot,
             problems.scene,
             tolerance=self.tolerance or problems.tolerance,
-            method=self.method,
+            method=method,
             time=seconds,
             seed=seed,
         )
@@ -76,8 +90,16 @@ class Entrant:
         return ""
 
 
+@lru_cache(32)
+def _trained(robot: str, scene: Scene | None) -> Network:
+    """What was learned of a robot, given as JSON, in a scene, for all that take part."""
+    return train(read_robot(json.loads(robot)), scene)
+
+
 def entrants(names: Sequence[str] = ()) -> list[Entrant]:
     """Return the methods of these names, by default all; after `opti_path` what the paper says without our repairs.
+
+    After `learned`, which goes on to the target, come the answer of its network with one step and with none.
 
     Raises
     ------
@@ -87,9 +109,11 @@ def entrants(names: Sequence[str] = ()) -> list[Entrant]:
     found = []
     for name in names or METHODS:
         name_of(name)
-        found.append(Entrant(name, name))
+        found.append(Entrant(name, Learned() if name == "learned" else name))
         if name == "opti_path":
             found.append(Entrant(FAITHFUL, OptiPath.faithful()))
+        if name == "learned":
+            found += [Entrant(STEP, Learned(steps=1)), Entrant(ALONE, Learned(steps=0))]
     return found
 
 

@@ -26,6 +26,9 @@ STYLES = {
     "fabrikx": Style("#3a6ec2", ">"),
     "fabrik_avoid": Style("#c264a8", "P"),
     "monte_carlo": Style("#8a8f98", "X"),
+    "learned": Style("#2f2f6b", "*"),
+    "learned, one step": Style("#6f6fb5", "*"),
+    "learned, alone": Style("#b0b0dd", "*"),
 }
 
 SPARE = Style("#444444", "h")

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from sinuous.errors import NotSolvedError as NotSolvedError
     from sinuous.errors import SuspiciousInput as SuspiciousInput
     from sinuous.errors import UnfinishedError as UnfinishedError
+    from sinuous.exploring.exploration import Exploration as Exploration
+    from sinuous.exploring.explore import explore as explore
+    from sinuous.methods.learned.network import Network as Network
+    from sinuous.methods.learned.training import train as train
     from sinuous.motion.job import Job as Job
     from sinuous.motion.job import load as load
     from sinuous.motion.leader import follow_the_leader as follow_the_leader
@@ -105,6 +109,10 @@ _HOMES = {
     "designing.design": ("Design",),
     "designing.find": ("design",),
     "errors": ("InputError", "NotSolvedError", "SuspiciousInput", "UnfinishedError"),
+    "exploring.exploration": ("Exploration",),
+    "exploring.explore": ("explore",),
+    "methods.learned.network": ("Network",),
+    "methods.learned.training": ("train",),
     "motion.job": ("Job", "load"),
     "motion.leader": ("follow_the_leader", "on_stage"),
     "motion.motion": ("Motion",),

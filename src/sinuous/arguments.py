@@ -3,7 +3,7 @@
 NumPy's own `ArrayLike` takes a text, a single number and true or false for an array; these do not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -49,8 +49,11 @@ Stack = HasArray | Sequence[Number | Entry]
 Limits = Number | Sequence[Number]
 """A number, or a pair [low, high]."""
 
-OneEach = Number | Vector
-"""A number for all segments, or one for each (n,)."""
+OneEach = Number | Vector | Mapping[str, Number]
+"""A number for all segments, or one for each (n,), or by their names; what is not named has 0."""
+
+Which = Whole | str
+"""A segment: its number, 1 = first, or its name."""
 
 Orientation = HasMatrix | HasArray | Sequence[Number | Vector]
 """A rotation: a quaternion (4,), a matrix (3, 3), or a `Rotation` of SciPy."""
@@ -69,7 +72,9 @@ _Cells = HasArray | NDArray[np.bool_]
 Occupancy = _Cells | Sequence[_Cells | Sequence[_Cells | Sequence[Number | Truth]]]
 """Numbers or truth values (nx, ny, nz)."""
 
-MethodName = Literal["newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx", "fabrik_avoid", "monte_carlo"]
+MethodName = Literal[
+    "newton", "opti_path", "dls", "fabrikc", "slinki", "fabrikx", "fabrik_avoid", "monte_carlo", "learned"
+]
 """All methods, as `sinuous.methods.registry` has them."""
 
 SelfCollision = Literal["avoid", "allow"]

@@ -23,9 +23,11 @@ class ProgressBar:
         How many there are; a bar is shown from `LONG` on.
     logged : bool
         Whether to write a line from time to time where standard error is no terminal.
+    what : str
+        What is done to each.
     """
 
-    def __init__(self, total: int, logged: bool = False) -> None:
+    def __init__(self, total: int, logged: bool = False, what: str = "solving") -> None:
         self._total, self._done = total, 0
         self._began = self._written = time.monotonic()
         self._lock = Lock()
@@ -35,8 +37,8 @@ class ProgressBar:
             from rich.progress import BarColumn, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
             counts = TextColumn("{task.completed:,} of {task.total:,}"), TextColumn("{task.fields[rate]}")
-            self._bar = rich_progress("solving", BarColumn(), *counts, TimeRemainingColumn())
-            self._task = self._bar.add_task("solving", total=total, rate="")
+            self._bar = rich_progress(what, BarColumn(), *counts, TimeRemainingColumn())
+            self._task = self._bar.add_task(what, total=total, rate="")
             self._bar.start()
 
     def __enter__(self) -> "ProgressBar":

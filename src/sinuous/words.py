@@ -54,6 +54,22 @@ def listed(texts: Iterable[str]) -> str:
     return f"{', '.join(front)} and {last}" if front else last
 
 
+LIKE = 0.6
+"""How alike a name must be to be suggested, 1 for equal ones."""
+
+
+def suggested(name: Any, known: Iterable[str]) -> str:
+    """What a name that is not known should be: `perhaps length (or one of radius, name)`."""
+    import difflib  # noqa: PLC0415
+
+    names = tuple(known)
+    nearest = difflib.get_close_matches(str(name), names, 1, LIKE)
+    if not nearest:
+        return "one of " + ", ".join(names)
+    others = [each for each in names if each != nearest[0]]
+    return f"perhaps {nearest[0]}" + (f" (or one of {', '.join(others)})" if others else "")
+
+
 def segments(numbers: Sequence[int], count: int | None = None) -> str:
     """`segment 3`, `segments 1 to 4 and 6`; with the `count` of the robot's segments, `all segments`."""
     if count is not None and len(numbers) == count > 1:

@@ -57,6 +57,16 @@ def test_what_plan_wrote_is_shown(tmp_path: Path, capsys: pytest.CaptureFixture[
         assert error.count("\n") == 1
 
 
+def test_a_page_remembers(problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, page, kept = problem("scene.yaml"), tmp_path / "x.html", tmp_path / "arm.npz"
+    for _ in range(2):
+        assert main(["view", file, "--html", str(page), "--memory", str(kept)]) == 0
+        assert len(sn.Memory.load(kept)) == 1
+    capsys.readouterr()
+    assert main(["view", file, "--html", str(page), "--memory", file]) == 2
+    assert "memory" in capsys.readouterr().err
+
+
 def test_what_is_wrong_is_one_line(problem: Write, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = problem("easy.yaml")
     for arguments, said in (

@@ -15,7 +15,10 @@ from sinuous.checks import Floats
 from sinuous.derivatives.derivative import derivative_of
 from sinuous.derivatives.rows import metric
 from sinuous.errors import NotSolvedError
+from sinuous.kernels.derivative.layout import KIND
+from sinuous.kernels.derivative.rows import PIECES
 from sinuous.kernels.tables import BEND_SCALE
+from sinuous.kernels.velocity.layout import CLEARANCE
 from sinuous.solution.constraints import limits_of
 from sinuous.solution.residual import residual_of
 from sinuous.solution.solution import Solution
@@ -179,7 +182,7 @@ def gap_gradient(found: Solution) -> Floats:
 def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> None:
     """Against the least motion by another way: gaps by samples, their gradients by differences, all subsets of rows."""
     held, compared = 0, 0
-    for seed in range(60):
+    for seed in range(24):
         rng = np.random.default_rng([seed, 4])
         found: Any = Touch(*touching(kind, rng))
         if not sn.check(found.problem.robot, found.q, found.problem.scene).ok:
@@ -198,6 +201,17 @@ def test_at_an_obstacle_the_body_slides_along_it_or_comes_free(kind: str) -> Non
         held += bool(abs(gap_gradient(found) @ motion.ravel()) < 1e-6 * found.problem.robot.mean_length)
     assert compared > 2
     assert held > 0
+
+
+def test_a_contact_at_a_border_of_the_pieces_that_are_searched_counts_once() -> None:
+    counted = 0
+    for kind, seed, off in itertools.product(OBSTACLES, range(3), (0.0, 1e-6, -1e-6, 1e-5, -1e-5, 1e-3)):
+        problem, q = touching(kind, np.random.default_rng([seed, 77]), place=(seed + 5) / PIECES + off)
+        if sn.check(problem.robot, q, problem.scene).ok:
+            about = derivative_of(problem, q, "target")._rows.about
+            assert (about[:, KIND] == CLEARANCE).sum() == 1, (kind, seed, off)
+            counted += 1
+    assert counted > 30
 
 
 def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:

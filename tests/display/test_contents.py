@@ -17,6 +17,18 @@ DUST = sn.Moving(sn.PointCloud(np.eye(3) * 0.1, 0.02), [0, 4], [(-1, 1, 1), (-1,
 KNOTS = [[[0.0, 0.0, 1.0]] * 2, [[-0.3, 0.0, 1.0]] * 2]
 
 
+def test_waypoints_are_joined_by_lines_only_where_the_tip_goes_straight() -> None:
+    arm = sn.on_stage(sn.Robot.uniform(3, 60, max_bend=1.8), 150)
+    turn = np.linspace(0.0, 1.0, 20)[:, None]
+    curve = np.concatenate([40 * (1 - np.cos(2 * turn)), 0.0 * turn, 120 * turn], axis=1)
+    bent = gather([sn.follow_the_leader(arm, curve)])
+    assert bent.paths == []
+    assert len(bent.targets) == 2
+    robot = sn.Robot.uniform(3, (0.8, 1.2), max_bend=2)
+    straight = gather([sn.track(robot, [sn.Target((1, y, 2)) for y in (0.0, 0.2)])])
+    assert len(straight.paths) == 1
+
+
 def test_obstacles_are_where_they_are_at_a_share_of_the_motion() -> None:
     contents = gather([sn.Motion(ROBOT, KNOTS, [BALL, DUST], times=[1.0, 3.0])])
     for share, when in ((0.0, 1.0), (0.5, 2.0), (1.0, 3.0)):

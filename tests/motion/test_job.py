@@ -219,7 +219,7 @@ def test_arguments_are_checked() -> None:
     refused("path[1]", lambda: sn.Job(ROBOT, path=[TARGET, 3]))  # type: ignore[list-item]
     refused("path", lambda: sn.Job(ROBOT, path=[]))
     refused("path", lambda: sn.Job(ROBOT, path=TARGET))  # type: ignore[arg-type]
-    refused("path[0].targets[0].segment", lambda: sn.Job(ROBOT, path=[sn.Target((0, 0, 1), segment=4)]))
+    refused("path[0].segment", lambda: sn.Job(ROBOT, path=[sn.Target((0, 0, 1), segment=4)]))
     refused("start", lambda: sn.Job(ROBOT, TARGET, start=[[0, 0, 1]]))
     bad: Any = {"bends": 1}
     refused("prefer", lambda: sn.Job(ROBOT, TARGET, prefer=bad))

@@ -68,7 +68,7 @@ def test_bad_orientations_are_refused() -> None:
     refused_each("rotation", bad, lambda rotation: Target(rotation=rotation))
 
 
-@pytest.mark.parametrize("value", [0, -1, 1.0, True, "1", 10**9])
+@pytest.mark.parametrize("value", [0, -1, 1.0, True, "", 10**9])
 def test_bad_segments_are_refused(value: Any) -> None:
     refused("segment", lambda: Target((0, 0, 1), segment=value))
 

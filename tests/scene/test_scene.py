@@ -90,8 +90,7 @@ def test_scenes_keep_their_own_table() -> None:
 
 def test_what_is_no_obstacle_is_refused() -> None:
     refused("scene[1]", lambda: Scene([OBSTACLES[0], "sphere"]), "an obstacle")  # type: ignore[list-item]
-    refused("scene[0]", lambda: Scene("sphere"))  # type: ignore[arg-type]
-    refused_each("scene", (None, 3), Scene)
+    refused_each("scene", (None, 3, "room.yaml"), Scene)
 
 
 @pytest.mark.parametrize(

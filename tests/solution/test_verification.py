@@ -140,6 +140,6 @@ def test_bad_input_is_refused() -> None:
     refused("q", lambda: sn.check(ARM, SHAPES[..., :2]), "3, 3)")
     refused("q", lambda: sn.check(ARM, np.full((3, 3), np.nan)))
     refused("scene[0]", lambda: sn.check(ARM, SHAPES, [three]))
-    refused("targets[0]", lambda: sn.check(ARM, SHAPES, None, [three]))
-    refused("targets[0].segment", lambda: sn.check(ARM, SHAPES, None, sn.Target((0, 0, 1), segment=4)))
+    refused("targets", lambda: sn.check(ARM, SHAPES, None, [three]))
+    refused("targets.segment", lambda: sn.check(ARM, SHAPES, None, sn.Target((0, 0, 1), segment=4)))
     refused("tolerance", lambda: sn.check(ARM, SHAPES, tolerance=three))

@@ -314,7 +314,7 @@ def test_what_is_asked_wrongly_is_refused_by_name() -> None:
     refused_each("targets[0]", ([3], [None], ["abc"]), ask, "a Target")
     refused("targets[0][1]", lambda: ask([[target, 3]]), "a Target")
     refused("len(targets[0])", lambda: ask([[]]))
-    refused("targets[1].targets[0].segment", lambda: ask([target, sn.Target((0, 0, 1), segment=9)]), "1 to 4")
+    refused("targets[1].segment", lambda: ask([target, sn.Target((0, 0, 1), segment=9)]), "1 to 4")
     refused("positions", lambda: ask([target], positions=places), "cannot be combined with targets")
     refused("position", lambda: ask(position=places), "positions, directions, rotations, xyzw")
     refused("positions[2]", lambda: ask(positions=[*places[:2], (0, 0, np.nan)]), "3 finite numbers")

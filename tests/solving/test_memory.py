@@ -10,7 +10,8 @@ from scipy.spatial.transform import Rotation
 import sinuous as sn
 from benchmarks.places import make
 from benchmarks.places.place import right
-from sinuous.solving.memory import ANGLE_WEIGHT, NEAREST, SPACING, TAIL, Memory
+from sinuous.solving.memory import Memory
+from sinuous.solving.shapes import ANGLE_WEIGHT, NEAREST, SPACING, TAIL
 
 ROBOT = sn.Robot.uniform(4, (0.5, 1.5), max_bend=2.5, radius=0.05, tool=sn.pose((0.0, 0.1, 0.2)))
 

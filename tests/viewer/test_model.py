@@ -355,6 +355,20 @@ def test_a_second_method_begins_from_its_own_shape() -> None:
     assert not page.accept_beside(second.number, solution)
 
 
+def test_pages_remember_what_is_solved_by_the_robot_of_the_memory() -> None:
+    page, memory = model(), sn.Memory(ROBOT)
+    solvers = Solvers(routes=True, memory=memory)
+    page.accept(page.number, solvers.solve(page.question()))
+    assert len(memory) == 1
+    page.place_target(0, np.array([-0.5, 0.8, 2.0]))
+    assert solvers.solve(page.question()).solved
+    assert len(memory) == 2
+    page.limit(None, max_bend=1.9)
+    page.place_target(0, np.array([0.5, -0.8, 2.0]))
+    assert solvers.solve(page.question()).solved
+    assert len(memory) == 2
+
+
 def test_what_is_asked_is_asked_at_the_time_that_is_shown() -> None:
     page, solvers = moving(), Solvers(routes=False)
     assert page.window == (0.0, 3.0)

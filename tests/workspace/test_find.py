@@ -79,6 +79,7 @@ def test_the_obstacle_in_the_way_is_named(found: sn.Reach) -> None:
     assert set(found.verdicts[inside].tolist()) <= {Verdict.OUT_OF_REACH, Verdict.TARGET_BLOCKED}
     assert Verdict.TARGET_BLOCKED in found.verdicts[inside]
     assert found.proved[inside]
+    assert found.in_the_way((45, 0, 70)) in blame
 
 
 def test_neighbours_find_what_the_arc_does_not() -> None:

@@ -68,6 +68,10 @@ def test_saved_and_loaded_is_equal(found: sn.Reach, tmp_path: Path) -> None:
         found.save(tmp_path / "no" / "map.npz")
 
 
-def test_a_point_outside_is_refused(found: sn.Reach) -> None:
+def test_farther_than_the_robot_is_long_it_is_out_of_reach_and_else_outside_it_is_refused(found: sn.Reach) -> None:
+    assert found.why((1000, 0, 0)) == {"out_of_reach": len(found.directions)}
     with pytest.raises(sn.InputError, match=r"^point: .*outside the map"):
-        found.why((1000, 0, 0))
+        found.in_the_way((1000, 0, 0))
+    part = sn.reach(sn.Robot.uniform(2, 50.0, 1.0), None, 25.0, 6, low=(0, 0, 0), high=(0, 0, 100))
+    with pytest.raises(sn.InputError, match=r"^point: .*outside the map"):
+        part.why((50, 0, 50))

@@ -114,7 +114,7 @@ class Assessment(ShortRepr):
             told += [] if total.clearance is None else [f"clearance {total.clearance:.3g}"]
             told += [] if total.duration is None else [f"longest motion {total.duration:.3g}"]
             told += [f"longest time {duration(total.seconds)}"]
-            told += [] if total.binds is None else [f"binds: {total.binds}"]
+            told += [] if total.binds is None else [f"limited by {total.binds}"]
             parts.append(f"  {total.robot:<{width}}  {', '.join(told)}")
         return "\n".join(parts)
 

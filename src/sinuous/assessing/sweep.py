@@ -25,8 +25,8 @@ def sweep(robot: Robot, fields: Mapping[str, Iterable[Any]]) -> dict[str, Robot]
     robot : Robot
     fields : mapping of str to iterable
         Values of each field, as a robot file has them: `radius`, `base.position`, `segments.length` (of all segments),
-        `segments[2].max_bend` (of one, 0 = first), `segments.tendons.displacement`, `segments.count` (where all
-        segments are equal).
+        `segments[2].max_bend` (of one, 0 = first, or by its name: `segments[wrist].max_bend`),
+        `segments.tendons.displacement`, `segments.count` (where all segments are equal).
 
     Returns
     -------
@@ -80,7 +80,7 @@ def with_fields(robot: Robot, chosen: Mapping[str, Any], where: str) -> Robot:
 def _put(values: dict[str, Any], field: str, value: Any) -> None:
     """Set a field; a radius of the robot is that of all segments."""
     first, *rest = field.split(".")
-    match = re.fullmatch(r"segments(?:\[(\d+)\])?", first)
+    match = re.fullmatch(r"segments(?:\[([^\]]+)\])?", first)
     if match is None:
         if field == "radius":
             for entry in _entries(values):
@@ -89,7 +89,7 @@ def _put(values: dict[str, Any], field: str, value: Any) -> None:
         return
     if not rest:
         raise InputError(f"[{field!r}]", "names no field", field, "segments.KEY")
-    for entry in _entries(values) if match[1] is None else [_one(values, int(match[1]), field)]:
+    for entry in _entries(values) if match[1] is None else [one_segment(values, match[1], field)]:
         _set(entry, rest, value, field)
 
 
@@ -98,17 +98,20 @@ def _entries(values: dict[str, Any]) -> list[dict[str, Any]]:
     return [entries] if isinstance(entries, dict) else entries
 
 
-def _one(values: dict[str, Any], index: int, field: str) -> dict[str, Any]:
-    """The mapping of one segment; segments that were written together are taken apart."""
+def one_segment(values: dict[str, Any], which: str, field: str) -> dict[str, Any]:
+    """The mapping of one segment, by its place or its name; segments that were written together are taken apart."""
     apart = [
         copy.deepcopy({key: each for key, each in entry.items() if key != "count"})
         for entry in _entries(values)
         for _ in range(entry.get("count", 1))
     ]
-    if index >= len(apart):
-        raise InputError(f"[{field!r}]", "there is no such segment", index, f"0 to {len(apart) - 1}")
+    names = [entry.get("name", f"s{k + 1}") for k, entry in enumerate(apart)]
+    places = {**{str(k): k for k in range(len(apart))}, **{name: k for k, name in enumerate(names)}}
+    if which not in places:
+        expected = f"0 to {len(apart) - 1}, or one of {', '.join(names)}"
+        raise InputError(f"[{field!r}]", "there is no such segment", which, expected)
     values["segments"] = apart
-    return apart[index]
+    return apart[places[which]]
 
 
 def _set(entry: dict[str, Any], path: list[str], value: Any, field: str) -> None:

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from contextlib import closing
 from typing import Any
 
 from sinuous.batch.batch import Failed
@@ -163,3 +164,22 @@ def begin(engine: Any, work: Work, workers: int) -> Engine:
         return GivenExecutor(work, engine, workers)
     wanted = "threads, processes, dask, the address of a Dask scheduler, a client of one, or an executor"
     raise InputError("engine", "", engine, wanted)
+
+
+def closing_engine(engine: Any, work: Any, workers: int) -> Any:
+    """Begin an engine that is closed in the end; see `begin`. `work` need not be `Work`, but has to be like it."""
+    return closing(_Closing(begin(engine, work, workers)))
+
+
+class _Closing:
+    """An engine whose `close` waits; it is used as the engine itself."""
+
+    def __init__(self, engine: Any) -> None:
+        self._engine = engine
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._engine, name)
+
+    def close(self) -> None:
+        """End."""
+        self._engine.close(now=False)

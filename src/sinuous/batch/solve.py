@@ -25,6 +25,7 @@ from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
 from sinuous.scene.scene import SceneLike
 from sinuous.solving.many import read_workers
+from sinuous.solving.memory import only_reading
 from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
 
@@ -156,7 +157,7 @@ def solve_batch(
         check_results("out", file)
     elif run.shard is not None:
         raise InputError("shard", "needs a file of results", run.shard, "out=, too")
-    solver = Solver(robot, scene, **given)
+    solver = Solver(robot, scene, **only_reading(given))
     initial = None if run.initial is None else checks.array("initial", run.initial, (len(robot), 3))
     work = Work(solver, initial, run.warm)
     with closing(open_source(targets)) as source:

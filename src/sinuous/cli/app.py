@@ -16,6 +16,7 @@ from sinuous.cli.options import (
     BatchSolving,
     Clearance,
     DesignSolving,
+    ExploreSolving,
     Files,
     Json,
     MapSolving,
@@ -136,6 +137,37 @@ def batch(
 
 @app.command()
 @with_groups
+def explore(
+    file: Place,
+    solving: ExploreSolving,
+    memory: Annotated[
+        Path, typer.Option(metavar="FILE", help="What is filled; when it is there, it goes on.", show_default=False)
+    ],
+    rounds: Annotated[
+        int | None, typer.Option(metavar="COUNT", help="Most rounds; by default as many as the time allows.")
+    ] = None,
+    spacing: Annotated[
+        float | None,
+        typer.Option(metavar="LENGTH", help="How near covers a position; by default a 20th of the reach."),
+    ] = None,
+    engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads",
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine."),
+    ] = None,
+    workers: Workers = None,
+    json: Json = False,
+) -> int:
+    """Fill a memory ahead with shapes and proved motions of a place that stays."""
+    from sinuous.cli.batch import read_engine  # noqa: PLC0415
+    from sinuous.cli.explore import explore_file  # noqa: PLC0415
+
+    run = {"rounds": rounds, "spacing": spacing, "engine": read_engine(engine, dask), "workers": workers}
+    return explore_file(file, solving, memory, run, json=json)
+
+
+@app.command()
+@with_groups
 def reach(
     file: Place,
     solving: MapSolving,
@@ -153,6 +185,21 @@ def reach(
 
     grid = {"spacing": spacing, "directions": directions, "workers": workers}
     return reach_file(file, solving, grid, out, plot, json=json)
+
+
+@app.command()
+def train(
+    file: Place,
+    out: Annotated[Path, typer.Option(metavar="NPZ", help="Write the networks.", show_default=False)],
+    samples: Annotated[int, typer.Option(metavar="COUNT", help="Targets of each kind to learn from.")] = 5_000,
+    width: Annotated[int, typer.Option(metavar="COUNT", help="Units of each of the two hidden layers.")] = 64,
+    rounds: Annotated[int, typer.Option(metavar="COUNT", help="How often all targets are gone through.")] = 40,
+    seed: Annotated[int, typer.Option(help="Of the targets; the same seed gives the same networks.")] = 0,
+) -> int:
+    """Train networks that give the robot shapes for targets, for the method learned."""
+    from sinuous.cli.train import train_file  # noqa: PLC0415
+
+    return train_file(file, out, samples, width, rounds, seed)
 
 
 @app.command()
@@ -198,6 +245,10 @@ def view(
         int, typer.Option(min=0, max=65535, help="Port to listen at, or the next one that is free.")
     ] = 8080,
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    memory: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Shapes to begin from, of earlier commands; what is solved is added."),
+    ] = None,
     clearance: Clearance = None,
     self_clearance: SelfClearance = None,
 ) -> int:
@@ -205,7 +256,7 @@ def view(
     from sinuous.cli.view import view_file  # noqa: PLC0415
 
     demands = read_demands(clearance, self_clearance)
-    return view_file(file, html, host, port, result, browser=browser, demands=demands)
+    return view_file(file, html, host, port, result, browser=browser, memory=memory, demands=demands)
 
 
 def _kinds_like(begun: str) -> list[str]:

@@ -23,7 +23,7 @@ def batch_file(file: str, targets: Path, out: Path, solving: BatchSolving, run: 
             given = {**solving.arguments(setting.tolerance, setting.prefer), "initial": setting.start}
             if solving.memory is not None:
                 with as_typed("memory"):
-                    given["memory"] = Memory.load(solving.memory).reading()
+                    given["memory"] = Memory.load(solving.memory)
             found = solve_batch(setting.robot, targets, setting.scene, out, **given, **run, progress=True)
     except UnfinishedError as error:
         typer.echo(f"sinuous: {error}", err=True)

@@ -144,6 +144,14 @@ class BatchSolving(Solving):
 
 
 @dataclass(frozen=True)
+class ExploreSolving(Solving):
+    """How positions are solved while a place is explored."""
+
+    max_starts: Annotated[int, typer.Option(metavar="COUNT", help="Most starts of a position anywhere.")] = 24
+    time: Annotated[float, typer.Option(metavar="SECONDS", help="Time of all of it.")] = 60.0
+
+
+@dataclass(frozen=True)
 class DesignSolving(Solving):
     """How each target of a task is solved."""
 

@@ -11,10 +11,12 @@ import typer
 
 from sinuous.cli.options import SOLVED, as_typed, check_writable
 from sinuous.cli.reading import say_notes
+from sinuous.cli.remembering import remembered
 from sinuous.errors import InputError
 from sinuous.motion.job import Job, load
 from sinuous.motion.motion import Motion
 from sinuous.solution.solution import Solution
+from sinuous.solving.memory import Memory
 from sinuous.viewer.show import check_page, require_viser, show
 
 TURN = 0.001
@@ -29,11 +31,13 @@ def view_file(
     result: Path | None = None,
     *,
     browser: bool,
+    memory: Path | None = None,
     demands: Mapping[str, Any],
 ) -> int:
     """Show a problem file, with its answer in a file of results where there is one; return the exit code.
 
-    `demands` are clearances that are typed, which replace those of the file.
+    `memory` is a file of shapes to begin from, which is written in the end. `demands` are clearances that are typed,
+    which replace those of the file.
 
     Raises
     ------
@@ -49,20 +53,22 @@ def view_file(
         job = load(file, Job).demanding(**demands)
     answer = None if result is None else job.result(result)
     say_notes({file: job.notes})
-    if html is not None:
-        show(answer or answer_of(job), path=html)
-        return SOLVED
-    if not alone:
-        folder = Path(file).resolve().parent
-        typer.echo(f"warning: whoever reaches {host} can use this page, and read files in {folder} by it", err=True)
-    return _serve(job, host, port, browser, answer)
+    with remembered(memory, {file: job.robot}) as known:
+        if html is not None:
+            show(answer or answer_of(job, known), path=html)
+            return SOLVED
+        if not alone:
+            folder = Path(file).resolve().parent
+            typer.echo(f"warning: whoever reaches {host} can use this page, and read files in {folder} by it", err=True)
+        return _serve(job, host, port, browser, answer, known)
 
 
-def answer_of(job: Job) -> Solution | Motion:
+def answer_of(job: Job, memory: Memory | None = None) -> Solution | Motion:
     """The path followed, the motion to the goal or past obstacles that move, or the target met."""
     if job.is_path:
-        return job.track()
-    return job.plan() if job.goal is not None or job.scene.snapshot().moves else job.solve()
+        return job.track(memory=memory)
+    moves = job.goal is not None or job.scene.snapshot().moves
+    return job.plan(memory=memory) if moves else job.solve(memory=memory)
 
 
 def is_loopback(host: str) -> bool:
@@ -81,13 +87,15 @@ def is_loopback(host: str) -> bool:
         raise InputError("--host", "", host, "an address like 127.0.0.1, or localhost") from None
 
 
-def _serve(job: Job, host: str, port: int, browser: bool, answer: Solution | Motion | None) -> int:
+def _serve(
+    job: Job, host: str, port: int, browser: bool, answer: Solution | Motion | None, memory: Memory | None
+) -> int:
     """Serve the page until it is interrupted."""
     from sinuous.viewer.page import Page  # noqa: PLC0415
 
     job.scene.prepare()
     sys.setswitchinterval(TURN)
-    page = Page(job, host, port, answer)
+    page = Page(job, host, port, answer, memory)
     shown = f"[{host}]" if ":" in host else host
     address = f"http://{shown}:{page.port}"
     try:

@@ -10,6 +10,7 @@ import numpy as np
 from sinuous.methods.registry import METHODS, name_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
+from sinuous.motion.planning.walk import load_walk
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
@@ -84,6 +85,7 @@ def _motions() -> None:
 
 def _plans() -> None:
     load_trees(ROBOT, FAR.snapshot())
+    load_walk(ROBOT, FAR.snapshot())
 
 
 def _loops() -> None:

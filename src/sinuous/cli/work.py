@@ -2,10 +2,8 @@
 
 import time as clock
 import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import typer
@@ -22,10 +20,9 @@ from sinuous.cli.options import (
     Output,
     Remembering,
     Timed,
-    as_typed,
-    check_writable,
 )
 from sinuous.cli.reading import Read, read_all, say_notes
+from sinuous.cli.remembering import remembered
 from sinuous.errors import InputError, SuspiciousInput
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.configurations import check_limits
@@ -187,7 +184,8 @@ def _answer_all(
     problems = [one.problem for one in read]
     total = sum(max(1, len(problem.waypoints)) for problem in problems)
     record = {} if output.file is None else record_of(problems, solving, typed)
-    with Journal(output.file, record) as journal, _remembered(solving.memory, problems) as memory:
+    robots = {problem.file: problem.robot for problem in problems}
+    with Journal(output.file, record) as journal, remembered(solving.memory, robots) as memory:
         say_notes({problem.file: problem.notes for problem in problems})
         try:
             ahead = 0.0 if len(read) == 1 else _compile(problems, solving, prepare, memory)
@@ -211,23 +209,6 @@ def _answer_all(
             return INTERRUPTED
         journal.remove()
     return SOLVED if solved == len(read) else UNSOLVED
-
-
-@contextmanager
-def _remembered(file: Path | None, problems: list[ProblemFile]) -> Iterator[Memory | None]:
-    """Yield the shapes of a file, or a new memory where it is not there; in the end, write what is kept then."""
-    if file is None:
-        yield None
-        return
-    with as_typed("memory"):
-        memory = Memory.load(file) if file.exists() else Memory(problems[0].robot)
-        for problem in problems:
-            memory.check(problem.robot)
-    check_writable("--memory", file, [problem.file for problem in problems])
-    try:
-        yield memory
-    finally:
-        memory.save(file)
 
 
 def _compile(problems: list[ProblemFile], solving: Remembering, prepare: Prepare, memory: Memory | None) -> float:

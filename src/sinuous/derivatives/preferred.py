@@ -79,9 +79,9 @@ class Minimum(NamedTuple):
 def follow_minimum(problem: Problem, q: Floats, plan: Plan, wish: Wish, rows: KeptRows) -> Minimum | None:
     """Derive the minimum near `q` (n, 3); `None` where there is no derivative, or none is found.
 
-    `rows` are read anew at each configuration, those of `q` are given.
+    `rows` are those of `q`.
     """
-    begin, robot = q, problem.robot
+    begin, robot, rows = q, problem.robot, rows.at(q)
     for _ in range(STEPS):
         if not rows.smooth or np.isin(rows.about[:, a.KIND], (CLEARANCE, SELF_CLEARANCE)).any():
             return None  # how contacts curve is not known

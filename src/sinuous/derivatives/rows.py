@@ -1,6 +1,5 @@
 """What an answer has to keep while parameters change: its rows, as kernels find them."""
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +18,6 @@ def metric(robot: Robot) -> Floats:
     return robot.limits[:, [BEND_SCALE, BEND_SCALE, LENGTH_SCALE]].ravel()
 
 
-@dataclass(frozen=True)
 class KeptRows:
     """The rows of an answer, targets first.
 
@@ -30,13 +28,13 @@ class KeptRows:
     answer : ndarray
         As kernels fill it, see `sinuous.kernels.derivative.layout`.
     q : ndarray (n, 3)
-        Where they are: at the configuration that was asked for, or a Newton step from there, which meets the targets.
+        The configuration.
     """
 
-    problem: Problem
-    plan: Plan
-    answer: Floats
-    q: Floats
+    __slots__ = ("__dict__", "answer", "plan", "problem", "q")
+
+    def __init__(self, problem: Problem, plan: Plan, answer: Floats, q: Floats) -> None:
+        self.problem, self.plan, self.answer, self.q = problem, plan, answer, q
 
     @classmethod
     def found(cls, problem: Problem, plan: Plan, q: Floats) -> "KeptRows":
@@ -45,11 +43,13 @@ class KeptRows:
         group = problem.scene._kernel_group if plan.obstacles else None
         own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines
         derive(*own, np.array(q), plan.workspace, answer)
-        return cls(problem, plan, answer, plan.workspace[: q.size].reshape(q.shape).copy())
+        return cls(problem, plan, answer, q)
 
     def at(self, q: Floats) -> "KeptRows":
-        """Return those of another configuration."""
-        return self.found(self.problem, self.plan, q)
+        """Return those of another configuration, or of a Newton step from there, which meets the targets."""
+        found = self.found(self.problem, self.plan, q)
+        found.q = self.plan.workspace[: q.size].reshape(q.shape).copy()
+        return found
 
     @property
     def moved(self) -> Floats:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous import checks
-from sinuous.assessing.sweep import with_fields
+from sinuous.assessing.sweep import one_segment, with_fields
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.robot.robot import Robot
@@ -167,7 +167,11 @@ def _read(field: str, value: Any) -> Range | Choices:
 def _value_of(values: dict[str, Any], field: str) -> Any:
     """The value of a field in a robot file; `None` where it is not said."""
     place: Any = copy.copy(values)
-    for part in field.split("."):
+    first, *rest = field.split(".")
+    one = re.fullmatch(r"segments\[([^\]]+)\]", first)
+    if one is not None:
+        place = one_segment(place, one[1], field)
+    for part in [first, *rest] if one is None else rest:
         match = re.fullmatch(r"(\w+)(?:\[(\d+)\])?", part)
         if match is None or not isinstance(place, dict) or match[1] not in place:
             return None

@@ -5,7 +5,6 @@ import pickle
 import time as clock
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -15,7 +14,7 @@ from sinuous import checks
 from sinuous.arguments import Number, Whole
 from sinuous.assessing.tasks import Meet, read_tasks
 from sinuous.batch.checkpoint import Checkpoint, Memory, hash_of, problem_record
-from sinuous.batch.dispatch import Dispatcher, begin
+from sinuous.batch.dispatch import Dispatcher, closing_engine
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task as Chunk
 from sinuous.checks import Floats
@@ -186,27 +185,6 @@ class _Run:
             if objectives == 1:  # of two, a robot that is better in neither than some may still be in the front
                 bounds = found.objectives.min(axis=0)
         return {"bounds": bounds, "order": order, "stops": np.array(stops)}
-
-
-def closing_engine(engine: Any, judge: Judge, workers: int) -> Any:
-    """Begin an engine that is closed in the end."""
-    work: Any = judge
-    ready = begin(engine, work, workers)
-    return closing(_Closing(ready))
-
-
-class _Closing:
-    """An engine whose `close` waits; it is used as the engine itself."""
-
-    def __init__(self, engine: Any) -> None:
-        self._engine = engine
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._engine, name)
-
-    def close(self) -> None:
-        """End."""
-        self._engine.close(now=False)
 
 
 def _kept(judge: Judge, out: str | Path | None) -> Memory | Checkpoint:

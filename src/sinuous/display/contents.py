@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -32,6 +33,9 @@ MOST_ARMS = 100
 
 FORCE_LENGTH = 0.25
 """Length of the line of the largest force, in lengths of the robot."""
+
+STRAIGHT = 0.03
+"""How far a tip may be off a straight line that is drawn as its way, as a share of its length."""
 
 EXPECTED = "a robot, scene, obstacle, target, problem, solution, equilibrium or motion, or a list of them"
 
@@ -267,7 +271,25 @@ def _add_motion(contents: Contents, motion: Motion) -> None:
         contents.arms.append(Arm(motion.robot, motion.solutions[-1].q, motion.solved))
     else:
         contents.arms.append(Arm(motion.robot, straight(motion.robot), motion.solved))
-    _add_path(contents, [target for solution in motion.solutions for target in solution.problem.targets])
+    targets = [target for solution in motion.solutions for target in solution.problem.targets]
+    if _goes_straight(motion):
+        _add_path(contents, targets)
+    else:
+        for target in targets:
+            contents.add_target(target, contents.all_arms[-1])
+
+
+def _goes_straight(motion: Motion) -> bool:
+    """Whether the tip goes about straight from waypoint to waypoint, wherever there are knots between two."""
+    tips = motion.tips[:, :3, 3]
+    for number, (begin, end) in enumerate(pairwise(motion.waypoint_knots), 2):
+        if begin is None or end is None or number in motion.reconfigured:
+            continue
+        leg, between = tips[end] - tips[begin], tips[begin:end] - tips[begin]
+        aside = np.linalg.norm(np.cross(between, leg), axis=-1)  # times the length of the leg
+        if (aside > STRAIGHT * (leg @ leg)).any():
+            return False
+    return True
 
 
 def _add_path(contents: Contents, targets: list[Target]) -> None:

@@ -1,6 +1,5 @@
 """From a mapping to a noun: the parameters of the noun's constructor are the keys that may stand in the mapping."""
 
-import difflib
 import inspect
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
@@ -9,6 +8,7 @@ from typing import Any, TypeVar
 from sinuous import checks
 from sinuous.errors import InputError
 from sinuous.files.text import join
+from sinuous.words import suggested
 
 Noun = TypeVar("Noun")
 
@@ -52,16 +52,8 @@ def known_entries(value: Any, known: Iterable[str], required: Iterable[str] = ()
         raise InputError("", "", value, "a mapping with " + ", ".join(names))
     for key, entry in value.items():
         if key not in names:
-            raise InputError(join("", key), "unknown key", entry, _suggestion(key, names))
+            raise InputError(join("", key), "unknown key", entry, suggested(key, names))
     for key in required:
         if key not in value:
             raise InputError(key, "missing", value, "a value")
     return dict(value)
-
-
-def _suggestion(key: str, known: tuple[str, ...]) -> str:
-    nearest = difflib.get_close_matches(key, known, 1, 0.5)
-    if not nearest:
-        return "one of " + ", ".join(known)
-    others = [name for name in known if name != nearest[0]]
-    return f"perhaps {nearest[0]}" + (f" (or one of {', '.join(others)})" if others else "")

@@ -19,7 +19,8 @@ from sinuous.poses import pose
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Actuators, Chambers, Stage, Tendons
 from sinuous.robot.loads import Payload
-from sinuous.robot.robot import MOST_SEGMENTS, Robot
+from sinuous.robot.names import MOST_SEGMENTS, segment_number
+from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.robot.stiffness import Stiffness
 from sinuous.robot.uncertainty import Uncertainty
@@ -217,9 +218,9 @@ def _trajectory(times: Floats, positions: Floats, rotations: Floats | None) -> C
 def read_target(value: Any, robot: Robot) -> Target:
     """Read one target of a robot."""
     target = make(Target, value)
-    if target.segment is not None:
-        checks.integer("segment", target.segment, 1, len(robot))
-    return target
+    if target.segment is None:
+        return target
+    return target.changed(segment=segment_number("segment", target.segment, robot.segment_names))
 
 
 def read_targets(value: Any, robot: Robot) -> tuple[Target, ...]:

@@ -20,7 +20,7 @@ from sinuous.gc_pause import gc_paused
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
 from sinuous.problem.suspicions import all_suspicions
-from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
+from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
 from sinuous.reprs import text
 from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot, demanding
@@ -285,9 +285,7 @@ def _listed(robot: Robot, path: Any, key: str) -> tuple[tuple[Target, ...], ...]
     result = []
     for i, targets in enumerate(path):
         place = f"{key}[{i}]" if key == "path" else key
-        result.append(target_list(place, targets))
-        with checks.inside(place):
-            target_table(robot, result[-1])
+        result.append(target_list(place, targets, robot))
     if not result:
         raise InputError(key, "", path, "at least one target")
     return tuple(result)

@@ -20,17 +20,36 @@ WITHIN = 1e-12
 """What sticks out of the mount by no more counts as within it: rounding of sums of lengths, in lengths of the body."""
 
 
+TERMS = 16
+"""Terms of the series of an exponential, of a matrix with a norm of at most a half: the rest is below 1e-18."""
+
+
+def exponential(twist: Floats) -> Floats:
+    """Exponential (4, 4) of a twist (4, 4), by its power series for a small part of it, squared again and again.
+
+    That of SciPy asks a library with threads for every 4x4 system, which takes a hundred times as long.
+    """
+    size = float(np.abs(twist[:3, :3]).sum())
+    halvings = max(0, math.ceil(math.log2(2.0 * size))) if size > 0.0 else 0
+    part = twist / 2.0**halvings
+    term, result = np.eye(4), np.eye(4)
+    for k in range(1, TERMS + 1):
+        term = term @ part / k
+        result += term
+    for _ in range(halvings):
+        result = result @ result
+    return result
+
+
 def arc_poses(q: Floats, pieces: int, begin: float = 0.0) -> Floats:
     """Poses (pieces + 1, 4, 4) along one segment `q` (3,), by powers of the exponential of its twist.
 
     Evenly spaced from the share `begin` of the segment up to its end.
     """
-    from scipy.linalg import expm  # noqa: PLC0415
-
     ux, uy, length = q
     twist = np.array([[0, 0, ux, 0], [0, 0, uy, 0], [-ux, -uy, 0, length], [0, 0, 0, 0]], np.float64)
-    step = expm((1.0 - begin) * twist / pieces)
-    poses = [expm(begin * twist) if begin > 0.0 else np.eye(4)]
+    step = exponential((1.0 - begin) * twist / pieces)
+    poses = [exponential(begin * twist) if begin > 0.0 else np.eye(4)]
     for _ in range(pieces):
         poses.append(poses[-1] @ step)
     return np.stack(poses)

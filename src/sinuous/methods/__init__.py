@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from sinuous.methods.fabrik.avoiding import FabrikAvoid as FabrikAvoid
     from sinuous.methods.fabrik.reaching import Fabrikc as Fabrikc
     from sinuous.methods.fabrik.reaching import Fabrikx as Fabrikx
+    from sinuous.methods.learned.search import Learned as Learned
     from sinuous.methods.monte_carlo import MonteCarlo as MonteCarlo
     from sinuous.methods.newton import Newton as Newton
     from sinuous.methods.opti_path.options import OptiPath as OptiPath

@@ -140,6 +140,18 @@ class Options(ShortRepr):
             values = {**cls.presets[kinds["preset"].check("preset", chosen)], **values}
         return cls(**values)
 
+    def refuse(self, robot: "Robot") -> None:
+        """Refuse a robot that these options are not meant for; none by default.
+
+        Raises
+        ------
+        InputError
+        """
+
+    def ready(self, robot: "Robot", scene: "Scene") -> Self:
+        """Return the same with all that is found out once for a robot in a scene: by default there is no such thing."""
+        return self
+
     def vector(self) -> Floats:
         """All values in the order of the fields, as the kernel of the method reads them."""
         return np.array([each.metadata["kind"].encode(getattr(self, each.name)) for each in fields(self)], np.float64)

@@ -13,6 +13,7 @@ from sinuous.arguments import MethodName
 from sinuous.errors import InputError
 from sinuous.methods.capabilities import Capabilities
 from sinuous.methods.options import Options
+from sinuous.words import suggested
 
 if TYPE_CHECKING:
     from sinuous.methods.prepared import Prepared
@@ -34,6 +35,7 @@ METHODS: dict[MethodName, str] = {
     "fabrikx": "fabrik.reaching.Fabrikx",
     "fabrik_avoid": "fabrik.avoiding.FabrikAvoid",
     "monte_carlo": "monte_carlo.MonteCarlo",
+    "learned": "learned.search.Learned",
 }
 """Where the options of every method are, within `sinuous.methods`; they are imported when they are asked for. Ours is
 the first."""
@@ -77,13 +79,20 @@ def name_of(method: Choice | str) -> MethodName:
 
 def _known(name: str, more: str) -> MethodName:
     if not isinstance(name, str) or name not in METHODS:
-        raise InputError("method", "is not known", name, "one of " + ", ".join(METHODS) + more)
+        raise InputError("method", "is not known", name, suggested(name, METHODS) + more)
     return name
 
 
 def capabilities(method: Choice) -> Capabilities:
     """What a method handles."""
     return options_class(name_of(method)).capabilities
+
+
+def ready(method: Choice, robot: "Robot", scene: "Scene") -> Choice:
+    """Return the choice with all that is found out once for a robot in a scene: see `Options.ready`."""
+    chosen = method if isinstance(method, Options) else options_class(name_of(method))()
+    own = chosen.ready(robot, scene)
+    return method if own is chosen else own
 
 
 def prepare(

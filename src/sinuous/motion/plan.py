@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, NamedTuple, Unpack, cast
+from typing import Any, Unpack, cast
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from sinuous.motion.paced import paced
 from sinuous.motion.planning.find import find_path, find_timed_path, standing
 from sinuous.motion.planning.query import ROUNDING, Deadline, FixedGoal, Goals, ProvedPath, Query, TimedQuery
 from sinuous.motion.planning.rrt_connect import RRTConnect
+from sinuous.motion.planning.walk import Walks
 from sinuous.motion.report import Report
 from sinuous.motion.times import Timing, spread_times
 from sinuous.problem.problem import check_sizes
@@ -103,12 +104,14 @@ def plan(
     return Planner(robot, scene, **options).plan(start, goal)
 
 
-class Workspace(NamedTuple):
-    """Memory for plans of a robot in a scene: what proves motions, and what grows trees."""
+@dataclass(eq=False)
+class Workspace:
+    """Memory for plans of a robot in a scene: what proves motions, what grows trees, and what walks in a memory."""
 
     scene: Snapshot
     prover: Prover
     trees: RRTConnect
+    walks: Walks | None = None
 
 
 class Workspaces:
@@ -174,6 +177,8 @@ class Planner:
         self._robot = robot = self._options.demanded_of(robot)
         self._timing.check(self._scene.snapshot())
         check_sizes(robot, self._scene)
+        if self._options.memory is not None:
+            self._options.memory.check(robot)
         warn_of(suspicions(robot, self._scene.snapshot()))
         load_motions(robot, self._scene.snapshot())
         self._workspaces = Workspaces(robot)
@@ -206,18 +211,45 @@ class Planner:
         report = self._blocked(begin, end, work.prover, work.prover)
         if report is not None:
             return made(report)
+        walked = self._walk(work, deadline, begin, end)
+        if walked is not None:
+            return made(_arrived(*walked), walked[0])
         goals: FixedGoal | Goals
         if isinstance(end, np.ndarray):
             goals, scene = FixedGoal(end), work.scene
         else:
+            spent = deadline.spent
             solution = self._solver.solve(end, begin)
-            deadline.set_spent(solution.seconds)
+            deadline.set_spent(spent + solution.seconds)
             if not solution.solved:
                 return made(_of_waypoint(solution))
-            goals, scene = Goals(self._solver, solution), solution.problem.scene
+            goals, scene = Goals(self._solver, end, [solution]), solution.problem.scene
         seed, trees = self._options.seed, work.trees if scene is work.scene else None
         path = find_path(Query(self._robot, scene, begin, goals, seed, self._shortcuts, deadline), trees)
+        if path is not None and self._options.memory is not None and not self._robot.hangs:
+            self._options.memory._learn_way(path.q)
         return self._made(scene, deadline, begin, _arrived(path, goals), path)
+
+    def _walk(
+        self, work: Workspace, deadline: Deadline, begin: Floats, end: Floats | list[Target]
+    ) -> tuple[ProvedPath, FixedGoal | Goals] | None:
+        """Find a path along motions that a memory holds, and its goal; `None` where there is none, or no memory."""
+        memory, seed = self._options.memory, self._options.seed
+        graph = None if memory is None or self._robot.hangs else memory._shapes.graph  # proved without load
+        if graph is None or not len(graph):
+            return None
+        if work.walks is None or work.walks.graph is not graph:
+            with deadline.paused():  # what is kept of a graph is made once
+                work.walks = Walks(self._robot, work.scene, graph, work.trees)
+        goals: FixedGoal | Goals
+        if isinstance(end, np.ndarray):
+            goals, path = FixedGoal(end), work.walks.to_configuration(begin, end, seed, deadline)
+        else:
+            goals = Goals(self._solver, end, [])
+            path = work.walks.to_targets(begin, end, goals.near, seed, deadline)
+        if path is not None and self._shortcuts:
+            path = work.trees.shorten(path.q, seed, deadline, self._shortcuts)
+        return None if path is None else (path, goals)
 
     def _plan_in_time(self, scene: Snapshot, begin: Floats, end: Floats | list[Target]) -> Motion:
         """Plan a motion among obstacles that move.
@@ -242,7 +274,7 @@ class Planner:
             solution = solver.solve(cast(list[Target], end), begin)
             if not solution.solved:
                 return made(_of_waypoint(solution))
-            goals, goal = Goals(solver, solution), solution.q
+            goals, goal = Goals(solver, list(solution.problem.targets), [solution]), solution.q
         query = self._timed_query(prover, begin, goals, goal, deadline)
         if solver is None and not query.early:
             soonest, window = query.soonest(goal - begin), query.end - query.begin
@@ -315,7 +347,7 @@ class Planner:
         """The configuration (n, 3) or the targets that are meant."""
         listed = isinstance(goal, list | tuple) and any(isinstance(each, Target) for each in goal)
         if listed or isinstance(goal, Target) or is_place(goal):
-            return list(target_list("goal", goal))
+            return list(target_list("goal", goal, self._robot))
         end = self._configuration("goal", cast(Initial, goal))
         check_limits(self._robot, "goal", end)
         return end

@@ -107,7 +107,7 @@ def track(
     InputError
         When an argument is not what it should be; nothing is solved then.
     """
-    refuse_unknown(options, TrackArguments, "start", "deviation", "shortest", "times", "progress")
+    refuse_unknown(options, TrackArguments, *(track.__kwdefaults__ or ()))
     given: dict[str, Any] = dict(options)
     path = read_target_sets(robot, targets, {key: given.pop(key) for key in KEYS if key in given})
     wanted = None if shortest is None else checks.choice("shortest", shortest, SHORTEST)

@@ -268,7 +268,7 @@ class Tracker:
         if self._timetable is not None:
             self._timetable.look_at(when)
             times = np.array([last.time, when])
-        goals = Goals(self._solver, solution)
+        goals = Goals(self._solver, list(solution.problem.targets), [solution])
         path = self._find_path(last, when, goals)
         if path is None:
             proof = self._prover.prove(self._two(last.q, solution.q), SLACK, times=times)

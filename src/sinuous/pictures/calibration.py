@@ -74,7 +74,7 @@ def _draw_by(axes: Any, own: Calibration) -> None:
     axes.barh([label for label, _ in worst], [each.mean for _, each in worst], color=CURVES[0])
     axes.invert_yaxis()
     axes.tick_params(labelsize=SMALL)
-    _name(axes, "worst patterns: mean, and 95 %", "length unit", "")
+    _name(axes, "patterns with the largest errors: mean, and 95 %", "length unit", "")
 
 
 def _name(axes: Any, title: str, x: str, y: str) -> None:

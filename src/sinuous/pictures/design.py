@@ -5,7 +5,8 @@ from pathlib import Path
 from sinuous.designing.design import Design
 from sinuous.display.style import CURVES
 from sinuous.errors import InputError
-from sinuous.pictures.files import check_picture
+from sinuous.pictures.diagrams import tidy
+from sinuous.pictures.files import check_picture, save_figure, stills
 from sinuous.pictures.space import new_figure
 
 MOST_LABELS = 12
@@ -24,11 +25,9 @@ def plot_design(found: Design, file: str | Path) -> None:
     Raises
     ------
     InputError
-        When no robot was found, Matplotlib is missing, or it does not know the kind of file.
-    OSError
-        When the file cannot be written.
+        When no robot was found, Matplotlib is missing or does not know the kind of file, or it cannot be written.
     """
-    check_picture("file", Path(file))
+    check_picture("file", Path(file), stills())
     if not found.front:
         raise InputError("found", "no robot does all tasks", str(found), "a design with a robot")
     figure = new_figure(figsize=(7.0, 5.0), dpi=110, layout="constrained")
@@ -41,6 +40,5 @@ def plot_design(found: Design, file: str | Path) -> None:
     for each, place in list(zip(found.front, zip(x, y, strict=True), strict=True))[:MOST_LABELS]:
         said = ", ".join(f"{value:.3g}" if isinstance(value, float) else str(value) for value in each.values.values())
         axes.annotate(f" {said}", place, fontsize=8)
-    axes.set(xlabel=first, ylabel=others[0] if others else "", title=", ".join(found.front[0].values))
-    axes.spines[["top", "right"]].set_visible(False)
-    figure.savefig(file, bbox_inches="tight", pad_inches=0.15)
+    tidy(axes, ", ".join(found.front[0].values), x=first, y=others[0] if others else "")
+    save_figure(figure, Path(file))

@@ -2,8 +2,10 @@
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 from sinuous.errors import InputError
+from sinuous.writing.documents import written
 
 MOVIES = ("gif", "mp4")
 """Kinds of moving pictures."""
@@ -47,3 +49,15 @@ def check_picture(key: str, file: Path, kinds: tuple[str, ...] | None = None) ->
         raise InputError(key, "", str(file), "a name that ends in ." + ", .".join(known))
     if kind == "mp4" and shutil.which("ffmpeg") is None:
         raise InputError(key, "needs the program ffmpeg", str(file), "ffmpeg installed, or a name that ends in .gif")
+
+
+def save_figure(figure: Any, file: Path) -> None:
+    """Write a figure, without its empty border.
+
+    Raises
+    ------
+    InputError
+        When the file cannot be written.
+    """
+    with written(file, "file"):
+        figure.savefig(file, bbox_inches="tight", pad_inches=0.15)

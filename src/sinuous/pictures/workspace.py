@@ -3,16 +3,19 @@
 import base64
 import html
 import io
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from sinuous import checks
 from sinuous.arguments import Vector
-from sinuous.pictures.files import check_picture
+from sinuous.pictures.files import check_picture, save_figure, stills
 from sinuous.pictures.space import new_figure
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.verdicts import Verdict
+from sinuous.writing.documents import written
 
 PLANES = ((2, "x", "y"), (1, "x", "z"), (0, "y", "z"))
 """Axis across each slice, and what lies along its picture."""
@@ -34,7 +37,7 @@ def check_map(key: str, file: Path) -> None:
     InputError
         When Matplotlib is missing, or does not know the kind of file.
     """
-    check_picture(key, file.with_suffix(".png") if file.suffix.lower() == ".html" else file)
+    check_picture(key, file, ("html", *stills()))
 
 
 def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None:
@@ -51,24 +54,24 @@ def plot_reach(found: Reach, file: str | Path, at: Vector | None = None) -> None
     Raises
     ------
     InputError
-        When Matplotlib is missing, does not know the kind of file, or `at` is outside the map.
-    OSError
-        When the file cannot be written.
+        When Matplotlib is missing, does not know the kind of file, `at` is outside the map, or the file cannot be
+        written.
     """
     target = Path(file)
     check_map("file", target)
     figure = map_of(found, at)
     if target.suffix.lower() != ".html":
-        figure.savefig(target, bbox_inches="tight", pad_inches=0.15)
+        save_figure(figure, target)
         return
     data = io.BytesIO()
     figure.savefig(data, format="png", bbox_inches="tight", pad_inches=0.15)
-    target.write_text(_page(found, data.getvalue()), encoding="utf-8")
+    with written(target, "file"):
+        target.write_text(_page(found, data.getvalue()), encoding="utf-8")
 
 
 def map_of(found: Reach, at: Vector | None = None) -> Any:
     """Return the figure of a map; see `plot_reach`."""
-    return _draw(found, _middle(found) if at is None else found._index(at))
+    return _draw(found, _middle(found) if at is None else found._index(checks.vector("at", at)))
 
 
 def _middle(found: Reach) -> tuple[int, int, int]:
@@ -77,24 +80,43 @@ def _middle(found: Reach) -> tuple[int, int, int]:
     return x, y, z
 
 
-def _draw(found: Reach, index: tuple[int, int, int]) -> Any:
+class _Row(NamedTuple):
+    """A row of a map: values of all voxels, what they are, their colours, and the voxels that are seen in space."""
+
+    values: Any
+    label: str
+    style: dict[str, Any]
+    seen: Any
+    which: str
+
+
+def _rows(found: Reach) -> Iterator[_Row]:
+    shares = {"vmin": 0.0, "vmax": 1.0}
+    behind = found.voxels.middles[..., 1] >= found.base[1] - 0.5 * found.voxels.spacing
+    label = "share of directions solved and proved"
+    yield _Row(found.share, label, {**shares, "cmap": "viridis"}, found.reachable & behind, "the far half")
+    if found.names:
+        label, seen = "share that obstacles take away", found.lost > 0.5
+        yield _Row(found.lost, label, {**shares, "cmap": "magma_r"}, seen, "where obstacles take more than half")
     from matplotlib.colors import ListedColormap  # noqa: PLC0415
 
-    rows = [(found.share, "share of directions solved and proved", {"vmin": 0.0, "vmax": 1.0, "cmap": "viridis"})]
-    if found.names:
-        rows.append((found.lost, "share that obstacles take away", {"vmin": 0.0, "vmax": 1.0, "cmap": "magma_r"}))
     holes = np.where(found.share > 0.0, Verdict.SOLVED, found.reasons)
     kinds = {"vmin": -0.5, "vmax": len(Verdict) - 0.5, "cmap": ListedColormap(COLOURS)}
-    rows.append((holes, "holes, and why", kinds))
+    seen = ~np.isin(holes, (Verdict.SOLVED, Verdict.OUT_OF_REACH)) & behind
+    yield _Row(holes, "holes, and why", kinds, seen, "holes of the far half")
+
+
+def _draw(found: Reach, index: tuple[int, int, int]) -> Any:
+    rows = list(_rows(found))
     figure = new_figure(figsize=(15.0, 3.9 * len(rows)), dpi=90, layout="constrained")
     grid = figure.add_gridspec(len(rows), 4, width_ratios=(1.0, 1.0, 1.0, 1.3))
-    for row, (values, label, style) in enumerate(rows):
+    for i, row in enumerate(rows):
         for column, plane in enumerate(PLANES):
-            drawn = _slice(figure.add_subplot(grid[row, column]), found, values, plane, index, style)
-        bar = figure.colorbar(drawn, ax=figure.axes[-3:], shrink=0.85, label=label)
-        if label.startswith("holes"):
+            drawn = _slice(figure.add_subplot(grid[i, column]), found, row.values, plane, index, row.style)
+        bar = figure.colorbar(drawn, ax=figure.axes[-3:], shrink=0.85, label=row.label)
+        if row.label.startswith("holes"):
             bar.set_ticks(range(len(Verdict)), labels=[code.name.lower().replace("_", " ") for code in Verdict])
-    _draw_all(figure.add_subplot(grid[:, 3], projection="3d"), found)
+        _draw_seen(figure.add_subplot(grid[i, 3], projection="3d"), found, row)
     return figure
 
 
@@ -113,21 +135,16 @@ def _slice(axes: Any, found: Reach, values: Any, plane: tuple[int, str, str], in
     return drawn
 
 
-def _draw_all(axes: Any, found: Reach) -> None:
-    """Draw the half of the reached voxels that lies behind the base, and those where obstacles take most."""
-    middles = found.voxels.middles
-    behind = found.reachable & (middles[..., 1] >= found.base[1] - 0.5 * found.voxels.spacing)
-    size = max(4.0, 0.25 * (DOT / max(found.voxels.shape)) ** 2)
-    for some, values, style in (
-        (behind, found.share, {"cmap": "viridis", "s": size, "alpha": 0.5}),
-        (found.lost > 0.5, found.lost, {"cmap": "magma_r", "s": size, "alpha": 0.9}),
-    ):
-        points, colours = middles[some], values[some]
-        step = max(1, len(points) // MOST_DOTS)
-        axes.scatter(*points[::step].T, c=colours[::step], vmin=0.0, vmax=1.0, linewidths=0.0, **style)
+def _draw_seen(axes: Any, found: Reach, row: _Row) -> None:
+    """Draw the voxels of a row that are seen in space, all at one scale."""
+    points, colours = found.voxels.middles[row.seen], row.values[row.seen]
+    step, size = max(1, len(points) // MOST_DOTS), max(4.0, 0.25 * (DOT / max(found.voxels.shape)) ** 2)
+    axes.scatter(*points[::step].T, c=colours[::step], s=size, alpha=0.6, linewidths=0.0, **row.style)
+    low = found.voxels.first - 0.5 * found.voxels.spacing
+    high = low + found.voxels.spacing * np.array(found.voxels.shape)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]), xlabel="x", ylabel="y", zlabel="z")
     axes.set_box_aspect(np.array(found.voxels.shape, float))
-    axes.set(xlabel="x", ylabel="y", zlabel="z")
-    axes.set_title("share of directions (far half); where obstacles take more than half", fontsize=10)
+    axes.set_title(row.which, fontsize=10)
 
 
 def _page(found: Reach, picture: bytes) -> str:

@@ -79,7 +79,7 @@ class Problem(Frozen, _Open):
         if not isinstance(robot, Robot):
             raise InputError("robot", "", robot, "a Robot")
         place = as_snapshot(scene)
-        listed = target_list("targets", targets)
+        listed = target_list("targets", targets, robot)
         self._set(
             robot=robot,
             scene=place,

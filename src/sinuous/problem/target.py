@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks
-from sinuous.arguments import Number, Orientation, Orientations, Rows, Vector, Whole
+from sinuous.arguments import Number, Orientation, Orientations, Rows, Vector, Which
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.guesses import QUATERNION, answers_guesses
 from sinuous.packing import read_only, target_parts, target_row, target_rows
 from sinuous.poses import any_rotation, any_rotations, as_pose, is_pose
-from sinuous.robot.robot import MOST_SEGMENTS, Robot
+from sinuous.robot.names import any_segment, segment_number
+from sinuous.robot.robot import Robot
 
 
 class GoalArrays(TypedDict, total=False):
@@ -135,7 +136,7 @@ class TargetArguments(TypedDict, total=False):
     position: Vector | Rows | None
     direction: Vector | None
     rotation: Orientation | None
-    segment: Whole | None
+    segment: Which | None
     xyzw: Vector | None
 
 
@@ -153,8 +154,9 @@ class Target(Frozen):
         The whole orientation, instead of `direction`: a matrix or a quaternion wxyz.
     xyzw : array_like (4,), optional
         The same as a quaternion in the order of SciPy and ROS, instead of `rotation`.
-    segment : int, optional
-        The segment whose end is meant, 1 = first. The last one, which is the default, means the tool.
+    segment : int or str, optional
+        The segment whose end is meant: its number, 1 = first, or its name, which becomes a number where the robot is
+        known. The last one, which is the default, means the tool.
 
     Attributes
     ----------
@@ -182,7 +184,7 @@ class Target(Frozen):
         *,
         direction: Vector | None = None,
         rotation: Orientation | None = None,
-        segment: Whole | None = None,
+        segment: Which | None = None,
         xyzw: Vector | None = None,
     ) -> None:
         matrix = any_rotation(rotation, xyzw)
@@ -199,8 +201,8 @@ class Target(Frozen):
             raise InputError("direction", "cannot be combined with rotation", direction, "one of direction, rotation")
         place = None if position is None else checks.vector("position", position)
         axis = None if direction is None else checks.direction("direction", direction)
-        number = None if segment is None else checks.integer("segment", segment, 1, MOST_SEGMENTS)
-        table = target_row(number, place, axis, matrix)
+        number = any_segment(segment)
+        table = target_row(None if isinstance(number, str) else number, place, axis, matrix)
         self._set(position=place, direction=axis, rotation=matrix, segment=number, _table=table)
 
     @classmethod
@@ -258,20 +260,36 @@ Targets = Target | Vector | Rows | Sequence[Target]
 """One target, or several that are to be met at once; a position (3,) or a pose (4, 4) is a target, too."""
 
 
-def target_list(key: str, targets: Any) -> tuple[Target, ...]:
-    """Check one target or several that are to be met at once."""
+KINDS = "a position of 3 numbers, a pose (4, 4), a Target, or a list of Targets"
+
+
+def target_list(key: str, targets: Any, robot: Robot | None = None) -> tuple[Target, ...]:
+    """Check one target or several that are to be met at once; for a `robot`, names of segments become numbers."""
     if is_place(targets):
         with checks.inside(key):
             targets = Target(targets)
     listed = (targets,) if isinstance(targets, Target) else targets
     if isinstance(listed, (str, bytes, dict)) or not np.iterable(listed):
-        raise InputError(key, "", targets, "a Target, a position, a pose (4, 4), or a list of Targets")
+        raise InputError(key, "", targets, KINDS)
     result = tuple(listed)
+    if result and all(isinstance(each, numbers.Real) for each in result):
+        raise InputError(key, "not 3 numbers", targets, KINDS)
     checks.integer(f"len({key})", len(result), 1, MOST_TARGETS)
     for i, target in enumerate(result):
         if not isinstance(target, Target):
             raise InputError(f"{key}[{i}]", "", target, "a Target")
-    return result
+    return result if robot is None else _numbered(key, result, robot)
+
+
+def _numbered(key: str, targets: tuple[Target, ...], robot: Robot) -> tuple[Target, ...]:
+    """Give targets the numbers of the segments of this robot that they name, and refuse those of none."""
+    found = list(targets)
+    for i, target in enumerate(targets):
+        if target.segment is not None:
+            place = f"{key}.segment" if len(targets) == 1 else f"{key}[{i}].segment"
+            number = segment_number(place, target.segment, robot.segment_names)
+            found[i] = target if number == target.segment else target.changed(segment=number)
+    return tuple(found)
 
 
 def is_place(value: Any) -> bool:
@@ -285,10 +303,7 @@ def target_table(robot: Robot, targets: tuple[Target, ...]) -> Floats:
     """Rows (t, 15) of all targets, for this robot; laid out as `sinuous.kernels.tables` says."""
     if len(targets) == 1 and targets[0].segment is None:  # most are: what a solve asks first
         return targets[0]._table
-    for i, target in enumerate(targets):
-        if target.segment is not None and target.segment > len(robot):
-            raise InputError(f"targets[{i}].segment", "", target.segment, f"a segment from 1 to {len(robot)}")
-    return np.concatenate([target._table for target in targets])
+    return np.concatenate([target._table for target in _numbered("targets", targets, robot)])
 
 
 RELATIVE_POSITION = 1e-4

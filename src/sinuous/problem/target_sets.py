@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.kernels.tables import HAS_POSITION, ORIENTATION, TARGET_WIDTH
-from sinuous.problem.target import KEYS, Goals, Target, Targets, is_place, target_list, target_table
+from sinuous.problem.target import KEYS, Goals, Target, Targets, is_place, target_list
 from sinuous.robot.robot import Robot
 
 INSTEAD = "for positions use positions="
@@ -88,17 +87,14 @@ def read_target_sets(robot: Robot, targets: Iterable[Targets] | None, arrays: Ma
 
 def listed_targets(robot: Robot, targets: Any) -> tuple[tuple[Target, ...], ...]:
     """Check a list of targets, or of lists of targets that are to be met at once, for this robot."""
-    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets):
+    if isinstance(targets, (Target, str, bytes, dict)) or not np.iterable(targets) or is_place(targets):
         raise InputError("targets", "", targets, "a list of targets")
     if isinstance(targets, np.ndarray) and targets.dtype != object:
         raise InputError("targets", INSTEAD, targets, "a list of targets")
     sets = []
     for i, each in enumerate(targets):
         own = (each,) if isinstance(each, Target) else _together(f"targets[{i}]", each)
-        if len(own) > 1 or own[0].segment is not None:
-            with checks.inside(f"targets[{i}]"):
-                target_table(robot, own)
-        sets.append(own)
+        sets.append(own if len(own) == 1 and own[0].segment is None else target_list(f"targets[{i}]", own, robot))
     return tuple(sets)
 
 

@@ -1,15 +1,14 @@
 """What pulls at a robot: what it carries, and forces and moments at places of its body."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from sinuous import checks
-from sinuous.arguments import Number, Vector, Whole
+from sinuous.arguments import Number, Vector, Which
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
-
-MOST_SEGMENTS = 10_000
+from sinuous.robot.names import any_segment, segment_number
 
 
 class Payload(Frozen):
@@ -21,8 +20,8 @@ class Payload(Frozen):
         Its weight is mass x gravity, in the unit of force of `stiffness`.
     position : array_like (3,)
         Its center of gravity in the frame of the end of the segment.
-    segment : int, optional
-        Which segment's end carries it, 1 = first; by default the last.
+    segment : int or str, optional
+        Which segment's end carries it, 1 = first, or its name; by default the last.
 
     Raises
     ------
@@ -34,11 +33,11 @@ class Payload(Frozen):
     position: Floats
     segment: int | None
 
-    def __init__(self, mass: Number, position: Vector = (0.0, 0.0, 0.0), segment: Whole | None = None) -> None:
+    def __init__(self, mass: Number, position: Vector = (0.0, 0.0, 0.0), segment: Which | None = None) -> None:
         self._set(
             mass=checks.number("mass", mass, low=0.0),
             position=checks.array("position", position, (3,)),
-            segment=_segment(segment),
+            segment=any_segment(segment),
         )
 
     def changed(self, **values: Any) -> "Payload":
@@ -55,8 +54,8 @@ class Force(Frozen):
         In world axes, in the unit of force of `stiffness`.
     moment : array_like (3,)
         In world axes, force x length.
-    segment : int, optional
-        At which segment's end, 1 = first; by default the last.
+    segment : int or str, optional
+        At which segment's end, 1 = first, or its name; by default the last.
     position : array_like (3,)
         Where the force acts, in the frame of that end.
     """
@@ -70,13 +69,13 @@ class Force(Frozen):
         self,
         force: Vector = (0.0, 0.0, 0.0),
         moment: Vector = (0.0, 0.0, 0.0),
-        segment: Whole | None = None,
+        segment: Which | None = None,
         position: Vector = (0.0, 0.0, 0.0),
     ) -> None:
         self._set(
             force=checks.array("force", force, (3,)),
             moment=checks.array("moment", moment, (3,)),
-            segment=_segment(segment),
+            segment=any_segment(segment),
             position=checks.array("position", position, (3,)),
         )
 
@@ -92,29 +91,25 @@ Loads = Load | Iterable[Load]
 """One load or several."""
 
 
-def load_list(key: str, loads: Any, segments: int) -> tuple[Load, ...]:
-    """Check one load or several, for a robot of so many segments."""
+def load_list(key: str, loads: Any, names: Sequence[str]) -> tuple[Load, ...]:
+    """Check one load or several, for a robot with segments of these names; returns them with numbers of segments."""
     listed = (loads,) if isinstance(loads, Force | Payload) else loads
     if not isinstance(listed, Iterable):
         raise InputError(key, "", loads, "a Force, a Payload, or a list of these")
-    result = tuple(listed)
+    result = list(listed)
     for i, each in enumerate(result):
         place = key if len(result) == 1 else f"{key}[{i}]"
         if not isinstance(each, Force | Payload):
             raise InputError(place, "", each, "a Force or a Payload")
         if each.segment is not None:
-            checks.integer(f"{place}.segment", each.segment, 1, segments)
-    return result
+            result[i] = each.changed(segment=segment_number(f"{place}.segment", each.segment, names))
+    return tuple(result)
 
 
-def payload_list(payload: Any, segments: int) -> tuple[Payload, ...]:
-    """Check what a robot of so many segments carries."""
-    listed = load_list("payload", () if payload is None else payload, segments)
+def payload_list(payload: Any, names: Sequence[str]) -> tuple[Payload, ...]:
+    """Check what a robot with segments of these names carries."""
+    listed = load_list("payload", () if payload is None else payload, names)
     for i, each in enumerate(listed):
         if not isinstance(each, Payload):
             raise InputError(f"payload[{i}]", "", each, "a Payload")
     return tuple(each for each in listed if isinstance(each, Payload))
-
-
-def _segment(value: Whole | None) -> int | None:
-    return None if value is None else checks.integer("segment", value, 1, MOST_SEGMENTS)

@@ -1,6 +1,6 @@
 """Names of segments and of what drives them: those that were given, and default names for the rest."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
@@ -8,6 +8,35 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.errors import InputError
+from sinuous.words import suggested
+
+MOST_SEGMENTS = 10_000
+
+
+def segment_number(key: str, value: Any, names: Sequence[str]) -> int:
+    """Number, 1 = first, of a segment of these that is given by its number or its name."""
+    if not isinstance(value, str):
+        return checks.integer(key, value, 1, len(names))
+    if value not in names:
+        raise InputError(key, "no segment has this name", value, suggested(value, names))
+    return names.index(value) + 1
+
+
+def any_segment(value: Any) -> Any:
+    """Check a segment of a robot that is not known yet: its number or its name, or none."""
+    if value is None or isinstance(value, str):
+        return value if value is None else checks.text("segment", value)
+    return checks.integer("segment", value, 1, MOST_SEGMENTS)
+
+
+def each_segment(key: str, value: Any, names: Sequence[str]) -> float | tuple[float, ...]:
+    """Check a number of at least 0 for all segments, or one for each, or some by the names of segments."""
+    if not isinstance(value, Mapping):
+        return checks.one_each(key, value, len(names), "segment")
+    listed = [0.0] * len(names)
+    for name, number in value.items():
+        listed[segment_number(key, name, names) - 1] = checks.number(f"{key}.{name}", number, low=0.0)
+    return tuple(listed)
 
 
 def optional_name(value: Any) -> str | None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sinuous import checks, packing
-from sinuous.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Whole
+from sinuous.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollision, Stack, Vector, Which, Whole
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
@@ -23,7 +23,7 @@ from sinuous.robot.actuators import Actuators, Chambers, Tendons
 from sinuous.robot.inverse import Inverse, answer_contradictions, fitting
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.loads import Loads, Payload, load_list, payload_list
-from sinuous.robot.names import optional_name
+from sinuous.robot.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
 from sinuous.robot.segment import Segment, segment_names
 from sinuous.robot.stiffness import Stiffness
 from sinuous.robot.uncertainty import Uncertainty
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from sinuous.export.drives import DrivenChain
     from sinuous.statics.equilibrium import Equilibrium
 
-MOST_SEGMENTS = 10_000
 
 LIMIT_ROUNDING = 1e-11
 """By how much rounding may exceed a limit: rad, or mean lengths of the robot."""
@@ -188,19 +187,20 @@ class Robot(NotebookMixin, Frozen):
         given: Any = {key: value for key, value in shared.items() if value is not None}
         if given:
             listed = tuple(segment.changed(**given) for segment in listed)
-        carried = payload_list(payload, len(listed))
+        names = segment_names(listed)
+        carried = payload_list(payload, names)
         checks.choice("self_collision", self_collision, get_args(SelfCollision))
         if not (actuators is None or isinstance(actuators, Actuators)):
             raise InputError("actuators", "", actuators, "Actuators or nothing")
         radii = tuple(segment.radius for segment in listed)
-        away = checks.one_each("clearance", clearance, len(listed), "segment")
-        apart = checks.one_each("self_clearance", self_clearance, len(listed), "segment")
+        away = each_segment("clearance", clearance, names)
+        apart = each_segment("self_clearance", self_clearance, names)
         if self_collision == "allow" and np.any(apart):
             raise InputError("self_clearance", "cannot be combined with self_collision: allow", self_clearance, "0")
         if not (uncertainty is None or isinstance(uncertainty, Uncertainty)):
             raise InputError("uncertainty", "", uncertainty, "Uncertainty or nothing")
         with checks.inside("uncertainty"):
-            unsure = 0.0 if uncertainty is None else checks.one_each("bound", uncertainty.bound, len(listed), "segment")
+            unsure = 0.0 if uncertainty is None else each_segment("bound", uncertainty.bound, names)
         needed = tuple(float(each) for each in np.add(np.add(radii, away), unsure))
         own = tuple(float(each) for each in np.add(radii, np.multiply(0.5, apart)))
         curvatures = curvature_limits(listed, own, self_collision == "avoid")
@@ -214,7 +214,7 @@ class Robot(NotebookMixin, Frozen):
         coupled = () if actuators is None else coupled_rows(actuators, drive.linear_scales, table)
         self._set(
             segments=listed,
-            segment_names=segment_names(listed),
+            segment_names=names,
             self_collision=self_collision,
             curvatures=curvatures,
             mount=checks.number("mount", mount, low=0.0),
@@ -400,15 +400,16 @@ class Robot(NotebookMixin, Frozen):
         batch.points_of(flat, frames, count, points)
         return points.reshape(*lead, *points.shape[1:])
 
-    def jacobian(self, q: Batch, segment: Whole | None = None) -> Floats:
-        """Geometric Jacobian (..., 6, 3 n) of the end of `segment` (1 = first; the last, the default, means the tool).
+    def jacobian(self, q: Batch, segment: Which | None = None) -> Floats:
+        """Geometric Jacobian (..., 6, 3 n) of the end of a segment.
 
+        `segment` is its number, 1 = first, or its name; the last one, which is the default, means the tool.
         Rows 0 to 2 are the angular velocity, rows 3 to 5 the velocity of that point, both in world axes; columns are
         `bend_x, bend_y, length` of the first segment, of the second, and so on.
         """
         from sinuous.kernels.chain import batch  # noqa: PLC0415
 
-        end = len(self) if segment is None else checks.integer("segment", segment, 1, len(self))
+        end = len(self) if segment is None else segment_number("segment", segment, self.segment_names)
         frames, lead = self._frames(q)
         flat = np.array(q, np.float64, order="C").reshape(-1, len(self), 3)
         out = np.zeros((len(flat), 6, 3 * len(self)))
@@ -450,7 +451,7 @@ class Robot(NotebookMixin, Frozen):
         from sinuous.statics.response import Question  # noqa: PLC0415
 
         checked = checks.array("q", q, (len(self), 3))
-        return find_equilibrium(Question(self, load_list("load", load, len(self)), "q", checked, None))
+        return find_equilibrium(Question(self, load_list("load", load, self.segment_names), "q", checked, None))
 
     def equilibrium(
         self,
@@ -485,7 +486,7 @@ class Robot(NotebookMixin, Frozen):
         from sinuous.statics.equilibrium import find_equilibrium  # noqa: PLC0415
         from sinuous.statics.response import Question  # noqa: PLC0415
 
-        loads = load_list("forces", forces, len(self))
+        loads = load_list("forces", forces, self.segment_names)
         if (actuators is None) == (tensions is None):
             raise InputError("actuators", "", actuators, "either values of actuators, or tensions")
         if tensions is not None:
@@ -624,11 +625,15 @@ def robot_group(robot: Robot) -> Floats:
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 
+def same_body(one: Robot, other: Robot) -> bool:
+    """Whether two robots are the same, whatever clearances they demand."""
+    free, also = (demanding(each, 0.0, 0.0) for each in (one, other))
+    return free.equals(also)
+
+
 def demanding(robot: Robot, clearance: OneEach | None, self_clearance: OneEach | None) -> Robot:
     """Return the robot with other clearances demanded, where they are given; the same one where nothing changes."""
     given = {"clearance": clearance, "self_clearance": self_clearance}
-    asked = {
-        key: checks.one_each(key, value, len(robot), "segment") for key, value in given.items() if value is not None
-    }
+    asked = {key: each_segment(key, value, robot.segment_names) for key, value in given.items() if value is not None}
     changed: Any = {key: value for key, value in asked.items() if value != getattr(robot, key)}
     return robot.changed(**changed) if changed else robot

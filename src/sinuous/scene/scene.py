@@ -51,8 +51,9 @@ class Scene(NotebookMixin):
     def __init__(self, obstacles: "Obstacle | Iterable[Obstacle | Scene]" = ()) -> None:
         if isinstance(obstacles, Obstacle):
             obstacles = (obstacles,)
-        if not isinstance(obstacles, Iterable):
-            raise InputError("scene", "", obstacles, "a list of obstacles")
+        if isinstance(obstacles, str) or not isinstance(obstacles, Iterable):
+            hint = "sinuous.load reads files" if isinstance(obstacles, str) else ""
+            raise InputError("scene", hint, obstacles, "a list of obstacles")
         flat: list[Obstacle] = []
         for i, item in enumerate(obstacles):
             if isinstance(item, Scene):

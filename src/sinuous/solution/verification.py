@@ -7,7 +7,8 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from sinuous.arguments import Batch, Number
+from sinuous import checks
+from sinuous.arguments import Batch, Number, Truth
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.measures.between import least_clearances, least_meeting, shares_between
@@ -16,7 +17,8 @@ from sinuous.measures.reach import target_errors
 from sinuous.measures.statics import imbalance
 from sinuous.problem.body_question import ask_body
 from sinuous.problem.problem import Problem, check_sizes
-from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list, target_table
+from sinuous.problem.target import Target, Targets, Tolerance, as_tolerance, target_list
+from sinuous.progress import ProgressBar
 from sinuous.reprs import ShortRepr, call
 from sinuous.robot.limits import unit_of
 from sinuous.robot.robot import Robot
@@ -210,6 +212,7 @@ def check(
     targets: Targets | None = None,
     *,
     tolerance: Tolerance | None = None,
+    progress: Truth = True,
 ) -> Verification: ...
 
 
@@ -221,6 +224,7 @@ def check(
     targets: Targets | None = None,
     *,
     tolerance: Tolerance | None = None,
+    progress: Truth = True,
 ) -> Verifications: ...
 
 
@@ -232,6 +236,7 @@ def check(
     targets: Targets | None = None,
     *,
     tolerance: Tolerance | None = None,
+    progress: Truth = True,
 ) -> Any: ...
 
 
@@ -242,6 +247,7 @@ def check(
     targets: Targets | None = None,
     *,
     tolerance: Tolerance | None = None,
+    progress: Truth = True,
 ) -> Any:
     """Judge shapes: limits, clearance, and targets where there are any. No kernel is used, nothing is solved.
 
@@ -255,6 +261,8 @@ def check(
         To be met at once, by every configuration.
     tolerance : Tolerance, optional
         Of the targets; default as for a solve.
+    progress : bool
+        Whether to show on a terminal how many of many are done.
 
     Returns
     -------
@@ -271,11 +279,14 @@ def check(
     shapes, place = robot.configuration("q", q), as_snapshot(scene)
     place.refuse_moving()
     check_sizes(robot, place)
-    asked = () if targets is None else target_list("targets", targets)
-    if asked:
-        target_table(robot, asked)
+    asked = () if targets is None else target_list("targets", targets, robot)
     exactly = as_tolerance(tolerance).for_robot(robot)
-    found = [verified(robot, one, place, asked, exactly) for one in shapes.reshape(-1, len(robot), 3)]
+    every = shapes.reshape(-1, len(robot), 3)
+    found = []
+    with ProgressBar(len(every) if checks.truth("progress", progress) else 0, what="checking") as bar:
+        for one in every:
+            found.append(verified(robot, one, place, asked, exactly))
+            bar.advance()
     return found[0] if shapes.ndim == 2 else _stacked(found, shapes.shape[:-2])
 
 

@@ -13,6 +13,7 @@ from sinuous.problem.target import Tolerance, as_tolerance
 from sinuous.robot.robot import Robot, demanding
 from sinuous.solving.attempts import read_without
 from sinuous.solving.memory import Memory
+from sinuous.words import suggested
 
 TIME = 1.0
 """Default budget of a solve, in seconds."""
@@ -122,14 +123,14 @@ class SolveOptions:
         ------
         InputError
         """
-        for key, value in given.items():
-            if key not in cls.__dataclass_fields__:
-                raise InputError(key, "is not known", value, "one of " + ", ".join(cls.__dataclass_fields__))
+        refuse_unknown(given, cls)
         return cls(**given)
 
 
-def _each(key: str, value: OneEach | None) -> float | tuple[float, ...] | None:
-    """Check what is demanded of every segment; how many there are says the robot."""
+def _each(key: str, value: OneEach | None) -> OneEach | None:
+    """Check what is demanded of every segment; how many there are, and their names, says the robot."""
+    if isinstance(value, Mapping):
+        return {str(name): checks.number(f"{key}.{name}", each, low=0.0) for name, each in value.items()}
     return None if value is None else checks.one_each(key, value, None, "segment")
 
 
@@ -143,4 +144,4 @@ def refuse_unknown(given: Mapping[str, Any], known: type, *more: str) -> None:
     names = (*more, *known.__annotations__)
     for key, value in given.items():
         if key not in names:
-            raise InputError(key, "is not known", value, "one of " + ", ".join(names))
+            raise InputError(key, "is not known", value, suggested(key, names))

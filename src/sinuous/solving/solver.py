@@ -16,6 +16,7 @@ from sinuous.kernels.compiling.tiers import code_first
 from sinuous.kernels.tables import BASE_BLOCKED, GIVEN, REMEMBERED, SOLVED, Budget, Outcome, answer_size
 from sinuous.methods import registry
 from sinuous.methods.newton import NEARLY_GRAZING, thinnest
+from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, check_sizes
@@ -124,7 +125,10 @@ class Solver:
             self._free = self.prepared(robot.changed(gravity=None), scene, replace(chosen, tolerance=self.tolerance))
             self._borrow(self._free)
             return
-        self._prepared = registry.prepare(chosen.method, robot, self.scene, self.tolerance, chosen.prefer)
+        method = registry.ready(chosen.method, robot, scene)
+        if method is not chosen.method:
+            self.options = chosen = replace(chosen, method=method)
+        self._prepared = registry.prepare(method, robot, self.scene, self.tolerance, chosen.prefer)
         self._strategy = Strategy(robot, scene, self.tolerance, chosen)
         self._resolver = SolvesAgain(chosen)
         self._first_budgets = [self._budget(given, chosen.time) for given in (0, 1)]
@@ -197,7 +201,7 @@ class Solver:
         looked = scene is not self.scene.snapshot()
         if looked:
             scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, scene, self.tolerance)
         given, reference = self._no_initial, None
         if initial is not None:
@@ -208,16 +212,21 @@ class Solver:
             return self._solve_within(problem, given, within, budget)
         if looked:  # which is in the budget, too
             budget = *budget[:3], max(0.0, budget[3] + began - work_time())
+        starts = given
+        if self.options.memory is not None and not len(given):
+            starts = self._strategy.remembered(problem._rows[None])[0]
         if blocked:
             outcome = self._look(problem, given)
-        elif self.options.memory is None:
-            outcome = self._prepared.run(problem, given, budget, reference)
         else:
-            outcome = self._from_memory(problem, given, budget)
+            outcome = self._prepared.run(problem, starts, budget, reference)
+            if starts is not given and outcome.source == GIVEN and len(starts):
+                outcome = outcome._replace(source=REMEMBERED)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
         if outcome.clearance < self._prepared.grazing:
             outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
+        if self.options.memory is not None and outcome.code == SOLVED:
+            self._strategy.learn(outcome.q[None], None if starts is given else starts[None])
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
 
     def _solve_under_load(
@@ -228,7 +237,7 @@ class Solver:
             raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
         given = self._given(initial)
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
         starts = self._starts_under_load(problem, given, seconds)
         outcome = solve_under_load(load, problem, starts, seconds, self.options.most_starts)
@@ -291,7 +300,7 @@ class Solver:
         route_class: RouteClass | None = None,
     ) -> Solution:
         """Return the solution that this solver found before with this outcome, in so many seconds."""
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
         return Solution(problem, outcome, seconds, self._resolver, self._given(initial), route_class)
 
@@ -362,9 +371,9 @@ class Solver:
             many.begin(self._glance(given.shape[1]) if blocked else budget)
             if blocked:
                 many.decide(BASE_BLOCKED)
-            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3], learn=False))
-            many.learn()
+            many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
             many.take_room(budget[3])
+            many.learn()
         return many.solutions(self._resolver)
 
     def solve_all(
@@ -423,7 +432,7 @@ class Solver:
         )
         given = self._given(initial)
         if self._load is not None:
-            targets = (target,) if isinstance(target, Target) else target_list("target", target)
+            targets = self._targets(target)
             loaded = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
             return self._all_under_load(self._load, loaded, wanted, given)
         problem, blocked = self._problem(target)
@@ -519,8 +528,14 @@ class Solver:
     def _problem(self, target: Targets) -> tuple[Problem, bool]:
         """The problem in the scene as it is now, and whether the base is blocked in it."""
         scene, blocked = self._look_at_base()
-        targets = (target,) if isinstance(target, Target) else target_list("target", target)
+        targets = self._targets(target)
         return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
+
+    def _targets(self, target: Targets) -> tuple[Target, ...]:
+        """Check one target or several; what most ask for, the tip alone, at once."""
+        if isinstance(target, Target) and target.segment is None:
+            return (target,)
+        return target_list("target", target, self.robot)
 
     def _look_at_base(self) -> tuple[Snapshot, bool]:
         """Take the scene as it is now, and look at the base in it: at first, and after an update."""
@@ -541,23 +556,7 @@ class Solver:
         """What a look at one start may spend, where there are so many initial configurations."""
         return 0, int(given == 0), self.options.seed, 0.0
 
-    def _from_memory(self, problem: Problem, given: Floats, budget: Budget) -> Outcome:
-        """Make the first call: from the initial configuration, or else from remembered shapes; then from own starts."""
-        if len(given):
-            first = self._prepared.run(problem, given, budget, given[0])
-        else:
-            starts = self._strategy.remembered(problem._rows[None])[0]
-            first = self._prepared.run(problem, starts, budget)
-            if first.source == GIVEN and len(starts):
-                first = first._replace(source=REMEMBERED)
-                if first.code == SOLVED:
-                    self._strategy.learn(first.q[None], starts[first.starts - 1][None])
-                return first
-        if first.code == SOLVED:
-            self._strategy.learn(first.q[None])
-        return first
-
-    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float, learn: bool = True) -> Outcome:
+    def _go_on(self, first: Outcome, problem: Problem, given: Floats, seconds: float) -> Outcome:
         """Ask the other start sources until something is decided."""
         if first.code in UNDECIDED:
             with no_work():  # compiling is no solving
@@ -567,8 +566,6 @@ class Solver:
             search.take(self._from_rest(first, problem, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
-        if learn and search.outcome.code == SOLVED:
-            self._strategy.learn(search.outcome.q[None])
         return search.outcome
 
     def _from_rest(self, first: Outcome, problem: Problem, seconds: float) -> Outcome:
@@ -738,5 +735,7 @@ def _checked(robot: Robot, scene: SceneLike | None, options: Mapping[str, Any]) 
     check_sizes(robot, place)
     if chosen.memory is not None:
         chosen.memory.check(robot)
+    if isinstance(chosen.method, Options):
+        chosen.method.refuse(robot)
     warn_of(suspicions(robot, place.snapshot()))
     return chosen.demanded_of(robot), place, chosen

@@ -33,11 +33,11 @@ from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.solving.attempts import EDGES, REMEMBERED, SCATTERED, SIDE_TUBES, Attempts
 from sinuous.solving.classes.passages import Passages
-from sinuous.solving.memory import NEAREST
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
 from sinuous.solving.routing.searches import CELLS, Plan, Searches
+from sinuous.solving.shapes import NEAREST
 from sinuous.solving.starts import Batch, Question, Scattered
 
 OPENING = 3
@@ -145,7 +145,7 @@ class Strategy:
         takes_routes = registry.capabilities(options.method).routes and len(scene) > 0
         self.searches = Searches(robot, scene, tolerance) if options.routes and takes_routes else None
         takes_memory = registry.capabilities(options.method).initial and REMEMBERED not in options.without
-        own = options.memory is not None and options.memory.serves(robot)  # a remedy's robot is another one
+        own = options.memory is not None and options.memory._serves(robot)  # a remedy's robot is another one
         self._memory = options.memory if takes_memory and own else None
         self._segments, self._options = len(robot), options
 
@@ -195,7 +195,7 @@ class Strategy:
     def remembered(self, rows: Floats, count: int = NEAREST) -> Floats:
         """Return the remembered shapes (m, k, n, 3) nearest to targets (m, t, 15); k is 0 where there is no memory."""
         memory = self._memory
-        return np.empty((len(rows), 0, self._segments, 3)) if memory is None else memory.nearest_to(rows, count)
+        return np.empty((len(rows), 0, self._segments, 3)) if memory is None else memory._shapes.nearest(rows, count)
 
     def recalled(self, starts: Floats, answers: Floats) -> NDArray[np.bool_]:
         """Say of answers (m, 11 + 3 n) to calls from remembered shapes (m, k, n, 3) which began there.
@@ -210,13 +210,19 @@ class Strategy:
         repeats = np.zeros(len(answers), np.bool_)
         if self._memory is not None and len(rows):
             began = starts[rows, answers[rows, STARTS].astype(np.int64) - 1]
-            repeats[rows] = self._memory.alike(answers[rows, RECORD_WIDTH:].reshape(began.shape), began)
+            repeats[rows] = self._memory._shapes.alike(answers[rows, RECORD_WIDTH:].reshape(began.shape), began)
         return repeats
 
     def learn(self, found: Floats, starts: Floats | None = None) -> None:
-        """Keep solutions (m, n, 3) in the memory, if there is one, but none that is hardly different from its start."""
-        if self._memory is not None:
-            self._memory.learn(found if starts is None else found[~self._memory.alike(found, starts)])
+        """Keep solutions (m, n, 3) in the memory, if there is one, but none that is hardly different from its starts.
+
+        Starts: (m, k, n, 3).
+        """
+        if self._memory is None:
+            return
+        if starts is not None:
+            found = found[~self._memory._shapes.alike(found[:, None], starts).any(axis=1)]
+        self._memory._learn(found)
 
     def _remembered_batch(self, question: Question) -> Iterator[Batch]:
         count = REMEMBERED_SEVERAL if question.several else NEAREST

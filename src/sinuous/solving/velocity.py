@@ -201,7 +201,7 @@ class ControlLoop:
             kind, motion, rows = *read_twist(twist, seconds), NO_TARGETS
             targets: tuple[Target, ...] = ()
         else:
-            targets = (target,) if isinstance(target, Target) else target_list("target", target)
+            targets = target_list("target", target, self._robot)
             if observed is not None:
                 targets = tuple(corrected(self._robot, each, observed) for each in targets)
             kind, motion, rows = TARGETS, STILL, target_table(self._robot, targets)

@@ -5,6 +5,7 @@ from viser import ClientHandle
 from sinuous.motion.job import Job
 from sinuous.motion.motion import Motion
 from sinuous.solution.solution import Solution
+from sinuous.solving.memory import Memory
 from sinuous.viewer.panel import Action, Panel
 from sinuous.viewer.scenery import Scenery
 from sinuous.viewer.server import close_server, light, open_server
@@ -23,12 +24,19 @@ class Page(Session):
         0: any that is free.
     answer : Solution, Motion or None
         What was found before, to begin with.
+    memory : Memory, optional
+        Shapes to begin from; what is solved is added.
     """
 
     def __init__(
-        self, job: Job, host: str = "127.0.0.1", port: int = 0, answer: Solution | Motion | None = None
+        self,
+        job: Job,
+        host: str = "127.0.0.1",
+        port: int = 0,
+        answer: Solution | Motion | None = None,
+        memory: Memory | None = None,
     ) -> None:
-        super().__init__(job, answer)
+        super().__init__(job, answer, memory)
         self.server = open_server(host, port)
         self.server.on_client_connect(self._watch)
         self._build()

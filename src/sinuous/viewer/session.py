@@ -18,11 +18,12 @@ from sinuous.poses import pose
 from sinuous.scene.scene import Scene
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.solution import Solution
+from sinuous.solving.memory import Memory
 from sinuous.viewer.edits import is_quick
 from sinuous.viewer.history import History
 from sinuous.viewer.model import Model, Moment, pace
 from sinuous.viewer.saving import loaded
-from sinuous.viewer.solvers import QUICK, Question, Solvers
+from sinuous.viewer.solvers import QUICK, Question, Solvers, serving
 from sinuous.viewer.workers import Worker
 
 PATIENCE = 0.15
@@ -51,6 +52,8 @@ class Session(ABC):
     job : Job
     answer : Solution, Motion or None
         What was found before, to begin with.
+    memory : Memory, optional
+        Shapes to begin from; what is solved is added.
 
     Attributes
     ----------
@@ -75,7 +78,7 @@ class Session(ABC):
         Called with the number of every state of the model as soon as it has a shape.
     """
 
-    def __init__(self, job: Job, answer: Solution | Motion | None = None) -> None:
+    def __init__(self, job: Job, answer: Solution | Motion | None = None, memory: Memory | None = None) -> None:
         self.model = Model(job)
         if isinstance(answer, Motion):
             self.model.show_motion(answer)
@@ -93,7 +96,9 @@ class Session(ABC):
         self.answered: Callable[[int], object] = lambda number: None
         self._refused, self._asked, self._busy, self._refreshed = "", -1, False, 0.0
         self._stopping = threading.Event()
-        self._quick, self._thorough, self._second = Solvers(routes=False), Solvers(routes=True), Solvers(routes=True)
+        self._memory = memory
+        self._quick = Solvers(routes=False, memory=memory)
+        self._thorough, self._second = Solvers(routes=True, memory=memory), Solvers(routes=True)
         self._solving = Worker("solving", self._failed)
         self._solving_beside = Worker("solving-beside", self._failed)
         self._background = Worker("background", self._failed)
@@ -297,10 +302,12 @@ class Session(ABC):
         number, job, own, begin = self.model.number, self.model.job, self.model.settings, self.model.begin
 
         def run() -> None:
+            memory = serving(self._memory, job.robot)
             if job.is_path:
-                motion = job.track(method=own.method, seed=own.seed, time=own.time)
+                motion = job.track(method=own.method, seed=own.seed, time=own.time, memory=memory)
             else:
-                motion = job.plan(method=own.method, seed=own.seed, time=max(own.time, TIME), begin=begin)
+                seconds = max(own.time, TIME)
+                motion = job.plan(method=own.method, seed=own.seed, time=seconds, begin=begin, memory=memory)
             self.do("motion", partial(self._show_motion, number, motion))
 
         self._background.post("move", run)

@@ -9,9 +9,11 @@ from sinuous.checks import Floats
 from sinuous.errors import SuspiciousInput
 from sinuous.motion.job import Job
 from sinuous.problem.target import Target
+from sinuous.robot.robot import Robot
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
+from sinuous.solving.memory import Memory
 from sinuous.solving.options import TIME, SolveOptions
 from sinuous.solving.solver import Solver
 
@@ -64,6 +66,11 @@ class Question:
     number: int
 
 
+def serving(memory: Memory | None, robot: Robot) -> Memory | None:
+    """Return a memory as long as it is of this robot: people change robots."""
+    return memory if memory is not None and memory.serves(robot) else None
+
+
 class Solvers:
     """Answers questions, one after the other, in one thread.
 
@@ -71,10 +78,12 @@ class Solvers:
     ----------
     routes : bool
         Whether to search for routes where the first starts fail.
+    memory : Memory, optional
+        Shapes to begin from, as long as the robot is theirs; what is solved is added.
     """
 
-    def __init__(self, routes: bool) -> None:
-        self._routes = routes
+    def __init__(self, routes: bool, memory: Memory | None = None) -> None:
+        self._routes, self._memory = routes, memory
         self._known: tuple[Any, ...] | None = None
         self._solver: Solver | None = None
 
@@ -97,6 +106,7 @@ class Solvers:
                 time=own.time,
                 seed=own.seed,
                 routes=self._routes,
+                memory=serving(self._memory, job.robot),
             )
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", SuspiciousInput)  # the notes of the page say it

@@ -19,10 +19,11 @@ from sinuous.scene.scene import SceneLike, as_scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.between.loaded import Ways
 from sinuous.solving.many import read_workers
+from sinuous.solving.memory import only_reading
 from sinuous.solving.options import SolveArguments, refuse_unknown
 from sinuous.solving.solver import Solver
 from sinuous.statics.equilibrium import longest_body
-from sinuous.workspace.grid import Voxels, directions_of
+from sinuous.workspace.grid import Voxels, directions_of, reach_of
 from sinuous.workspace.reach import Reach
 from sinuous.workspace.rounds import TOGETHER, Answers, Calls, Rounds, neighbours_of
 from sinuous.workspace.verdicts import Codes, Verdict
@@ -110,6 +111,7 @@ def reach(
     out = None if out is None else Path(out)
     voxels = Voxels.about(robot, spacing, given.pop("low", None), given.pop("high", None))
     axes, place = directions_of(directions), as_scene(scene)
+    given = only_reading(given)
     free, solver = Solver(robot, None, **given), Solver(robot, place, **given)
     checkpoint = None if out is None else Checkpoint(out, _record(solver, voxels, axes), "this map")
     if checkpoint is not None:
@@ -134,6 +136,7 @@ def reach(
         obstacles=obstacles,
         names=tuple(work.scene.name(i) for i in range(len(work.scene))),
         base=np.array(robot.base[:3, 3]),
+        farthest=np.inf if robot.hangs else reach_of(robot),  # loads may stretch it
         seconds=clock.perf_counter() - began,
     )
     if out is not None and checkpoint is not None:

@@ -20,7 +20,7 @@ from sinuous.writing.documents import written
 
 Truths = NDArray[np.bool_]
 
-FORMAT = 1
+FORMAT = 2
 
 ARRAYS = "directions", "verdicts", "free", "obstacles", "base"
 """What a file of a map holds under the name of the attribute."""
@@ -61,6 +61,8 @@ class Reach(NotebookMixin, Frozen):
     names : tuple of str
         Of the obstacles.
     base : ndarray (3,)
+    farthest : float
+        Largest distance of the tip from the base.
     seconds : float
     """
 
@@ -71,6 +73,7 @@ class Reach(NotebookMixin, Frozen):
     obstacles: NDArray[np.int16]
     names: tuple[str, ...]
     base: Floats
+    farthest: float
     seconds: float
 
     def __init__(self, **parts: Any) -> None:
@@ -129,20 +132,29 @@ class Reach(NotebookMixin, Frozen):
     def why(self, point: Vector) -> dict[str, int]:
         """Count the directions at the voxel that holds a point (3,) by their verdicts, in the words of `Verdict`.
 
-        Where an obstacle takes most of them away it is named: `most in the way: ball`, and how many it takes.
+        What is farther from the base than the robot is long is out of reach, also outside the map.
+
+        Raises
+        ------
+        InputError
+            When it is outside the map, and not so far away.
+        """
+        place = checks.vector("point", point)
+        if np.linalg.norm(place - self.base) > self.farthest:
+            return {Verdict.OUT_OF_REACH.name.lower(): len(self.directions)}
+        counts = np.bincount(self.verdicts[self._index(place)], minlength=len(Verdict))
+        return {Verdict(code).name.lower(): int(count) for code, count in enumerate(counts) if count}
+
+    def in_the_way(self, point: Vector) -> str | None:
+        """Name of the obstacle that takes most directions away at the voxel that holds a point (3,), where one does.
 
         Raises
         ------
         InputError
             When it is outside the map.
         """
-        at = self._index(point)
-        counts = np.bincount(self.verdicts[at], minlength=len(Verdict))
-        told = {Verdict(code).name.lower(): int(count) for code, count in enumerate(counts) if count}
-        obstacle = int(self.obstacles[at])
-        if obstacle >= 0 and counts[Verdict.OBSTACLE]:
-            told[f"most in the way: {self.names[obstacle]}"] = int(counts[Verdict.OBSTACLE])
-        return told
+        number = int(self.obstacles[self._index(checks.vector("point", point))])
+        return self.names[number] if number >= 0 else None
 
     def blame(self) -> dict[str, int]:
         """In how many voxels each obstacle takes most directions away; the most harmful first."""
@@ -165,7 +177,7 @@ class Reach(NotebookMixin, Frozen):
             "codes": np.array([code.name.lower() for code in Verdict]),
         }
         with written(file), Path(file).open("wb") as out:
-            np.savez_compressed(out, reach=FORMAT, seconds=self.seconds, **own, **grid, **words)
+            np.savez_compressed(out, reach=FORMAT, farthest=self.farthest, seconds=self.seconds, **own, **grid, **words)
 
     @classmethod
     def load(cls, file: str | Path) -> "Reach":
@@ -184,7 +196,8 @@ class Reach(NotebookMixin, Frozen):
                 shape = own["verdicts"].shape[:3]
                 voxels = Voxels(data["first"], float(data["spacing"]), shape)
                 names = tuple(map(str, data["names"].tolist()))
-                return cls(voxels=voxels, names=names, seconds=float(data["seconds"]), **own)
+                numbers = {name: float(data[name]) for name in ("farthest", "seconds")}
+                return cls(voxels=voxels, names=names, **numbers, **own)
         except OSError as error:
             raise InputError("file", f"cannot be read: {error}", str(file), "a map of a workspace") from None
         except (ValueError, KeyError, EOFError) as error:
@@ -235,8 +248,7 @@ class Reach(NotebookMixin, Frozen):
         share: Floats = (codes == Verdict.SOLVED).mean(axis=-1)
         return share
 
-    def _index(self, point: Vector) -> tuple[int, int, int]:
-        place = checks.vector("point", point)
+    def _index(self, place: Floats) -> tuple[int, int, int]:
         x, y, z = np.rint((place - self.voxels.first) / self.voxels.spacing).astype(int).tolist()
         if not all(0 <= k < n for k, n in zip((x, y, z), self.voxels.shape, strict=True)):
             last = self.voxels.first + self.voxels.spacing * (np.array(self.voxels.shape) - 1)

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.paper import contest
 from benchmarks.paper.contest import BLOCK, Judge, Tally, follow_in_turns, judge_track, solve_in_turns
-from benchmarks.paper.entrants import FAITHFUL, Entrant, divide, entrants, gradients, roster
+from benchmarks.paper.entrants import ALONE, FAITHFUL, STEP, Entrant, divide, entrants, gradients, roster
 from benchmarks.paper.scenes import paper_pose, path_through
 from benchmarks.problems import ProblemSet, among_spheres, arm, reachable
 from sinuous.errors import InputError
@@ -123,7 +123,7 @@ def test_paths_are_followed_by_all_from_the_last_shape() -> None:
 
 def test_everyone_takes_part_where_their_capabilities_reach() -> None:
     everyone = entrants()
-    assert {entrant.label for entrant in everyone} == {*METHODS, FAITHFUL}
+    assert {entrant.label for entrant in everyone} == {*METHODS, FAITHFUL, STEP, ALONE}
     able, unable = divide(everyone, paper_pose("A", 1))
     assert unable == {}
     able, unable = divide(everyone, path_through(5, 3, np.random.default_rng(0), 12))

@@ -116,7 +116,11 @@ PIECES = (
             "kernels.between.tip.leave_line",
         ),
     ),
-    Piece("plans", 9, ("kernels.planning.query.plan", "kernels.planning.query.tighten")),
+    Piece(
+        "plans",
+        10,
+        ("kernels.planning.query.plan", "kernels.planning.query.tighten", "kernels.planning.walk.walk"),
+    ),
     Piece(
         "shapes under load",
         8,
@@ -147,6 +151,7 @@ PIECES = (
     Piece("the method slinki", 6, ("methods.slinki.search.search",), waits=True),
     Piece("the method fabrik_avoid", 6, ("methods.fabrik.avoiding.search",), waits=True),
     Piece("the method monte_carlo", 4, ("methods.monte_carlo.search",), waits=True),
+    Piece("the method learned", 4, ("methods.learned.search.search",), waits=True),
 )
 """All that is compiled, what most users need first."""
 

@@ -249,18 +249,23 @@ def add_contacts(scene: Scene | None, problem: Problem, desk: Desk, first: int, 
         middle = body_point(q, desk.frames, k, start + 0.5 * part)
         those, _ = near(scene, middle, 0.5 * length * part + radius + ahead, desk.near)
         for e in range(those):
-            i, before = desk.near[e], -1.0
+            i, before, ended, least = desk.near[e], -1, False, 0.0
             for piece in range(PIECES):
                 a, b = start + part * piece / PIECES, start + part * (piece + 1) / PIECES
                 reach = 0.5 * length * (b - a) + radius + ahead
                 if look_here(scene, i, body_point(q, desk.frames, k, 0.5 * (a + b)), reach, BOUND)[0] >= reach:
                     continue
                 s, d, g, p = closest_place(problem, body, i, (k, a, b), STRAIGHT, CLOSELY)
-                if d - radius > ahead or abs(s - before) < SAME:
+                if d - radius > ahead:
                     continue
+                if before >= 0 and before == piece - 1:  # of the border between two pieces the closer one tells more
+                    if s - a < SAME and least <= d:
+                        continue
+                    if ended and d <= least:
+                        at -= 1
                 if at == desk.rows.shape[0]:
                     return at, FULL
-                before = s
+                before, ended, least = piece, b - s < SAME, d
                 _begin(desk, at, CLEARANCE, k, i, 0, d - radius - keep)
                 _put_contact(problem, desk, at, k, s, p, g)
                 at += 1

@@ -32,19 +32,20 @@ SHARE = 0.1
 """Share of the time left that planning a path to be paced may take."""
 
 
-def find_path(query: Query, trees: RRTConnect | None = None) -> ProvedPath | None:
+def find_path(query: Query, trees: RRTConnect | None = None, turns: int | None = None) -> ProvedPath | None:
     """Let the planners take turns; `None` when the time is over, or none has anything left to try.
 
     Under load only a tree grows, whose edges are proved one by one.
 
     Each planner yields a path, or `None` where the other one may go on. `trees`: memory of this robot and scene, to
-    grow the first trees in.
+    grow the first trees in. `turns`: most turns of each; by default as many as the time allows.
     """
     if query.robot.hangs:
         return _under_load(query)
-    ends = Ends(query)
+    ends, taken = Ends(query), 0
     planners = [rrt_connect(query, ends, trees or RRTConnect(query.robot, query.scene)), retraction(query, ends)]
-    while planners:
+    while planners and taken != turns:
+        taken += 1
         for planner in tuple(planners):
             if query.deadline.left() <= 0.0:
                 return None

@@ -11,6 +11,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.motion.configurations import distances
 from sinuous.motion.timing import largest
+from sinuous.problem.target import Target
 from sinuous.robot.rates import Rates, Spread
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot
@@ -85,15 +86,23 @@ class Goals:
     Parameters
     ----------
     solver : Solver
-    first : Solution
-        A solved one: its problem has the targets.
+    targets : list of Target
+    solutions : list of Solution
+        Solved ones, of which there must be one when it is called.
     """
 
-    def __init__(self, solver: Solver, first: Solution) -> None:
-        once = replace(solver.options, max_starts=1, routes=False)
+    def __init__(self, solver: Solver, targets: list[Target], solutions: list[Solution]) -> None:
+        once = replace(solver.options, max_starts=1, routes=False, memory=None)
         self._solver = type(solver).prepared(solver.robot, solver.scene, once)
-        self._targets = list(first.problem.targets)
-        self.solutions = [first]
+        self._targets, self.solutions = targets, solutions
+
+    def near(self, q: Floats) -> Floats | None:
+        """Follow a configuration (n, 3) to one that meets the targets, which becomes a goal; `None` where it fails."""
+        solution = self._solver.solve(self._targets, q)
+        if not solution.solved:
+            return None
+        self.solutions.append(solution)
+        return solution.q
 
     def __call__(self, reached: Floats) -> Floats:
         """Return all goals (g, n, 3), after looking for more from some of what is reached (m, n, 3)."""

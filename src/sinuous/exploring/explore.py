@@ -1,0 +1,354 @@
+"""`explore`: a roadmap of one robot in one place (PRM, Kavraki et al. 1996), in rounds that workers share.
+
+What a round tries is drawn from the seed, its number, and what the rounds before it found. Positions anywhere are met
+by the solver; positions near the tip of a shape are met from there, and shapes are moved aside, both about tips where
+there are few (Hsu, Latombe & Motwani 1997); and ways are looked for between parts that no motion joins. Of every
+position anywhere it is noted, before its shape is kept, whether a shape was near, and whether one motion joins it: so
+the share that is covered is one of positions that the roadmap was not made of.
+"""
+
+import json
+import math
+import time as clock
+from typing import Any, Unpack
+
+import numpy as np
+
+from sinuous import checks
+from sinuous.arguments import Batch, Number, Truth, Whole
+from sinuous.batch.checkpoint import hash_of
+from sinuous.batch.dispatch import Dispatcher, closing_engine
+from sinuous.batch.tables.layout import Block
+from sinuous.batch.work import Task as Chunk
+from sinuous.checks import Floats
+from sinuous.errors import InputError, UnfinishedError, warn_of
+from sinuous.exploring.exploration import Exploration
+from sinuous.exploring.explorer import Explorer, Kind
+from sinuous.motion.configurations import lever_metric, violated_by
+from sinuous.problem.problem import check_sizes
+from sinuous.problem.suspicions import suspicions
+from sinuous.progress import ProgressBar
+from sinuous.robot.robot import Robot
+from sinuous.scene.scene import Scene, SceneLike, as_scene
+from sinuous.solving.many import read_workers
+from sinuous.solving.memory import Explored, Memory
+from sinuous.solving.options import SolveArguments, SolveOptions, refuse_unknown
+from sinuous.solving.shapes import Graph
+from sinuous.solving.shapes import Whole as Numbers
+from sinuous.workspace.grid import reach_of
+
+TIME = 60.0
+"""Seconds, by default."""
+
+STARTS = 24
+"""Most starts of a position anywhere, by default."""
+
+ROUND, TOGETHER = 128, 8
+"""Tasks of a round, and those of a chunk."""
+
+EVEN, JOINS = 24, 8
+"""Of these the positions anywhere, and the most that join parts; half of the others are beside shapes, half aside."""
+
+ACROSS = 20
+"""Spacings from the base to the farthest place, where none is given."""
+
+NEAREST, FARTHEST = 0.05, 2.0
+"""How far a position beside a shape is away from its tip at most, in spacings: each order of magnitude as often."""
+
+NEAR = 16
+"""Shapes nearby that a task is told."""
+
+TESTS = 400
+"""Positions anywhere that are kept count of."""
+
+PAIRS = 64
+"""Motions that are proved again together."""
+
+OWN: dict[str, Any] = {
+    "starts": None,
+    "rounds": None,
+    "spacing": None,
+    "engine": "threads",
+    "workers": None,
+    "progress": False,
+}
+"""Options that no solve has, and their defaults."""
+
+
+class ExploreArguments(SolveArguments, total=False):
+    """Options of `explore` as keyword arguments."""
+
+    starts: Batch | None
+    rounds: Whole | None
+    spacing: Number | None
+    engine: object
+    workers: Whole | None
+    progress: Truth
+
+
+def explore(robot: Robot, scene: SceneLike | None = None, **options: Unpack[ExploreArguments]) -> Exploration:
+    """Fill a memory ahead: shapes of a robot in a place that stays, and proved motions between them.
+
+    Solves with this memory begin from these shapes, and `plan` walks along the motions. It is done in rounds, and what
+    a round found is in the memory when it ends: after an interrupt, the same call with the memory goes on. Rounds are
+    the same for a seed, whatever the number of workers. Where the memory was filled in another scene, all of it is
+    proved again first, and what is not clear any more is forgotten.
+
+    Parameters
+    ----------
+    robot : Robot
+    scene : Scene or list of obstacles, optional
+        In which nothing moves.
+    time : float
+        Seconds, by default 60; the round that is under way is finished.
+    memory : Memory, optional
+        To be filled; by default a new one. Shapes that it holds are joined, too.
+    starts : array_like (n, 3) or (m, n, 3), optional
+        Shapes to be joined first, like the one in which the robot waits; by default straight, where that is clear.
+    rounds : int, optional
+        Most rounds; by default as many as the time allows. With enough time, as many give the same memory, in one call
+        or in several.
+    spacing : float, optional
+        How near the tip of a shape has to be to a position that it covers; by default a 20th of the robot's reach.
+    engine : str, executor or Dask client
+        As for `solve_batch`.
+    workers : int, optional
+        By default one a core.
+    progress : bool
+        Whether to show on a terminal how many of the seconds are over.
+    **options
+        As for `Solver`, of positions anywhere: by default `max_starts` is 24.
+
+    Returns
+    -------
+    Exploration
+        What there is now; its `memory` is the one that was filled.
+
+    Raises
+    ------
+    InputError
+        When an argument is not what it should be.
+    UnfinishedError
+        When a worker fails again and again.
+    """
+    began = clock.perf_counter()
+    if not isinstance(robot, Robot):
+        raise InputError("robot", "", robot, "a Robot")
+    given: dict[str, Any] = {"time": TIME, "max_starts": STARTS, **options}
+    refuse_unknown(given, ExploreArguments)
+    own = {key: given.pop(key, default) for key, default in OWN.items()}
+    place, seconds = as_scene(scene), checks.number("time", given.pop("time"), low=0.0)
+    memory = given.pop("memory", None)
+    chosen = SolveOptions.of(given)
+    most = math.inf if own["rounds"] is None else checks.integer("rounds", own["rounds"], 0, 2**31 - 1)
+    near = reach_of(robot) / ACROSS
+    if own["spacing"] is not None:
+        near = checks.number("spacing", own["spacing"], above=0.0)
+    kept = Memory(robot) if memory is None else memory
+    if not isinstance(kept, Memory):
+        raise InputError("memory", "", memory, "a Memory")
+    kept.check(robot)
+    if robot.hangs:
+        raise InputError("gravity", "is not known to motions of a memory", robot.gravity, "none for explore")
+    snapshot = place.snapshot()
+    if snapshot.moves:
+        name = place.name(next(iter(snapshot.courses)))
+        raise InputError("scene", f"{name} moves", name, "obstacles that stand still")
+    check_sizes(robot, place)
+    warn_of(suspicions(robot, snapshot))
+    wanted = _starts(chosen.demanded_of(robot), own["starts"])
+    explorer = Explorer(chosen.demanded_of(robot), Scene.of(snapshot), chosen)
+    count = read_workers(own["workers"])
+    with (
+        closing_engine(own["engine"], explorer, count) as ready,
+        ProgressBar(math.ceil(seconds) if checks.truth("progress", own["progress"]) else 0) as bar,
+    ):
+        run = _Run(explorer, kept, near, ready)
+        run.prepare(wanted, chosen.seed)
+        shown, done = 0, 0
+        while done < most and clock.perf_counter() - began < seconds and run.round():
+            done += 1
+            passed = min(math.ceil(seconds), int(clock.perf_counter() - began))
+            bar.advance(passed - shown)
+            shown = passed
+    return Exploration(kept, near, run.full, clock.perf_counter() - began)
+
+
+def _starts(robot: Robot, given: Batch | None) -> Floats:
+    """Shapes (m, n, 3) to be joined first."""
+    if given is None:
+        lengths = [0.5 * sum(segment.length) for segment in robot.segments]
+        straight = np.array([[(0.0, 0.0, length) for length in lengths]])
+        return straight if violated_by(robot, straight[0]) is None else straight[:0]
+    shapes = robot.configuration("starts", given).reshape(-1, len(robot), 3)
+    for i, q in enumerate(shapes):
+        violated = violated_by(robot, q)
+        if violated is not None:
+            raise InputError(f"starts[{i}]", str(violated), q.tolist(), "a configuration within all limits")
+    return shapes
+
+
+class _Run:
+    """Rounds of one exploration.
+
+    Attributes
+    ----------
+    full : bool
+        Whether there was no room for what was found.
+    """
+
+    def __init__(self, explorer: Explorer, memory: Memory, spacing: float, engine: Any) -> None:
+        self._explorer, self._memory, self._spacing, self._engine = explorer, memory, spacing, engine
+        self._robot, self._reach = explorer.robot, reach_of(explorer.robot)
+        self.full = False
+
+    def prepare(self, starts: Floats, seed: int) -> None:
+        """Prove again what was proved in another scene, and keep the shapes to be joined first."""
+        scene = self._explorer.scene.snapshot()
+        robot = json.dumps(self._robot.to_dict(), sort_keys=True).encode()
+        name = hash_of(scene.group.tobytes(), robot)
+        shapes, known = self._memory._shapes, self._memory._explored
+        if known is None or known.scene != name:
+            graph = shapes.everything
+            still = self._clear(np.stack([graph.q, graph.q], axis=1))
+            shapes.keep(still, self._clear(graph.q[graph.edges]))
+            known = Explored(name, seed, 0, [])
+        self._memory._explored = known._replace(seed=seed)
+        fresh = starts[shapes.is_new(starts)]
+        shapes.add(fresh[self._clear(np.stack([fresh, fresh], axis=1))])
+
+    def round(self) -> bool:
+        """Do one round; say whether there was room for what it found."""
+        known = self._memory._explored
+        assert known is not None
+        graph = self._memory._shapes.everything
+        tasks = _Draws(self._robot, graph, self._reach, self._spacing, [known.seed, known.rounds]).tasks()
+        chunks = [_slice(tasks, at) for at in range(0, len(tasks["kind"]), TOGETHER)]
+        blocks = self._done(chunks)
+        tests = [*known.tests, *self._tests(graph, tasks, blocks)][-TESTS:]
+        for block in blocks:
+            self._keep(block)
+        self._memory._explored = known._replace(rounds=known.rounds + 1, tests=tests)
+        return not self.full
+
+    def _keep(self, block: Block) -> None:
+        """Keep what a chunk found; its own numbers, from -1 down, go on from those that are kept."""
+        shapes = self._memory._shapes
+        edges = np.where(block["edges"] < 0, len(shapes) - 1 - block["edges"], block["edges"])
+        self.full |= shapes.add(block["q"], edges) < len(block["q"])
+
+    def _tests(self, graph: Graph, tasks: Block, blocks: list[Block]) -> list[tuple[int, int]]:
+        """Say of positions anywhere that were met whether they were covered before, and joined by one motion."""
+        own = np.concatenate([block["own"] for block in blocks])
+        largest = graph.parts == 0
+        found = []
+        for i in np.flatnonzero((tasks["kind"] == Kind.EVEN) & (own < 0)).tolist():
+            edges = blocks[i // TOGETHER]["edges"]
+            ends = edges[edges[:, 0] == own[i], 1]
+            apart = np.linalg.norm(graph.tips[largest] - tasks["target"][i], axis=1)
+            found.append((int(apart.min(initial=np.inf) <= self._spacing), int(largest[ends[ends >= 0]].any())))
+        return found
+
+    def _clear(self, pairs: Floats) -> Any:
+        """Say of pairs (m, 2, n, 3) of shapes between which the motion is proved clear."""
+        chunks: list[Block] = [{"pairs": pairs[at : at + PAIRS]} for at in range(0, len(pairs), PAIRS)]
+        return np.concatenate([np.empty(0, np.bool_), *(block["clear"] for block in self._done(chunks))])
+
+    def _done(self, chunks: list[Block]) -> list[Block]:
+        """Have chunks done by the workers."""
+        found: dict[int, Block] = {}
+
+        def keep(chunk: Chunk, block: Block) -> None:
+            found[chunk.number] = block
+
+        dispatcher = Dispatcher(self._engine, (Chunk(i, i, raw) for i, raw in enumerate(chunks)), keep)
+        dispatcher.run()
+        if dispatcher.failed:
+            raise UnfinishedError(f"a part of the place could not be explored: {dispatcher.failed[0].why}")
+        return [found[i] for i in range(len(chunks))]
+
+
+def _slice(tasks: Block, at: int) -> Block:
+    return {name: values[at : at + TOGETHER] for name, values in tasks.items()}
+
+
+class _Draws:
+    """Draws the tasks of one round."""
+
+    def __init__(self, robot: Robot, graph: Graph, reach: float, spacing: float, seeds: list[int]) -> None:
+        self._robot, self._graph, self._reach, self._spacing = robot, graph, reach, spacing
+        self._rng = np.random.default_rng(seeds)
+
+    def tasks(self) -> Block:
+        """Return what the tasks are: arrays with one row a task."""
+        n, count, rng = len(self._robot), len(self._graph), self._rng
+        kinds = np.full(ROUND if count else EVEN, Kind.EVEN)
+        if count:
+            others = np.resize([Kind.BESIDE, Kind.ASIDE], ROUND - EVEN)
+            joins = min(JOINS, int(self._graph.parts.max()))
+            others[:joins] = Kind.JOIN
+            kinds = np.concatenate([kinds[:EVEN], others])
+        begins = self._where_few(len(kinds)) if count else np.full(len(kinds), -1)
+        joining = np.flatnonzero(kinds == Kind.JOIN)
+        begins[joining] = self._of_others(len(joining))
+        targets = self._anywhere(len(kinds))
+        beside = np.flatnonzero(kinds == Kind.BESIDE)
+        far = self._spacing * np.exp(rng.uniform(np.log(NEAREST), np.log(FARTHEST), (len(beside), 1)))
+        targets[beside] = self._graph.tips[begins[beside]] + far * _in_ball(rng, len(beside))
+        near = self._near(kinds, begins, targets)
+        return {
+            "kind": kinds,
+            "seed": rng.integers(0, 2**31 - 1, len(kinds)),
+            "target": targets,
+            "own": begins,
+            "begin": self._graph.q[begins] if count else np.zeros((len(kinds), n, 3)),
+            "numbers": near,
+            "near": self._graph.q[near] if count else np.zeros((len(kinds), 0, n, 3)),
+        }
+
+    def _anywhere(self, count: int) -> Floats:
+        """Positions (count, 3) drawn evenly in the ball of the reach."""
+        found: Floats = self._robot.base[:3, 3] + self._reach * _in_ball(self._rng, count)
+        return found
+
+    def _where_few(self, count: int) -> Numbers:
+        """Numbers (count,) of shapes: every cell with a tip is as likely."""
+        cells = np.floor(self._graph.tips / self._spacing).astype(np.int64)
+        _, which, sizes = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+        weights = 1.0 / sizes[which.ravel()]
+        found: Numbers = self._rng.choice(len(cells), count, p=weights / weights.sum())
+        return found
+
+    def _of_others(self, count: int) -> Numbers:
+        """Numbers (count,) of shapes: every part but the largest is as likely."""
+        if not count:
+            return np.empty(0, np.int64)
+        others = np.flatnonzero(self._graph.parts > 0)
+        weights = 1.0 / np.bincount(self._graph.parts)[self._graph.parts[others]]
+        found: Numbers = self._rng.choice(others, count, p=weights / weights.sum())
+        return found
+
+    def _near(self, kinds: Numbers, begins: Numbers, targets: Floats) -> Numbers:
+        """Numbers (t, k) of the shapes nearby that tasks are told; -1: there are no more."""
+        graph = self._graph
+        found = np.full((len(kinds), min(NEAR, len(graph))), -1, np.int64)
+        if not found.size:
+            return found
+        from scipy.spatial import cKDTree  # noqa: PLC0415
+
+        places = np.where((kinds == Kind.ASIDE)[:, None], graph.tips[begins], targets)
+        found[:] = cKDTree(graph.tips).query(places, found.shape[1])[1].reshape(found.shape)
+        nodes = (graph.q * lever_metric(self._robot)).reshape(len(graph), 3 * len(self._robot))
+        for i in np.flatnonzero(kinds == Kind.JOIN).tolist():
+            others = np.flatnonzero(graph.parts != graph.parts[begins[i]])
+            apart = np.linalg.norm(nodes[others] - nodes[begins[i]], axis=1)
+            nearest = others[np.argsort(apart, kind="stable")[: found.shape[1]]]
+            found[i, : len(nearest)], found[i, len(nearest) :] = nearest, -1
+        return found
+
+
+def _in_ball(rng: np.random.Generator, count: int) -> Floats:
+    """Points (count, 3) drawn evenly in the unit ball."""
+    aside = rng.normal(size=(count, 3))
+    found: Floats = aside / np.linalg.norm(aside, axis=1, keepdims=True) * rng.random((count, 1)) ** (1.0 / 3.0)
+    return found

@@ -1,4 +1,4 @@
-"""What exploring brings to plans: `python -m benchmarks.clutter.explored [--piece FAMILY] [--count N] [--time S]`.
+"""What exploring brings to plans: `python -m benchmarks.clutter.explored [--piece FAMILY] [--count N] [--rounds N]`.
 
 The robot waits straight, or, where that is not clear, in a shape that reaches a place away from the hidden tip. One
 place of each family is solved once with a memory, and explored from there and from where the robot waits. Then ways are
@@ -40,6 +40,9 @@ WITHOUT = 5
 SECONDS = 5.0
 """Budget of a plan."""
 
+PATIENCE = 3600.0
+"""Seconds of exploring, whatever the rounds."""
+
 
 class Row(NamedTuple):
     """What plans in one place came to.
@@ -70,7 +73,7 @@ class Row(NamedTuple):
     solved_without: str
 
 
-def measured(family: str, seed: int, count: int, seconds: float) -> Row | None:
+def measured(family: str, seed: int, count: int, rounds: int) -> Row | None:
     """Explore one place, and plan in it; `None` where no shape is found in which the robot could wait."""
     place = make(family, seed)
     planner = Planner(place.robot, place.scene, time=SECONDS, tolerance=place.tolerance)
@@ -81,7 +84,7 @@ def measured(family: str, seed: int, count: int, seconds: float) -> Row | None:
         return None
     memory = Memory(place.robot)
     Solver(place.robot, place.scene, memory=memory, tolerance=place.tolerance).solve(place.targets)
-    found = explore(place.robot, place.scene, time=seconds, memory=memory, starts=start, workers=1)
+    found = explore(place.robot, place.scene, time=PATIENCE, rounds=rounds, memory=memory, starts=start, workers=1)
     walker = Planner(place.robot, place.scene, memory=memory.reading(), time=SECONDS, tolerance=place.tolerance)
     parts = memory._shapes.everything.parts
     there = memory._shapes.everything.near_shapes(np.stack([start, memory.q[0]]), 1)[:, 0]
@@ -131,15 +134,15 @@ def run(
     piece: Pieces = None,
     seed: Annotated[int, typer.Option(help="Of the place of each family.")] = 0,
     count: Annotated[int, typer.Option(help="Targets in each place.")] = 50,
-    time: Annotated[float, typer.Option(metavar="SECONDS", help="Of exploring each place.")] = 60.0,
+    rounds: Annotated[int, typer.Option(help="Of exploring each place.")] = 50,
     alone: Alone = False,
 ) -> None:
     """Print what exploring brings to plans, by family of places."""
     checks.integer("--seed", seed, 0, 2**31 - 1)
     checks.integer("--count", count, 2, 10_000)
-    checks.number("--time", time, above=0.0)
+    checks.integer("--rounds", rounds, 1, 100_000)
     ignore_suspicions()
-    work = partial(measured, seed=seed, count=count, seconds=time)
+    work = partial(measured, seed=seed, count=count, rounds=rounds)
     rows = [row for row in in_processes(work, families_of(piece), alone=alone) if row is not None]
     typer.echo("\n".join(table(rows)))
     raise typer.Exit(int(any(row.wrong for row in rows)))

@@ -132,7 +132,7 @@ def _verdict(problem: ProblemFile, start: Verification) -> str:
     For a motion it is enough to be clear, and a file does not say whether one is wanted.
     """
     seen = (
-        f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g}, from itself "
+        f"outside its limits by {start.excess:.3g}, clearance {start.clearance:.3g}, self-clearance "
         f"{start.self_clearance:.3g}{_where(start)} (sampled)"
     )
     if problem.goal is not None:

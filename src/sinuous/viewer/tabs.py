@@ -331,7 +331,7 @@ def solve_tab(session: Session, fields: Fields) -> None:
 
     hint = "A second method, shown beside the first."
     fields.choice("method", names, lambda: model.settings.method, partial(put, "method"))
-    fields.choice("beside it", (NONE, *names), lambda: model.settings.beside or NONE, beside, hint)
+    fields.choice("second method", (NONE, *names), lambda: model.settings.beside or NONE, beside, hint)
     fields.number(
         "seed", lambda: model.settings.seed, lambda value: put("seed", int(value)), min=0, max=2**31 - 1, step=1
     )

@@ -65,7 +65,7 @@ AFTER_EDGES = 14
 doors, cells)."""
 
 PRICE_FINE = 8
-"""Price of the first search over fine cells, or over cells between."""
+"""Price of the first search over fine cells."""
 
 PRICE_ALTERNATIVES = 20
 """Price of the search over coarse cells for routes that differ."""
@@ -74,16 +74,13 @@ PRICE_MANY = 110
 """Price of the search over many fine cells, after one for alternatives."""
 
 PRICE_EXACT = 220
-"""Price of searches with exact distances."""
+"""Price of the search with exact distances."""
 
 LAST = 440
 """Price of what comes after all searches."""
 
 ALTERNATIVES = 4
 """Routes that differ, of a search for more than one."""
-
-BETWEEN = 3.0
-"""Edge of the coarse cells, in edges of the fine ones, from which on cells of twice the finest come between them."""
 
 GROWN_COST = 1.0
 """Cost of growing chains along a route from both ends, for each that beams keep (pipes, ducts, cells, halls). Beams
@@ -286,8 +283,7 @@ class RouteAttempts:
     ) -> None:
         self._attempts, self._searches, self._question = attempts, searches, question
         self._plans = plans_of(searches)
-        between = next((plan for _, plan in self._plans if plan.between), None)
-        self._candidates = Candidates(searches, question, query, between, attempts.without)
+        self._candidates = Candidates(searches, question, query, attempts.without)
         self._passes = 0
         if passages is not None:
             self._add_passage(passages(question, query), frozenset(), 0)
@@ -411,14 +407,11 @@ def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
     if coarse.cell > fine.cell:
         first.append((AT_ONCE, coarse))
         second.append((PRICE_ALTERNATIVES, coarse._replace(routes=ALTERNATIVES)))
-    if coarse.cell > BETWEEN * fine.cell:
-        first.append((PRICE_FINE, searches.coarser(coarse._replace(cell=fine.cell, between=True))))
     fine = fine._replace(prove=searches.proves)
     return [
         *first,
         (PRICE_FINE if first else AT_ONCE, fine),
         *second,
         (PRICE_MANY if second else PRICE_ALTERNATIVES, fine._replace(cells=many, routes=ALTERNATIVES)),
-        (PRICE_EXACT, fine._replace(cells=many, exact=True)),
         (PRICE_EXACT, fine._replace(cells=most, routes=ALTERNATIVES, exact=True)),
     ]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, FRAME, LAST, PARENT, ROOM
+from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, DISTANCE, FRAME, LAST, PARENT
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
@@ -199,4 +199,4 @@ def test_chains_stop_in_the_open() -> None:
     assert (counts[4:] == 0).all()
     room = [problem.scene.distance(levels[k, : counts[k], FRAME + 9 : FRAME + 12]) / RADIUS for k in range(4)]
     assert max(max(own) for own in room[:3]) < 3.5 <= max(room[3])
-    np.testing.assert_allclose(np.minimum(levels[3, : counts[3], ROOM], 3.5), np.minimum(room[3], 3.5), rtol=1e-6)
+    np.testing.assert_allclose(np.minimum(levels[3, : counts[3], DISTANCE], 3.5), np.minimum(room[3], 3.5), rtol=1e-6)

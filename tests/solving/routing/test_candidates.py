@@ -5,7 +5,7 @@ import pytest
 
 from sinuous import Robot, Scene, Sphere, Target, Tolerance
 from sinuous.checks import Floats
-from sinuous.kernels.tables import FOUND, FULL, QUERY_AXIS
+from sinuous.kernels.tables import FULL, QUERY_AXIS
 from sinuous.problem.problem import Problem
 from sinuous.solving.attempts import ATTEMPTS
 from sinuous.solving.routing.candidates import ALIKE, Candidates
@@ -54,23 +54,6 @@ def test_a_table_that_is_too_small_is_made_larger_before_anything_else(monkeypat
     only_cells(searches, question)
     assert [plan.cells for plan in plans[:2]] == list(CELLS[:-1])
     assert len({plan.cell for plan in plans[:2]}) == 1
-
-
-def test_a_full_table_of_fine_cells_is_followed_by_cells_between(monkeypatch: pytest.MonkeyPatch) -> None:
-    searches, question, _ = asked(robot=Robot.uniform(5, length=(0.8, 1.2), max_bend=2.4, radius=0.05))
-    plans: list[Plan] = []
-    through = np.linspace((0.0, 0.0, 0.0), (0.0, 0.0, 4.4), 40)
-
-    def found(self: Searches, problem: Problem, query: Floats, plan: Plan, seconds: float) -> Found:
-        plans.append(plan)
-        return Found([through.copy()], FOUND, 10) if len(plans) == 1 else Found([], FULL, 10)
-
-    monkeypatch.setattr(Searches, "find", found)
-    monkeypatch.setattr(Searches, "by_edges", lambda *_: None)
-    only_cells(searches, question)
-    coarse, fine = searches.coarse.cell, searches.fine.cell
-    assert [plan.cell for plan in plans[:4]] == [coarse, fine, 2.0 * fine, fine]
-    assert [plan.cells for plan in plans[:4]] == [*3 * [CELLS[0]], CELLS[1]]
 
 
 def test_a_leg_is_looked_for_around_edges_in_any_direction_before_over_cells(monkeypatch: pytest.MonkeyPatch) -> None:

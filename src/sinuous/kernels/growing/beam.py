@@ -20,7 +20,7 @@ from sinuous.kernels.maths import heap
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, Mat, Vec
 
-FRAME, LAST, BEFORE, PARENT, LENGTH, COST, SCORE, SEEN, CHILDREN, ROOM = 0, 12, 15, 18, 19, 20, 21, 22, 23, 24
+FRAME, LAST, BEFORE, PARENT, LENGTH, COST, SCORE, SEEN, CHILDREN, DISTANCE = 0, 12, 15, 18, 19, 20, 21, 22, 23, 24
 CHAIN_WIDTH = 25
 """Columns of a chain, and how many numbers it has."""
 

@@ -17,13 +17,13 @@ from sinuous.kernels.growing.arcs import ARCS, Start, count_of, end_of, start_of
 from sinuous.kernels.growing.beam import (
     BEFORE,
     COST,
+    DISTANCE,
     FINE,
     FRAME,
     LAST,
     LENGTH,
     NEARLY,
     PARENT,
-    ROOM,
     SCORE,
     SEEN,
     Beam,
@@ -160,15 +160,15 @@ def _make(problem: Problem, leg: Leg, beam: Beam, k: int, size: int) -> int:
 
 
 @kernel
-def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, room: float) -> bool:
+def _in_the_open(problem: Problem, beam: Beam, k: int, count: int, open_from: float) -> bool:
     """Whether one of the `count` chains of `k` segments ends so far from the obstacles, in radii; notes how far."""
     level, found = beam.levels[k], False
     n = problem.limits.shape[0]
     radius = max(thickness(problem, max(0, k - 1)), thickness(problem, min(k, n - 1)))
     for i in range(count):
-        d, _ = closest(problem.scene, frame(level, i)[1], room * radius, STEP)
-        level[i, ROOM] = d / radius
-        found = found or level[i, ROOM] >= room
+        d, _ = closest(problem.scene, frame(level, i)[1], open_from * radius, STEP)
+        level[i, DISTANCE] = d / radius
+        found = found or level[i, DISTANCE] >= open_from
     return found
 
 
@@ -180,7 +180,7 @@ def grow_chains(
     targets: Array,
     legs: Array,
     roots: Array,
-    room: float,
+    open_from: float,
     seconds: float,
     workspace: Array,
     levels: Array,
@@ -199,7 +199,7 @@ def grow_chains(
         has a position, from there to the next one, and so on, in the order of their segments.
     roots : ndarray (r, 12)
         Poses that chains may begin with: at most as many as are kept.
-    room : float
+    open_from : float
         How far from the obstacles the open is, in radii of the body; inf: nowhere.
     seconds : float
         Budget.
@@ -228,7 +228,7 @@ def grow_chains(
         for i in range(counts[k]):
             levels[k, i, SEEN] = max(0, sighted(problem.scene, leg.guide, frame(levels[k], i)[1], 0))
         while k <= leg.last and counts[k] > 0:
-            if room < math.inf and _in_the_open(problem, beam, k, counts[k], room):
+            if open_from < math.inf and _in_the_open(problem, beam, k, counts[k], open_from):
                 return True
             made = _make(problem, leg, beam, k, _promise(problem, leg, beam, k, counts[k]))
             k += 1

@@ -76,8 +76,6 @@ class Candidates:
     question : Question
     query : ndarray (28,)
         What routes have to keep.
-    between : Plan, optional
-        Search that comes, once, where the table of another one is too small.
     without : collection of str
         Attempts that are switched off.
 
@@ -94,7 +92,6 @@ class Candidates:
         searches: Searches,
         question: Question,
         query: Floats,
-        between: Plan | None = None,
         without: Collection[str] = (),
     ) -> None:
         self.searches, self.question, self.query = searches, question, query
@@ -106,7 +103,6 @@ class Candidates:
         self._chains: dict[int, Chains] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
-        self._between = between
         self._too_few: dict[float, int] = {}
         self._told: dict[tuple[float, bool], int] = {}
         self._tried: set[bytes] = set()
@@ -143,10 +139,9 @@ class Candidates:
         return self.searches.find(self._problem, self.query, plan, max(0.0, self._deadline()))
 
     def over_enough_cells(self, plan: Plan) -> tuple[Plan, Found]:
-        """Search as a plan says; where its table is too small for a first route, with others at once.
+        """Search as a plan says; where its table is too small for a first route, with larger ones at once.
 
-        These are the plan between coarse and fine cells, once, and then the next larger tables. Returns the last plan,
-        and what it found, with the cells of all of them.
+        Returns the last plan, and what it found, with the cells of all of them.
         """
         cells = 0
         while True:
@@ -157,24 +152,17 @@ class Candidates:
             self._too_few[plan.cell] = plan.cells
             if any(self.clear(candidate) for candidate in self.known):
                 return plan, found._replace(cells=cells)
-            between, self._between = self._between, None
-            if between is not None and between.cell > plan.cell:
-                other = self.over_cells(between)
-                cells += other.cells
-                if other.routes:
-                    return between, other._replace(cells=cells)
             larger = [size for size in CELLS[:-1] if size > plan.cells]
             if not larger:
                 return plan, found._replace(cells=cells)
             plan = plan._replace(cells=larger[0])
 
     def pointless(self, plan: Plan) -> bool:
-        """Whether a search is known to be of no use: its table is too small, or it stands in for a route."""
-        return plan.cells <= self._too_few.get(plan.cell, 0) or (plan.between and len(self.known) > 0)
+        """Whether a search is known to be of no use: its table is too small."""
+        return plan.cells <= self._too_few.get(plan.cell, 0)
 
     def over_cells_once(self, plan: Plan) -> tuple[Plan, Found]:
         """Search as a plan says, see `over_enough_cells`; without the routes that the same cells gave before."""
-        self._between = None if plan.between else self._between
         last, found = self.over_enough_cells(plan)
         told = self._told.get((last.cell, last.exact), 0)
         self._told[last.cell, last.exact] = max(told, len(found.routes))
@@ -223,8 +211,8 @@ class Candidates:
         if legs is None or self._deadline() <= 0.0 or not self.clear(candidate):
             return
         if candidate.rank not in self._halves:
-            room = np.stack([self.searches.beside(self._problem, leg) for leg in legs])
-            self._halves[candidate.rank] = Halves(self._groups, legs, room)
+            widths = np.stack([self.searches.widths_across(self._problem, leg) for leg in legs])
+            self._halves[candidate.rank] = Halves(self._groups, legs, widths)
         if not self._halves[candidate.rank].any:
             return
         yield self._nothing()
@@ -236,9 +224,9 @@ class Candidates:
         """Whether a route is known not to lead through walls."""
         if candidate.finest:
             return True
-        room = self.searches.room(self._problem, candidate.route)
-        skipped = max(1, round(ENDS * len(room)))
-        return bool(room[skipped:-skipped].min() > CUT * self.query[QUERY_RADIUS])
+        distances = self.searches.distances(self._problem, candidate.route)
+        skipped = max(1, round(ENDS * len(distances)))
+        return bool(distances[skipped:-skipped].min() > CUT * self.query[QUERY_RADIUS])
 
     def _nothing(self) -> Batch:
         """A batch without any start."""

@@ -82,14 +82,14 @@ class Chains:
         yield from self._joined(ahead, behind, round(JOINTS * math.sqrt(width / FIRST_WIDTH)))
         yield from self._given([*self._wholes(ahead, self._groups), *self._wholes(behind, self._other)])
 
-    def _ahead(self, width: int, room: float = math.inf) -> Grown:
+    def _ahead(self, width: int, open_from: float = math.inf) -> Grown:
         """Chains from the base."""
         base = self._groups[0][None, -2 * POSE_WIDTH : -POSE_WIDTH]
-        return Grown(self._groups, self._legs, base.copy(), width, self._deadline(), room)
+        return Grown(self._groups, self._legs, base.copy(), width, self._deadline(), open_from)
 
-    def _behind(self, other: Groups, width: int, room: float = math.inf) -> Grown:
+    def _behind(self, other: Groups, width: int, open_from: float = math.inf) -> Grown:
         """Chains from the target."""
-        return Grown(other, self._legs[::-1, ::-1].copy(), self._roots, width, self._deadline(), room)
+        return Grown(other, self._legs[::-1, ::-1].copy(), self._roots, width, self._deadline(), open_from)
 
     def _wholes(self, grown: Grown, groups: Groups) -> Iterator[tuple[float, Floats]]:
         """Chains (n, 3) that reach the other end by themselves, and their scores."""

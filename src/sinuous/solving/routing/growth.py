@@ -9,7 +9,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.fitting.fit import fit_workspace_size
 from sinuous.kernels.fitting.query import route_query
 from sinuous.kernels.fitting.settle import settle_chain
-from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, COST, FRAME, LAST, PARENT, ROOM, SCORE
+from sinuous.kernels.growing.beam import BEFORE, CHAIN_WIDTH, COST, DISTANCE, FRAME, LAST, PARENT, SCORE
 from sinuous.kernels.growing.grow import grow_chains, growing_size
 from sinuous.kernels.tables import (
     HAS_POSITION,
@@ -138,7 +138,7 @@ class Grown:
     width : int
         Chains of every number of segments that are kept: a power of two.
     seconds : float
-    room : float
+    open_from : float
         Distance from the obstacles, in radii of the body, from which on an end is in the open: there they stop. By
         default they go on to the last target.
 
@@ -157,15 +157,17 @@ class Grown:
     """
 
     def __init__(
-        self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float, room: float = math.inf
+        self, groups: Groups, legs: Floats, roots: Floats, width: int, seconds: float, open_from: float = math.inf
     ) -> None:
         n, obstacles = int(groups[0][0]), int(groups[1][0])
         self.segments = segments_of(groups)[len(legs) - 1] + 1
         self.counts = np.zeros(n + 1, np.int64)
         self._levels = levels = np.zeros((n + 1, width, CHAIN_WIDTH))
         workspace = np.empty(growing_size(obstacles, width))
-        self.open: bool = grow_chains(*groups, legs, roots, room, max(0.0, seconds), workspace, levels, self.counts)
-        self._room = room
+        self.open: bool = grow_chains(
+            *groups, legs, roots, open_from, max(0.0, seconds), workspace, levels, self.counts
+        )
+        self._open_from = open_from
         self.frames = levels[..., FRAME : FRAME + POSE_WIDTH]
         self.costs, self.scores = levels[..., COST], levels[..., SCORE]
         self._rest = np.zeros((n, 3))
@@ -179,7 +181,7 @@ class Grown:
     def outside(self) -> tuple[int, list[int]]:
         """Number of segments of the chains that end in the open, and their numbers, the best first."""
         last = int(np.flatnonzero(self.counts)[-1])
-        return last, np.flatnonzero(self._levels[last, : self.counts[last], ROOM] >= self._room).tolist()
+        return last, np.flatnonzero(self._levels[last, : self.counts[last], DISTANCE] >= self._open_from).tolist()
 
     def parent(self, k: int, i: int) -> int:
         """Number of the chain of one segment less that chain number `i` of `k` segments continues."""

@@ -28,17 +28,17 @@ from sinuous.kernels.tables import (
     TARGET_SEGMENT,
     TARGET_WIDTH,
 )
-from sinuous.solving.polylines import lengths_along, respaced
-from sinuous.solving.routing.growth import LEG_POINTS, segments_of
-from sinuous.solving.routing.parts import before, beyond, fitted, laid, segments_in
+from sinuous.solving.polylines import lengths_along
+from sinuous.solving.routing.growth import segments_of
+from sinuous.solving.routing.parts import SEED, before, beyond, laid, segments_in
 from sinuous.solving.routing.turned import Groups
 from sinuous.solving.starts import Deadline
 
 WIDE = 3.0
-"""Room across a route, in radii of the body, from which on no place of it is narrow."""
+"""Distance from the obstacles across a route, in radii of the body, from which on no place of it is narrow."""
 
 NARROW = 1.35
-"""Room up to which a place is as narrow as the narrowest one, in units of that one's."""
+"""Distance up to which a place is as narrow as the narrowest one, in units of that one's."""
 
 ENDS = 0.04
 """Share of a leg at either end that is not looked at: an end may lie in a narrow place."""
@@ -49,25 +49,17 @@ TANGENT = 3
 STRETCHED = 0.95
 """Least length of a part, in lengths of its part of the route: the route does not cut corners."""
 
-TAUT = 1.2
-"""Least length of a part, in lengths of its part of the route, up to which it is also laid along that."""
-
 BARELY = 0.15
 """Share of a segment that may stick out of a long narrow place and still counts as in it."""
 
-SEED = 0
-"""Seed of the scattered starts of parts."""
-
 
 class Part:
-    """One part of a robot, solved with more and more starts.
+    """One part of a robot, solved with more and more scattered starts.
 
     Parameters
     ----------
     groups : tuple of ndarray
         Its problem, see `Groups`.
-    legs : ndarray (l, K, 3)
-        Its part of the route, from target to target.
 
     Attributes
     ----------
@@ -77,8 +69,8 @@ class Part:
         Whether it is not proved that there is none.
     """
 
-    def __init__(self, groups: Groups, legs: Floats) -> None:
-        self._groups, self._legs, self._n = groups, legs, int(groups[0][0])
+    def __init__(self, groups: Groups) -> None:
+        self._groups, self._n = groups, int(groups[0][0])
         robot, scene, _, targets = groups
         self._workspace = np.empty(workspace_size(self._n, int(robot[1]), int(scene[0]), len(targets)))
         self._starts = 0
@@ -88,30 +80,18 @@ class Part:
         self.possible = True
 
     def solved(self, starts: int, deadline: Deadline) -> Floats | None:
-        """Return a configuration (m, 3) that is proved, from at most so many scattered starts in all."""
-        first, self._starts = self._starts, max(starts, self._starts)
-        nothing = np.empty((0, self._n, 3))
-        if self._q is None and self.possible and first < starts:
-            self._follow(nothing, (first, starts), deadline)
-        if self._q is None and self.possible and first == 0 and self._fits() and deadline() > 0.0:
-            self._follow(fitted(self._groups, self._legs[0], max(0.0, deadline()))[None], (0, 0), deadline)
+        """Return a configuration (m, 3) that is proved, from at most so many starts in all."""
+        own, self._starts = (self._starts, starts, SEED, max(0.0, deadline())), max(starts, self._starts)
+        if self._q is None and self.possible and own[0] < starts:
+            best = np.empty((self._n, 3))
+            record = search(*self._groups, np.empty((0, self._n, 3)), own, self._workspace, best)
+            code, merit = record[0], record[MERIT]
+            self.possible = code < OUT_OF_REACH
+            if merit < self._least:
+                self._least, self.nearest = merit, best
+            if code == SOLVED:
+                self._q = best
         return self._q
-
-    def _fits(self) -> bool:
-        """Whether the chain is about as long as its leg: one that is longer is in a heap where it is laid."""
-        shortest = segments_in(self._groups[0])[:, MIN_LENGTH].sum()
-        return bool(len(self._legs) == 1 and shortest <= TAUT * lengths_along(self._legs[0])[-1])
-
-    def _follow(self, chains: Floats, own: tuple[int, int], deadline: Deadline) -> None:
-        """Follow starts to the first that is solved and proved."""
-        best = np.empty((self._n, 3))
-        record = search(*self._groups, chains, (*own, SEED, max(0.0, deadline())), self._workspace, best)
-        code, merit = record[0], record[MERIT]
-        self.possible = code < OUT_OF_REACH
-        if merit < self._least:
-            self._least, self.nearest = merit, best
-        if code == SOLVED:
-            self._q = best
 
 
 class Halves:
@@ -126,16 +106,16 @@ class Halves:
         The problem, see `Groups`.
     legs : ndarray (l, K, 3)
         The legs of a route, evenly spaced, in the length unit.
-    room : ndarray (l, K)
-        Room across the route at these points, in the length unit.
+    widths : ndarray (l, K)
+        Greatest distance from the obstacles in the plane across the route at these points, in the length unit.
     """
 
-    def __init__(self, groups: Groups, legs: Floats, room: Floats) -> None:
+    def __init__(self, groups: Groups, legs: Floats, widths: Floats) -> None:
         self._groups, self._legs = groups, legs
         self._heads: dict[int, Part] = {}
         self._tails: dict[int, tuple[Floats, Part]] = {}
         skipped = max(1 + TANGENT, round(ENDS * legs.shape[1]))
-        looked = room[:, skipped:-skipped]
+        looked = widths[:, skipped:-skipped]
         self._which = which = int(looked.min(axis=1).argmin())
         own = looked[which]
         first, last = _run_about(own <= NARROW * max(0.0, own.min()), int(own.argmin()))
@@ -183,19 +163,19 @@ class Halves:
         Where the second part is not solved, what came nearest is taken: the whole chain has more freedom.
         """
         if count not in self._heads:
-            self._heads[count] = Part(before(self._groups, self._row(count)), self._cut(0))
+            self._heads[count] = Part(before(self._groups, self._row(count)))
         head = self._heads[count].solved(starts, deadline)
         if head is None:
             return None, not self._heads[count].possible
         if count not in self._tails:
-            held = self._held(beyond(self._groups, head), deadline)
-            self._tails[count] = held, Part(beyond(self._groups, np.concatenate([head, held])), self._cut(1))
-        held, part = self._tails[count]
+            within = self._within(beyond(self._groups, head), deadline)
+            self._tails[count] = within, Part(beyond(self._groups, np.concatenate([head, within])))
+        within, part = self._tails[count]
         tail = part.solved(starts, deadline)
         tail = part.nearest if tail is None else tail
-        return (None if tail is None else np.concatenate([head, held, tail])), True
+        return (None if tail is None else np.concatenate([head, within, tail])), True
 
-    def _held(self, rest: Groups, deadline: Deadline) -> Floats:
+    def _within(self, rest: Groups, deadline: Deadline) -> Floats:
         """The segments (m, 3) that lie in a long narrow place beyond the first part, laid along the route."""
         line = self._legs[self._which][self._at : self._end + 1]
         if not self._long:
@@ -204,13 +184,6 @@ class Halves:
         ends = np.cumsum(0.5 * (low + high))
         count = int(np.searchsorted(ends, lengths_along(line)[-1] + BARELY * high.mean()))
         return laid(rest, count, line, max(0.0, deadline()))
-
-    def _cut(self, side: int) -> Floats:
-        """The legs of the part before the place (0), or beyond it (1)."""
-        legs, leg = self._legs, self._legs[self._which]
-        if side == 0:
-            return np.concatenate([legs[: self._which], respaced(leg[: self._at + 1], LEG_POINTS)[None]])
-        return np.concatenate([respaced(leg[self._end :], LEG_POINTS)[None], legs[self._which + 1 :]])
 
     def _row(self, count: int) -> Floats:
         """The place and the tangent of the route there, as a target (15,) of the end of the first segments."""

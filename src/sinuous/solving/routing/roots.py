@@ -71,9 +71,9 @@ def roots(groups: Groups, route: Floats) -> Floats:
     order = [0]
     if len(ends) > 1:
         points = places[:, None] - radius * np.array(STEPS)[:, None] * ahead[:, None]
-        room = np.empty(points.size // 3)
-        room_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, room)
-        lack = np.maximum(0.0, ENOUGH - room.reshape(len(ends), -1) / radius)
+        distances = np.empty(points.size // 3)
+        room_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
+        lack = np.maximum(0.0, ENOUGH - distances.reshape(len(ends), -1) / radius)
         squares = lack * lack
         order = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable").tolist()
     chosen: list[int] = []

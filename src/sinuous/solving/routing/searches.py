@@ -74,8 +74,6 @@ class Plan(NamedTuple):
         Whether to ask for exact distances, not for samples.
     prove : bool
         Whether to prove that there is none, where none is found.
-    between : bool
-        Whether it is left out where a route is known, until a table of finer cells is full.
     """
 
     cell: float
@@ -84,7 +82,6 @@ class Plan(NamedTuple):
     routes: int
     exact: bool
     prove: bool
-    between: bool = False
 
 
 class Found(NamedTuple):
@@ -135,16 +132,13 @@ class Searches:
         self.coarse, self.fine = (_plan_of(self._radius, self._longest, coarse) for coarse in (True, False))
         self.proves = min(robot.needed_radii) >= self._radius
 
-    def coarser(self, plan: Plan) -> Plan:
-        """Return a search with cells of twice the edge."""
-        return _coarser(plan, self._radius)
-
     @property
     def single_plans(self) -> tuple[Plan, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
         few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
-        first = self.coarser(coarse)
+        edge = 2.0 * coarse.cell
+        first = coarse._replace(cell=edge, clearance=_wide_enough(self._radius, edge))
         among = ((first, few), (coarse, few), (fine, few), (coarse, many), (fine, many))
         plans = [plan._replace(cells=cells) for plan, cells in among]
         return tuple(dict.fromkeys(plans))
@@ -283,8 +277,8 @@ class Searches:
             line = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
             self.fit(problem, [line], lambda: 1.0)
             self._enclosed(problem.scene)
-            self.room(problem, line)
-            self.beside(problem, line)
+            self.distances(problem, line)
+            self.widths_across(problem, line)
             groups, still = self.groups(problem), np.zeros((len(self._robot), 3))
             base = groups[0][-2 * POSE_WIDTH : -POSE_WIDTH]
             Grown(groups, line[None], base[None].copy(), FIRST_WIDTH, 1.0)
@@ -296,26 +290,21 @@ class Searches:
             beyond(groups, still[:1])
             tubes_beside(groups[1], rims_of(problem.scene), 1.0, 0.0)
 
-    def room(self, problem: Problem, points: Floats) -> Floats:
+    def distances(self, problem: Problem, points: Floats) -> Floats:
         """Return distances (K,) of points (K, 3) from the obstacles; far ones may be any beyond `WIDE` radii."""
         points, distances = points.copy(), np.empty(len(points))  # routes that were told are read-only: another type
         room_along(problem.scene._kernel_group, points, WIDE * max(self._radius, *self._robot.needed_radii), distances)
         return distances
 
-    def beside(self, problem: Problem, line: Floats) -> Floats:
-        """Return the room (K,) across a line (K, 3); from `WIDE` radii on it may be anything that is not less."""
-        room = np.empty(len(line))
-        room_beside(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, room)
-        return room
+    def widths_across(self, problem: Problem, line: Floats) -> Floats:
+        """Return the greatest distance (K,) from the obstacles across a line (K, 3); any beyond `WIDE` radii."""
+        widths = np.empty(len(line))
+        room_beside(problem.scene._kernel_group, line, self._radius, WIDE * self._radius, widths)
+        return widths
 
     def groups(self, problem: Problem) -> Groups:
         """Return what entries are given of a problem."""
         return self._group, problem.scene._kernel_group, self._settings, problem._rows
-
-
-def _coarser(plan: Plan, radius: float) -> Plan:
-    """A plan with cells of twice the edge."""
-    return plan._replace(cell=2.0 * plan.cell, clearance=_wide_enough(radius, 2.0 * plan.cell))
 
 
 def _wide_enough(radius: float, cell: float) -> float:

@@ -39,10 +39,6 @@ SHORTEST = 3.0
 BESIDE = 2.5
 """How far from the axis a target in a tube is at most. In radii of the body."""
 
-SHARES = ((0.5, 0), (0.5, 1), (0.8, 0), (0.2, 0), (0.8, 1))
-"""What is tried in turn: how long segments in the tube are, between their least and their greatest length; and how many
-are left out that the tube holds only in part."""
-
 FINER = 0.4
 """Of the first steps, those by which a tube is followed again that ends at a wall."""
 
@@ -121,22 +117,19 @@ def out_of(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Flo
 
 
 def heads(tube: Tube, groups: Groups, deadline: Deadline) -> Iterator[tuple[Floats, Floats]]:
-    """Yield chains (m, 3) of the segments that a tube holds, and the lines (K, 3) along which they lie."""
+    """Yield chains (m, 3) of the segments that a tube holds, and the lines (K, 3) along which they lie.
+
+    First with the one that it holds only in part, then without.
+    """
     robot, scene, settings, targets = groups
     n, segments = int(groups[0][0]), segments_in(groups[0])
-    least, most = segments[:, MIN_LENGTH], segments[:, MAX_LENGTH]
-    length, tried = lengths_along(tube.axis)[-1], set()
-    for share, fewer in SHARES:
-        ends = np.cumsum(least + share * (most - least))
-        held = 1 + int(np.searchsorted(ends, length - BARELY * most[-1]))
-        count = held - fewer
-        if held > n or not 0 < count < n or (count, ends[count - 1]) in tried:
-            continue
-        tried.add((count, ends[count - 1]))
-        if deadline() <= 0.0:
-            return
-        line = lengthened(tube.axis, ends[count - 1])
-        yield fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, deadline())), line
+    ends = np.cumsum(segments[:, [MIN_LENGTH, MAX_LENGTH]].mean(axis=1))
+    length = lengths_along(tube.axis)[-1] - BARELY * segments[-1, MAX_LENGTH]
+    inside = 1 + int(np.searchsorted(ends, length))
+    for count in (inside, inside - 1) if inside <= n else ():
+        if 0 < count < n and deadline() > 0.0:
+            line = lengthened(tube.axis, ends[count - 1])
+            yield fitted((first(robot, count), scene, settings, targets[:0]), line, max(0.0, deadline())), line
 
 
 def _joined(groups: Groups, head: Floats, line: Floats, deadline: Deadline) -> tuple[Floats, Floats]:

@@ -5,6 +5,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.checks import Floats
+from tests.helpers import refused
 from tests.solving.test_under_load import GRAVITY, ROD, Q, arm
 
 SECONDS = 20.0
@@ -28,6 +29,23 @@ def test_a_track_is_proved_and_verified() -> None:
     assert 0.0 < motion.clearance <= min(each.clearance for each in found)
     assert motion.tips[-1][:3, 3] == pytest.approx(motion.solutions[-1].problem.targets[0].position, abs=3e-5)
     assert np.linalg.norm(robot.tip(motion.q[-1])[:3, 3] - motion.tips[-1][:3, 3]) > 0.01, "nothing bends it"
+
+
+def test_the_loaded_tip_stays_on_the_line_between_waypoints() -> None:
+    robot = arm()
+    begin, end = (each.position for each in path(robot, Q + 2.0 * MOVED, 2))
+    assert begin is not None
+    assert end is not None
+    motion = sn.track(robot, [sn.Target(begin), sn.Target(end)], start=Q, time=SECONDS, deviation=0.002)
+    assert motion.solved
+    along = (end - begin) / np.linalg.norm(end - begin)
+    worst = 0.0
+    for q, other in zip(motion.q[:-1], motion.q[1:], strict=True):
+        for share in (0.0, 0.3, 0.5, 0.7):
+            away = robot.shape((1.0 - share) * q + share * other).tip[:3, 3] - begin
+            worst = max(worst, float(np.linalg.norm(away - along * (away @ along))))
+    assert 1e-5 < worst < 0.002
+    assert len(motion.q) > 3
 
 
 def test_a_plan_goes_round_what_only_the_loaded_body_meets() -> None:
@@ -89,3 +107,14 @@ def test_a_proof_holds_at_many_shapes_between() -> None:
         else:
             assert seen.clearance < 0.01, "a wide gap was not proved"
     assert proved >= 2
+
+
+def test_what_knows_no_loads_refuses_them() -> None:
+    robot = arm()
+    motion = sn.Motion(robot, [Q, Q + 0.05 * MOVED, Q])
+    rates = sn.Rates(bend=1.0, length=1.0, acceleration=sn.Rates(bend=5.0, length=5.0))
+    refused("gravity", lambda: motion.timed(rates, blend=0.01))
+    assert motion.timed(rates).duration > 0.0
+    refused("gravity", lambda: sn.follow_the_leader(robot, [[0.0, 0.0, 0.3]]))
+    straight = [robot.base[:3, 3], motion.tips[0][:3, 3]]
+    assert motion.deviation(straight).tip < sn.Motion(robot.changed(gravity=None), motion.q).deviation(straight).tip

@@ -22,6 +22,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
 from sinuous.statics.equilibrium import Equilibrium
+from sinuous.statics.rest import bodies_at
 
 Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | ProblemFile | Solution | Motion | Floats
 Things = Thing | Sequence[Thing | Sequence[Thing]]
@@ -265,7 +266,7 @@ def _add_motion(contents: Contents, motion: Motion) -> None:
     contents.answers.append(motion)
     contents.add_obstacles(motion.scene.obstacles)
     if len(motion.q) > 1:
-        contents.moving.append(MovingArm(motion.robot, motion.q, motion.times, motion.solved))
+        contents.moving.append(MovingArm(*bodies_at(motion.robot, motion.q), motion.times, motion.solved))
     elif motion.solutions:
         contents.arms.append(Arm(motion.robot, motion.solutions[-1].q, motion.solved))
     else:

@@ -150,6 +150,7 @@ def follow_the_leader(
     """
     begin = work_time()
     robot = SolveOptions(clearance=clearance, self_clearance=self_clearance).demanded_of(robot)
+    robot.refuse_load()
     path = curve_from_base(robot, curve)
     low, high = depths_of(robot)
     if low == high:

@@ -30,6 +30,7 @@ from sinuous.solution.status import Status
 from sinuous.solution.worst import Worst
 from sinuous.solving.between.loaded import SAMPLES
 from sinuous.solving.between.steps import Steps, prove_steps
+from sinuous.statics.rest import bodies_at
 from sinuous.words import duration
 from sinuous.writing.documents import write_document
 
@@ -331,7 +332,8 @@ class Motion(NotebookMixin, Frozen):
         count = checks.integer("between", between, 0, 10_000) + 1
         at = np.arange((len(self.q) - 1) * count + 1) / count
         when = np.interp(at, np.arange(len(self.q)), self.times)
-        return deviation(self.robot, tables.interpolate(self.times, self.q, when), line_in_front(self.robot, curve))
+        body, q = bodies_at(self.robot, tables.interpolate(self.times, self.q, when))
+        return deviation(body, q, line_in_front(self.robot, curve))
 
     def to_csv(self, file: str | Path, rate: Number | None = None) -> Self:
         """Write times, configurations and the values of all actuators as CSV.

@@ -294,6 +294,17 @@ class Robot(NotebookMixin, Frozen):
         """Whether gravity bends it: `gravity` is given, and a segment has a stiffness."""
         return self.gravity is not None and any(segment.stiffness is not None for segment in self.segments)
 
+    def refuse_load(self) -> None:
+        """Refuse a robot that gravity bends, where shapes without load would be wrong.
+
+        Raises
+        ------
+        InputError
+        """
+        if self.hangs:
+            wanted = "none: take robot.changed(gravity=None) for the robot without load"
+            raise InputError("gravity", "here loads are not known", self.gravity, wanted)
+
     @property
     def notes(self) -> tuple[str, ...]:
         """What may surprise: segments that are too thick for their own limits."""
@@ -610,9 +621,7 @@ def _gravity(value: Vector, segments: tuple[Segment, ...], payload: tuple[Payloa
 
 def robot_group(robot: Robot) -> Floats:
     """Return a robot as kernels read it, a new array; laid out as `sinuous.kernels.tables` says."""
-    if robot.hangs:
-        wanted = "none: take robot.changed(gravity=None) for the robot without load"
-        raise InputError("gravity", "here loads are not known", robot.gravity, wanted)
+    robot.refuse_load()
     return packing.robot_group(robot.limits, robot.actuation, robot.base, robot.tool, robot.avoids_itself)
 
 

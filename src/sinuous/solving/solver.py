@@ -282,12 +282,6 @@ class Solver:
         own = self._resolver, given
         return [Solution(problem, outcome, outcome.seconds, *own, named) for outcome, named in several.best()]
 
-    def _refuse_load(self, what: str) -> None:
-        """Refuse what knows no loads yet: an answer without them would be wrong."""
-        if self._load is not None:
-            wanted = f"none for {what}: take robot.changed(gravity=None)"
-            raise InputError("gravity", "here loads are not known", self.robot.gravity, wanted)
-
     def _solve_within(self, problem: Problem, given: Floats, within: Changes, budget: Budget) -> Solution:
         if not isinstance(within, Changes):
             raise InputError("within", "", within, "Changes, like Rates(bend=1) * dt")
@@ -312,7 +306,7 @@ class Solver:
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
         """Return what `solve` would call first: the compiled function and its arguments, to be looked at or timed."""
-        self._refuse_load("build")
+        self.robot.refuse_load()
         budget = self._first_budgets[int(initial is not None)]
         return self._prepared.build(self._problem(target)[0], self._given(initial), budget)
 

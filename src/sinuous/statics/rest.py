@@ -10,7 +10,7 @@ from sinuous.checks import Floats
 from sinuous.kernels.statics import layout as t
 from sinuous.robot.robot import LIMIT_ROUNDING, Robot
 from sinuous.statics.body import Tables, body_of, tables_of
-from sinuous.statics.equilibrium import run
+from sinuous.statics.equilibrium import longest_body, run
 
 
 class Rest:
@@ -191,6 +191,13 @@ class Way:
             out,
         )
         return tables, left, out.reshape(len(out), x.size)
+
+
+def bodies_at(robot: Robot, q: Floats) -> tuple[Robot, Floats]:
+    """The body of a robot and its shapes (T, N, 3) at drives (T, n, 3); the robot and `q` where nothing bends it."""
+    if not robot.hangs:
+        return robot, q
+    return longest_body(robot), np.array([Rest(robot, one).shown for one in q])
 
 
 def rolled(angle: float) -> Floats:

@@ -68,7 +68,7 @@ class Question:
 
 def serving(memory: Memory | None, robot: Robot) -> Memory | None:
     """Return a memory as long as it is of this robot: people change robots."""
-    return memory if memory is not None and memory.serves(robot) else None
+    return memory if memory is not None and memory._serves(robot) else None
 
 
 class Solvers:

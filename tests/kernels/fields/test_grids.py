@@ -96,6 +96,16 @@ def test_bounds_hold_for_distances_to_sets(seed: int) -> None:
     assert not lost or max(lost) < 0.6
 
 
+def test_rounding_adds_nothing_where_the_set_is() -> None:
+    """There a bound is the root of a difference that is 0 but for rounding, which the root makes large."""
+    rng = np.random.default_rng(8)
+    for place in rng.uniform(LOW, HIGH, (200, 3)):
+        numbers = store(np.linalg.norm(NODES - place, axis=1))
+        for p in (place, place + 1e-9 * rng.normal(size=3)):
+            corners, t, _ = grids.look_up(numbers, grid(), vec(p))
+            assert grids.set_distance(corners, t, SPACING) <= np.linalg.norm(p - place) + 1e-13
+
+
 def test_bounds_hold_for_every_distance() -> None:
     """Also for one that is not that of a set, like a smaller one."""
     numbers = store(0.5 * np.abs(np.sin(2.0 * NODES)).min(axis=1))

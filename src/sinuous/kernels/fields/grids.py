@@ -23,6 +23,9 @@ Grid = namedtuple("Grid", ["at", "shape", "low", "spacing"])
 Corners = tuple[float, float, float, float, float, float, float, float]
 """Samples at the corners of a cell, last axis fastest."""
 
+ROUNDOFF = 1e-13
+"""Of a squared spacing: more than rounding adds to a difference of squares; its root is a millionth of a spacing."""
+
 
 @kernel
 def grid_of(table: Array, i: int, first: int) -> Grid:
@@ -177,7 +180,7 @@ def set_distance(v: Corners, t: Vec, spacing: float) -> float:
         _outer(v[7]),
     )
     spread = t[0] * (1.0 - t[0]) + t[1] * (1.0 - t[1]) + t[2] * (1.0 - t[2])
-    square = value(squares, t) - spacing * spacing * spread
+    square = value(squares, t) - spacing * spacing * (spread + ROUNDOFF)
     if square > 4.0 * spacing * spacing:
         return math.sqrt(square)
     least = at_least(v, t, spacing)

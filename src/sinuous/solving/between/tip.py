@@ -63,4 +63,6 @@ class Tip:
         turned = float(np.hypot(*(arcs[1] - arcs[0])[:, :2].T).sum())
         roll = float(np.abs(other.states - one.states)[:, TWIST].sum())
         off = leave(one, other) if ways.bounded else Leave(0.0, 0.0)
+        if off.aside == np.inf:
+            return np.inf
         return bound + across * roll * (roll + 2.0 * turned) + off.aside + lever * off.turn

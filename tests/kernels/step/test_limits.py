@@ -173,3 +173,20 @@ def test_on_the_slanted_edge_the_metric_stays_the_same(seed: int) -> None:
     np.testing.assert_allclose(normal @ scaled, 0.0, atol=1e-12)
     gap = -(np.array([math.cos(angle), math.sin(angle), -curvature]) @ q[k])
     np.testing.assert_allclose(mean[k], D @ normal * gap / (normal @ normal), atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_what_a_bound_segment_wishes_it_does_along_its_bound(seed: int) -> None:
+    """What is left of the wish is across what the segment can still do, in the metric of its scales."""
+    rng = np.random.default_rng(seed)
+    q, step = within(rng), rng.normal(size=(len(SEGMENTS), 3)) * rng.choice([0.1, 1.0, 10.0])
+    free, _, _ = workspace()
+    root, mean, bound = workspace()
+    wish = rng.normal(size=mean.shape) * (np.diagonal(free.reshape(-1, 3, 3), axis1=1, axis2=2) > 0.0)
+    mean[:] = wish
+    limits.bind(TABLE, q, step, root, mean, bound)
+    for k in range(len(SEGMENTS)):
+        D, L = np.linalg.pinv(free[k].reshape(3, 3)), root[k].reshape(3, 3)
+        if not bound[k]:
+            np.testing.assert_array_equal(mean[k], wish[k])
+        np.testing.assert_allclose((D @ L).T @ D @ (wish[k] - mean[k]), 0.0, atol=1e-9)

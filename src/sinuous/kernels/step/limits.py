@@ -7,7 +7,7 @@ length in which motion is measured (0: that coordinate cannot move).
 import math
 
 from sinuous.kernels.compile import kernel
-from sinuous.kernels.maths.vectors import Array, Vec, put_mat, put_vec
+from sinuous.kernels.maths.vectors import Array, Vec, get_vec, put_mat, put_vec
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE, MAX_BEND, MAX_CURVATURE, MAX_LENGTH, MIN_LENGTH
 
 
@@ -48,7 +48,7 @@ def release(limits: Array, root: Array, bound: Array) -> None:
 
 @kernel
 def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: Array) -> int:
-    """Take out of the step what leaves the limits: move up to the bound, then only along it.
+    """Take out of the step what leaves the limits: move up to the bound, then only along it, as `mean` wishes there.
 
     In the half-plane of the bend (along the direction that the step bends to) and the length, the limits of a segment
     are a convex polygon; the bend across stays free. `bound[k]` collects what is bound: 1 the length, 2 the bend.
@@ -77,13 +77,15 @@ def _bind_one(limits: Array, q: Array, k: int, aim: Vec, root: Array, mean: Arra
     if bound & 1:
         length = min(max(length, limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
         stretch = 0.0
+    wish = get_vec(mean, k, 0)
     if bound == 1:
         put_mat(root, k, 0, ((scale, 0.0, 0.0), (0.0, scale, 0.0), (0.0, 0.0, 0.0)))
-        put_vec(mean, k, 0, (0.0, 0.0, length - q[k, 2]))
+        put_vec(mean, k, 0, (wish[0], wish[1], length - q[k, 2]))
         return
     bend = math.hypot(aim[0], aim[1])
     nx, ny = (aim[0] / bend, aim[1] / bend) if bend > 0.0 else (1.0, 0.0)
     along = nx * q[k, 0] + ny * q[k, 1]
+    across = nx * wish[1] - ny * wish[0]
     cap = bend_cap(limits, k, length)
     if cap < limits[k, MAX_BEND] and scale * stretch > 0.0:
         # The slanted edge bend = c * length: straight across to it, then free along it.
@@ -91,8 +93,11 @@ def _bind_one(limits: Array, q: Array, k: int, aim: Vec, root: Array, mean: Arra
         gap = (c * q[k, 2] - along) / (scale * scale + (c * stretch) ** 2)
         e = 1.0 / math.sqrt((c / scale) ** 2 + 1.0 / stretch**2)
         put_mat(root, k, 0, ((-ny * scale, nx * c * e, 0.0), (nx * scale, ny * c * e, 0.0), (0.0, e, 0.0)))
-        put_vec(mean, k, 0, (nx * gap * scale**2, ny * gap * scale**2, -gap * c * stretch**2))
+        slide = e * e * (c * (nx * wish[0] + ny * wish[1]) / scale**2 + wish[2] / stretch**2)
+        out = gap * scale**2 + slide * c
+        put_vec(mean, k, 0, (nx * out - ny * across, ny * out + nx * across, slide - gap * c * stretch**2))
         return
     out = cap - along
     put_mat(root, k, 0, ((-ny * scale, 0.0, 0.0), (nx * scale, 0.0, 0.0), (0.0, 0.0, stretch)))
-    put_vec(mean, k, 0, (nx * out, ny * out, length - q[k, 2] if bound & 1 else 0.0))
+    rise = length - q[k, 2] if bound & 1 else wish[2]
+    put_vec(mean, k, 0, (nx * out - ny * across, ny * out + nx * across, rise))

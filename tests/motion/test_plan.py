@@ -156,7 +156,7 @@ def test_a_target_that_no_motion_comes_to_is_not_counted() -> None:
     [
         ({"shortcuts": -1}, r"^shortcuts: expected"),
         ({"time": -1.0}, r"^time: expected"),
-        ({"speed": 1}, r"^speed: expected one of tolerance"),
+        ({"pace": 1}, r"^pace: expected one of tolerance"),
     ],
 )
 def test_wrong_options_are_refused(options: dict[str, float], message: str) -> None:

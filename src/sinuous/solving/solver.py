@@ -43,7 +43,7 @@ from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solving.starts import Batch, Question
-from sinuous.solving.strategy import Strategy
+from sinuous.solving.strategy import REST, Strategy
 from sinuous.solving.under_load import STARTS, UnderLoad, corrections, solve_under_load
 from sinuous.solving.under_load import given as start_at
 from sinuous.solving.velocity import ControlLoop
@@ -562,15 +562,16 @@ class Solver:
             with no_work():  # compiling is no solving
                 self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
-        if first.bound and search.open and self.method == OWN_METHOD and not len(problem.scene):
-            search.take(self._from_rest(first, problem, search.seconds_left))
+        resting = first.bound and self.method == OWN_METHOD and not len(problem.scene)
+        if resting and search.open and search.seconds_left >= REST:
+            rested = at_rest(problem, first.q)
+            search.take(self._from_rest(first, problem, rested, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
         return search.outcome
 
-    def _from_rest(self, first: Outcome, problem: Problem, seconds: float) -> Outcome:
+    def _from_rest(self, first: Outcome, problem: Problem, rested: Floats, seconds: float) -> Outcome:
         """Go on from the best within the limits near the best start: descents stop short of corners of limits."""
-        rested = at_rest(problem, first.q)
         found = self._prepared.run(problem, np.array(rested[None]), (0, 0, self.options.seed, max(0.0, seconds)))
         return found._replace(source=first.source, starts=0)
 

@@ -237,8 +237,7 @@ class Solver:
             raise InputError("within", "only robots that nothing bends have rates", within, "none under load")
         began, seconds = work_time(), self.options.time if time is None else checks.number("time", time, low=0.0)
         given = self._given(initial)
-        targets = self._targets(target)
-        problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
+        problem = self._prepared_problem(target)
         starts = self._starts_under_load(problem, given, seconds)
         outcome = solve_under_load(load, problem, starts, seconds, self.options.most_starts)
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
@@ -300,8 +299,7 @@ class Solver:
         route_class: RouteClass | None = None,
     ) -> Solution:
         """Return the solution that this solver found before with this outcome, in so many seconds."""
-        targets = self._targets(target)
-        problem = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
+        problem = self._prepared_problem(target)
         return Solution(problem, outcome, seconds, self._resolver, self._given(initial), route_class)
 
     def build(self, target: Targets, initial: Initial | None = None) -> Call:
@@ -432,9 +430,7 @@ class Solver:
         )
         given = self._given(initial)
         if self._load is not None:
-            targets = self._targets(target)
-            loaded = Problem.prepared(self.robot, targets, self.scene.snapshot(), self.tolerance)
-            return self._all_under_load(self._load, loaded, wanted, given)
+            return self._all_under_load(self._load, self._prepared_problem(target), wanted, given)
         problem, blocked = self._problem(target)
         if blocked:
             return []
@@ -530,6 +526,10 @@ class Solver:
         scene, blocked = self._look_at_base()
         targets = self._targets(target)
         return Problem.prepared(self.robot, targets, scene, self.tolerance), blocked
+
+    def _prepared_problem(self, target: Targets) -> Problem:
+        """The problem in the scene as it is now; without a look at the base, which is for bodies without load."""
+        return Problem.prepared(self.robot, self._targets(target), self.scene.snapshot(), self.tolerance)
 
     def _targets(self, target: Targets) -> tuple[Target, ...]:
         """Check one target or several; what most ask for, the tip alone, at once."""

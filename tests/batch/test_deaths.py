@@ -21,6 +21,8 @@ from tests.batch.questions import BALL, ROBOT, points
 
 ROWS, CHUNK = 12_000, 200
 PATIENCE = 300.0
+TIME = 60.0
+"""Seconds for a target: none ends by the clock, whatever else the machine does, so files are equal byte for byte."""
 
 Process = subprocess.Popen[str]
 
@@ -41,7 +43,19 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 
 def begin(folder: Path, *options: str, out: str = "out.npz") -> Process:
-    own = "--targets", "in.npz", "--out", out, "--chunk", str(CHUNK), "--max-starts", "4", "--no-routes"
+    own = (
+        "--targets",
+        "in.npz",
+        "--out",
+        out,
+        "--chunk",
+        str(CHUNK),
+        "--max-starts",
+        "4",
+        "--no-routes",
+        "--time",
+        str(TIME),
+    )
     command = [sys.executable, "-m", "sinuous", "batch", "arm.yaml", *own, *options]
     return subprocess.Popen(command, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
@@ -62,7 +76,7 @@ def until(process: Process, ready: Callable[[], Any]) -> Any:
 
 
 def go_on(out: Path, **options: Any) -> Batch:
-    settings: dict[str, Any] = {"max_starts": 4, "routes": False, "chunk": CHUNK}
+    settings: dict[str, Any] = {"max_starts": 4, "routes": False, "chunk": CHUNK, "time": TIME}
     return sn.solve_batch(ROBOT, out.with_name("in.npz"), [BALL], out, **settings, **options)
 
 

@@ -46,10 +46,6 @@ OPENING = 3
 OPENING_ALONE = 16
 """Starts of the first call where no attempt but scattered starts follows."""
 
-REST = 0.1
-"""Seconds that have to be left before the best start is brought to rest: that counts no looks, and takes up to so long
-for 60 segments (`benchmarks speed`, budgets, free)."""
-
 SHARE = 0.6
 """Scattered starts for each unit of cost in the ledger. More helps among balls, less in tubes."""
 

@@ -217,9 +217,11 @@ class Strategy:
         """
         if self._memory is None:
             return
-        if starts is not None:
-            found = found[~self._memory._shapes.alike(found[:, None], starts).any(axis=1)]
-        self._memory._learn(found)
+        if starts is not None and starts.shape[1]:
+            new: NDArray[np.bool_] = ~np.any(self._memory._shapes.alike(found[:, None], starts), axis=1)
+            self._memory._learn(found, new)
+        else:
+            self._memory._learn(found)
 
     def _remembered_batch(self, question: Question) -> Iterator[Batch]:
         count = REMEMBERED_SEVERAL if question.several else NEAREST

@@ -15,7 +15,7 @@ from sinuous.robot.robot import Robot
 from sinuous.solution.constraints import Limit, limits_of, normal
 from sinuous.solution.residual import residual_of
 
-MOST_STEPS = 30
+MOST_STEPS = 100
 """Most Gauss-Newton steps, accepted or refused."""
 
 GAIN = 1e-8

@@ -16,7 +16,7 @@ from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
 from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem, settings_group
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.robot import Robot
+from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
@@ -62,8 +62,8 @@ class Newton(Options):
 
     def compiled(self, robot: Robot, scene: Scene) -> Compiled:
         """Return the search for many problems; see `Options.compiled`."""
-        sizes = len(robot), len(robot.actuation), len(scene)
-        return Compiled(search_many, lambda targets: workspace_size(*sizes, targets))
+        sizes, own = (len(robot), len(robot.actuation), len(scene)), len(robot_group(robot))
+        return Compiled(search_many, lambda targets: workspace_size(*sizes, targets) + own)
 
 
 class PreparedNewton(Prepared):

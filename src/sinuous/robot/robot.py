@@ -20,7 +20,7 @@ from sinuous.reprs import call, text
 from sinuous.robot import limits
 from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
-from sinuous.robot.inverse import Inverse, answer_contradictions, fitting
+from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, listed
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
@@ -570,8 +570,9 @@ class Robot(NotebookMixin, Frozen):
         """
         names = [actuator.name for actuator in self.actuators]
         values, reference = fitting(actuators, initial, names, len(self))
-        if reference is None:
-            self._inverse.refuse_undetermined(self.segment_names)
+        if reference is None and self.undetermined:
+            expected = f"a configuration for what no actuator determines: {listed(self.undetermined)}"
+            raise InputError("initial", "missing", None, expected)
         found = self.without_load(self.drive.motors.displacements(values), reference)
         answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
         return found
@@ -607,6 +608,11 @@ class Robot(NotebookMixin, Frozen):
         lead = self.configuration("q", q).shape[:-2]
         jacobian = self.drive.value_jacobian
         return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
+
+    @cached_property
+    def undetermined(self) -> tuple[str, ...]:
+        """What no actuator determines, like `length of s2 (segment 2)`: `from_actuators` takes it from `initial`."""
+        return tuple(self._inverse.named(self.segment_names))
 
     @cached_property
     def _inverse(self) -> Inverse:

@@ -52,8 +52,6 @@ class Candidate(NamedTuple):
     route : ndarray (K, 3)
     finest : bool
         Whether it leads around edges, or over the finest cells: others may cut through walls.
-    exact : bool
-        Whether it comes from exact distances, not from samples.
     rank : int
         How many were known before it, and one.
     weight : int
@@ -62,7 +60,6 @@ class Candidate(NamedTuple):
 
     route: Floats
     finest: bool
-    exact: bool
     rank: int
     weight: int
 
@@ -104,7 +101,7 @@ class Candidates:
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
         self._too_few: dict[float, int] = {}
-        self._told: dict[tuple[float, bool], int] = {}
+        self._told: dict[float, int] = {}
         self._tried: set[bytes] = set()
 
     def in_tube(self) -> Iterator[Batch]:
@@ -152,7 +149,7 @@ class Candidates:
             self._too_few[plan.cell] = plan.cells
             if any(self.clear(candidate) for candidate in self.known):
                 return plan, found._replace(cells=cells)
-            larger = [size for size in CELLS[:-1] if size > plan.cells]
+            larger = [size for size in CELLS if size > plan.cells]
             if not larger:
                 return plan, found._replace(cells=cells)
             plan = plan._replace(cells=larger[0])
@@ -164,24 +161,20 @@ class Candidates:
     def over_cells_once(self, plan: Plan) -> tuple[Plan, Found]:
         """Search as a plan says, see `over_enough_cells`; without the routes that the same cells gave before."""
         last, found = self.over_enough_cells(plan)
-        told = self._told.get((last.cell, last.exact), 0)
-        self._told[last.cell, last.exact] = max(told, len(found.routes))
+        told = self._told.get(last.cell, 0)
+        self._told[last.cell] = max(told, len(found.routes))
         return last, found._replace(routes=found.routes[told:])
 
-    def note(self, route: Floats, finest: bool, exact: bool = False) -> tuple[Candidate | None, bool]:
-        """Take a route as a candidate, unless one of its kind is known (`None`); say whether none is like it."""
+    def note(self, route: Floats, finest: bool) -> Candidate | None:
+        """Take a route as a candidate; `None`: one like it is known."""
         near = ALIKE * self.query[QUERY_RADIUS]
         points = respaced(route, COMPARED) if self.known else route
-        alike = [
-            other
-            for other in self.known
-            if other.exact >= exact and np.linalg.norm(respaced(other.route, COMPARED) - points, axis=1).max() < near
-        ]
-        if any(other.finest >= finest for other in alike):
-            return None, False
+        for other in self.known:
+            if np.linalg.norm(respaced(other.route, COMPARED) - points, axis=1).max() < near:
+                return None
         weight = 1 + sum(other.finest >= finest for other in self.known)
-        self.known.append(Candidate(route, finest, exact, 1 + len(self.known), weight))
-        return self.known[-1], not alike
+        self.known.append(Candidate(route, finest, 1 + len(self.known), weight))
+        return self.known[-1]
 
     def to_be_stowed(self, route: Floats) -> bool:
         """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""

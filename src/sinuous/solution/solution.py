@@ -11,7 +11,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
-from sinuous.errors import InputError, NotSolvedError
+from sinuous.errors import NotSolvedError
 from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
@@ -303,13 +303,9 @@ class Solution(NotebookMixin):
     @property
     def shape(self) -> "Equilibrium | None":
         """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
-        robot = self.problem.robot
-        if not robot.hangs:
-            return None
-        try:
-            return robot.shape(self.q)
-        except InputError:
-            return None
+        from sinuous.statics.equilibrium import under_load  # noqa: PLC0415
+
+        return under_load(self.problem.robot, self.q)
 
     @property
     def binding(self) -> tuple[Binding, ...]:

@@ -36,7 +36,7 @@ from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
-from sinuous.solving.routing.searches import Plan, Searches
+from sinuous.solving.routing.searches import LARGEST, Plan, Searches
 from sinuous.solving.shapes import NEAREST
 from sinuous.solving.starts import Batch, Question, Scattered
 
@@ -72,9 +72,12 @@ PRICE_FINE = 8
 """Price of the first search over fine cells."""
 
 PRICE_ALTERNATIVES = 20
-"""Price of the search for routes that differ, the last one (helix)."""
+"""Price of the search for routes that differ (helix)."""
 
-LAST = 100
+PRICE_LARGEST = 110
+"""Price of the last search, where the tables of the others were too small: it proves that large rooms are closed."""
+
+LAST = 200
 """Price of what comes after all searches."""
 
 ALTERNATIVES = 4
@@ -340,13 +343,10 @@ class RouteAttempts:
             searches = [(max(price, AFTER_EDGES), plan) for price, plan in searches if plan.routes > 1]
             self._attempts.add("cells", AFTER_EDGES, partial(self._search, searches, False), cost=0)
             return
-        searches = [(price, plan) for price, plan in searches if not candidates.pointless(plan)]
-        if not searches:
-            return
         (_, plan), *others = searches
-        last, found = candidates.over_cells_once(plan)
-        closed = last.cell if found.ended == PROVED_CLOSED else None
-        self._add_routes(found.routes, last.cell == self._searches.fine.cell)
+        found = candidates.over_cells_once(plan)
+        closed = plan.cell if found.ended == PROVED_CLOSED else None
+        self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
         yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
@@ -387,7 +387,6 @@ class RouteAttempts:
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
     coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
-    alternatives = PRICE_ALTERNATIVES, coarse._replace(routes=ALTERNATIVES)
-    if coarse.cell == fine.cell:
-        return [(AT_ONCE, fine), alternatives]
-    return [(AT_ONCE, coarse), (PRICE_FINE, fine), alternatives]
+    first = [(AT_ONCE, coarse), (PRICE_FINE, fine)] if coarse.cell > fine.cell else [(AT_ONCE, fine)]
+    last = PRICE_LARGEST, fine._replace(cells=LARGEST)
+    return [*first, (PRICE_ALTERNATIVES, coarse._replace(routes=ALTERNATIVES)), last]

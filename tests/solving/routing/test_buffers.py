@@ -11,7 +11,7 @@ from sinuous.solving.routing.buffers import BufferPool
 
 
 def test_a_buffer_that_was_given_back_is_lent_again() -> None:
-    pool = BufferPool(2)
+    pool = BufferPool(2, 100)
     with pool.borrow(50) as first:
         pass
     with pool.borrow(40) as again, pool.borrow(40) as other:
@@ -20,7 +20,7 @@ def test_a_buffer_that_was_given_back_is_lent_again() -> None:
 
 
 def test_a_larger_one_replaces_a_smaller_one() -> None:
-    pool = BufferPool(1)
+    pool = BufferPool(1, 100)
     with pool.borrow(10):
         pass
     with pool.borrow(60) as larger:
@@ -28,8 +28,15 @@ def test_a_larger_one_replaces_a_smaller_one() -> None:
     assert pool.kept_bytes == 480
 
 
+def test_what_is_too_large_is_not_kept() -> None:
+    pool = BufferPool(2, 100)
+    with pool.borrow(101) as large:
+        assert len(large) == 101
+    assert pool.kept_bytes == 0
+
+
 def test_a_buffer_comes_back_after_an_error() -> None:
-    pool = BufferPool(1)
+    pool = BufferPool(1, 100)
     try:
         with pool.borrow(10):
             raise KeyboardInterrupt
@@ -40,15 +47,15 @@ def test_a_buffer_comes_back_after_an_error() -> None:
 
 @given(sizes=st.lists(st.integers(0, 150), max_size=20))
 def test_no_more_is_kept_than_said(sizes: list[int]) -> None:
-    pool = BufferPool(2)
+    pool = BufferPool(2, 100)
     for size in sizes:
         with pool.borrow(size) as one, pool.borrow(size) as two, pool.borrow(size) as three:
             assert min(len(one), len(two), len(three)) >= size
-        assert pool.kept_bytes <= 8 * 2 * max(sizes)
+        assert pool.kept_bytes <= 8 * 2 * 100
 
 
 def test_threads_never_share_one() -> None:
-    pool, barrier = BufferPool(2), Barrier(4)
+    pool, barrier = BufferPool(2, 100), Barrier(4)
 
     def work(number: int) -> bool:
         kept = True
@@ -62,5 +69,5 @@ def test_threads_never_share_one() -> None:
 
     with ThreadPoolExecutor(4) as threads:
         assert all(threads.map(work, range(4)))
-    assert pool.kept_bytes <= 2 * 8 * 64
+    assert pool.kept_bytes <= 2 * 8 * 100
     assert np.isfinite(pool.kept_bytes)

@@ -11,26 +11,29 @@ from sinuous.checks import Floats
 class BufferPool:
     """Buffers of numbers that threads take and give back.
 
-    There are at most as many buffers as computations that run at once; after them, no more than `most` are kept.
+    There are at most as many buffers as computations that run at once. After them, a few are kept: no more than `most`,
+    none larger than `largest`. So an idle process holds at most `8 * most * largest` bytes.
 
     Parameters
     ----------
     most : int
         Buffers that are kept.
+    largest : int
+        Numbers (float64) of the largest one that is kept.
     """
 
-    def __init__(self, most: int) -> None:
-        self._most = most
+    def __init__(self, most: int, largest: int) -> None:
+        self._most, self._largest = most, largest
         self._kept: list[Floats] = []  # no lock, which a fork could leave closed: append and pop are atomic
 
     @contextmanager
     def borrow(self, size: int) -> Iterator[Floats]:
         """Lend a buffer of at least `size` numbers, with anything in it."""
-        buffer = self._take(size)
+        buffer = self._take(size) if size <= self._largest else np.empty(size)
         try:
             yield buffer
         finally:
-            if len(self._kept) < self._most:
+            if len(buffer) <= self._largest and len(self._kept) < self._most:
                 self._kept.append(buffer)
 
     def _take(self, size: int) -> Floats:

@@ -37,7 +37,10 @@ COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""
 
 CELLS = (1 << 14, 1 << 17)
-"""Most cells of a search, by blocks of eight of which some nobody looks at."""
+"""Most cells of a search, by blocks of eight of which some nobody looks at: at first, and where that is too few."""
+
+LARGEST = 1 << 19
+"""Most cells of the last search, which proves that large rooms are closed."""
 
 POINTS = 1024
 """Most points of a route."""
@@ -52,9 +55,9 @@ there is a door."""
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
-MEMORY = BufferPool(most=2)
-"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB, so 16 MB at
-most."""
+MEMORY = BufferPool(most=2, largest=memory_size(CELLS[-1]))
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most, but 62 MB
+for the largest one, which is not kept after the search; of the others two are."""
 
 
 class Plan(NamedTuple):

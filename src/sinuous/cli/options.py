@@ -33,6 +33,9 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 """Exit code of a command that was interrupted."""
 
+ENGINES = ("threads", "processes")
+"""What `--engine` may name."""
+
 
 def methods_like(begun: str) -> list[str]:
     """Return names of methods, for the shell to complete one."""
@@ -166,6 +169,36 @@ class MapSolving(Solving):
 
     max_starts: MostStarts = 1
     routes: Routes = False
+
+
+@dataclass(frozen=True)
+class Crew:
+    """Who works on what takes long."""
+
+    engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads"
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine."),
+    ] = None
+    workers: Workers = None
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments `engine` and `workers` of `solve_batch` and `explore`.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        if self.engine not in ENGINES:
+            raise InputError("--engine", "", self.engine, "one of " + ", ".join(ENGINES))
+        if self.dask is None:
+            return {"engine": self.engine, "workers": self.workers}
+        if self.engine != "threads":
+            raise InputError("--dask", "cannot be combined with --engine", self.dask, "one of --engine, --dask")
+        if self.dask != "local" and "://" not in self.dask:
+            raise InputError("--dask", "", self.dask, "tcp://HOST:PORT of a scheduler, or local")
+        return {"engine": "dask" if self.dask == "local" else self.dask, "workers": self.workers}
 
 
 @dataclass(frozen=True)

@@ -191,11 +191,9 @@ def settings_group(
     return np.concatenate([own, np.asarray(options, np.float64)])
 
 
-def plan_search(
-    query: Floats, *, cell: float, clearance: float, room: float, most_cells: int, exact: bool, prove: bool
-) -> Floats:
+def plan_search(query: Floats, *, cell: float, clearance: float, room: float, most_cells: int, prove: bool) -> Floats:
     """Return the query (28,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
     planned = query.copy()
     planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_ROOM] = cell, clearance, room
-    planned[t.QUERY_MOST_CELLS], planned[t.QUERY_EXACT], planned[t.QUERY_PROVE] = most_cells, exact, prove
+    planned[t.QUERY_MOST_CELLS], planned[t.QUERY_PROVE] = most_cells, prove
     return planned

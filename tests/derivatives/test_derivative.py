@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.derivatives.differences import ALL, Tangent, again, agreement, question, random_tangent
+from benchmarks.derivatives.differences import ALL, Tangent, again, agreement, least_gap, question, random_tangent
 from benchmarks.derivatives.families import FAMILIES, OBSTACLES, draw, touching
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
@@ -149,23 +149,6 @@ def test_limits_that_move_push_the_answer() -> None:
     assert compared > 15
 
 
-def gap(problem: sn.Problem, q: Floats) -> float:
-    """Least distance between the surface of the body and the obstacles, densely sampled and then refined."""
-    robot, scene = problem.robot, problem.scene
-    shares = np.linspace(0.0, 1.0, 401)
-    for _ in range(4):
-        clearances = []
-        for k in range(len(robot)):
-            parts = np.repeat(q[None], len(shares), axis=0)
-            parts[:, k] *= shares[:, None]
-            clearances.append(scene.distance(robot.forward(parts)[:, k, :3, 3]) - robot.radii[k])
-        table = np.array(clearances)
-        i = int(np.unravel_index(table.argmin(), table.shape)[1])
-        width = shares[1] - shares[0]
-        shares = np.clip(np.linspace(shares[i] - width, shares[i] + width, 41), 0.0, 1.0)
-    return float(table.min())
-
-
 def gap_gradient(found: Solution) -> Floats:
     """Its derivatives (3 n,) by central differences."""
     q, scale = found.q, metric(found.problem.robot)
@@ -173,7 +156,7 @@ def gap_gradient(found: Solution) -> Floats:
     for i in np.flatnonzero(scale):
         step = np.zeros(q.size)
         step[i] = 1e-6 * scale[i]
-        ends = [gap(found.problem, q + sign * step.reshape(q.shape)) for sign in (1.0, -1.0)]
+        ends = [least_gap(found.problem, q + sign * step.reshape(q.shape)) for sign in (1.0, -1.0)]
         gradient[i] = (ends[0] - ends[1]) / (2.0 * step[i])
     return gradient
 
@@ -231,7 +214,7 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
         for sign in (1.0, -1.0):
             asked = question(found, way, sign * h)
             q = found.q + sign * h * derivative.jvp(way)
-            gaps.append(gap(sn.Problem(asked.robot, asked.targets, asked.scene), q))
+            gaps.append(least_gap(sn.Problem(asked.robot, asked.targets, asked.scene), q))
         assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
         compared += 1
     assert compared > 8

@@ -11,7 +11,8 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
-from sinuous.errors import InputError, NotSolvedError
+from sinuous.errors import NotSolvedError
+from sinuous.guesses import answers_attributes
 from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
@@ -52,6 +53,16 @@ _OF_CLEARANCE = {
 """What is added to the meaning of a status where a clearance is demanded."""
 
 
+@answers_attributes(
+    success="solution.solved",
+    error="solution.position_error and solution.angle_error",
+    position="solution.tip[:3, 3]",
+    lengths="solution.q[:, 2]",
+    plot="sn.plot(solution)",
+    show="sn.show(solution)",
+    save="solution.to_dict(), which json.dumps takes",
+    to_csv="solution.q and solution.actuators; motions have to_csv",
+)
 class Solution(NotebookMixin):
     """What a solve found; frozen. On failure it holds the best configuration found.
 
@@ -306,13 +317,9 @@ class Solution(NotebookMixin):
     @property
     def shape(self) -> "Equilibrium | None":
         """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
-        robot = self.problem.robot
-        if not robot.hangs:
-            return None
-        try:
-            return robot.shape(self.q)
-        except InputError:
-            return None
+        from sinuous.statics.equilibrium import under_load  # noqa: PLC0415
+
+        return under_load(self.problem.robot, self.q)
 
     @property
     def binding(self) -> tuple[Binding, ...]:

@@ -36,8 +36,11 @@ from sinuous.solving.starts import Deadline
 COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""
 
-CELLS = (1 << 14, 1 << 17, 1 << 19)
-"""Most cells of a search, by blocks of eight of which some nobody looks at."""
+CELLS = (1 << 14, 1 << 17)
+"""Most cells of a search, by blocks of eight of which some nobody looks at: at first, and where that is too few."""
+
+LARGEST = 1 << 19
+"""Most cells of the last search, which proves that large rooms are closed."""
 
 POINTS = 1024
 """Most points of a route."""
@@ -52,9 +55,9 @@ there is a door."""
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
-MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
-"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
-one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
+MEMORY = BufferPool(most=2, largest=memory_size(CELLS[-1]))
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most, but 62 MB
+for the largest one, which is not kept after the search; of the others two are."""
 
 
 class Plan(NamedTuple):
@@ -70,8 +73,6 @@ class Plan(NamedTuple):
         Most cells that are looked at.
     routes : int
         Most routes to find.
-    exact : bool
-        Whether to ask for exact distances, not for samples.
     prove : bool
         Whether to prove that there is none, where none is found.
     """
@@ -80,7 +81,6 @@ class Plan(NamedTuple):
     clearance: float
     cells: int
     routes: int
-    exact: bool
     prove: bool
 
 
@@ -135,7 +135,7 @@ class Searches:
     @property
     def single_plans(self) -> tuple[Plan, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
-        few, many, _ = CELLS
+        few, many = CELLS
         coarse, fine = self.coarse, self.fine
         edge = 2.0 * coarse.cell
         first = coarse._replace(cell=edge, clearance=_wide_enough(self._radius, edge))
@@ -145,7 +145,7 @@ class Searches:
 
     def leg_plans(self, finest: bool) -> tuple[Plan, ...]:
         """Searches for the route from one target to the next, the first of which that finds one."""
-        few, many, _ = CELLS
+        few, many = CELLS
         coarse, fine = self.coarse, self.fine
         among = ((fine, few), (fine, many), (coarse, few)) if finest else ((coarse, few), (fine, few), (fine, many))
         plans = [plan._replace(cells=cells) for plan, cells in among]
@@ -167,7 +167,6 @@ class Searches:
             clearance=plan.clearance,
             room=max(self._radius, 0.5 * plan.cell),
             most_cells=plan.cells,
-            exact=plan.exact,
             prove=plan.prove and query[QUERY_SHORTEST] > (1.0 + ROUNDING) * query[QUERY_FREE_LENGTH],
         )
         routes = np.empty((plan.routes, POINTS, 3))
@@ -187,7 +186,6 @@ class Searches:
             clearance=fine.clearance,
             room=max(self._radius, 0.5 * fine.cell),
             most_cells=0,
-            exact=False,
             prove=False,
         )
         route = np.empty((POINTS, 3))
@@ -320,4 +318,4 @@ def _plan_of(radius: float, length: float, coarse: bool) -> Plan:
     fine = 0.5 * radius
     cell = max(fine, length / COARSE) if coarse else fine
     clearance = _wide_enough(radius, cell) if cell > fine else radius - HALF_DIAGONAL * fine
-    return Plan(cell, clearance, CELLS[0], 1, False, False)
+    return Plan(cell, clearance, CELLS[0], 1, False)

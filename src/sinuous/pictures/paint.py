@@ -13,7 +13,7 @@ from sinuous.display.style import METAL, OBSTACLE, THINNEST, View
 from sinuous.pictures.facets import cut, normals, of_mesh, within
 from sinuous.pictures.space import screen
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
 
 SOLID, SEE_THROUGH = 1.0, 0.22
 """Opacity of obstacles, and of what of them is in front of a robot."""
@@ -29,6 +29,9 @@ BODY_AROUND = 20
 
 MANY, FEWER = 12, 22
 """From so many obstacles on, each has fewer facets around."""
+
+SOLIDS = (Sphere, Box, Capsule, Cylinder)
+"""Obstacles that are closed where the picture cuts them; rooms and half-spaces stay open."""
 
 CUT = 0.06
 """Longest side of the facets of an obstacle that goes on beyond the picture, as a share of the picture."""
@@ -61,7 +64,8 @@ def walls_of(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
             is_mesh = isinstance(obstacle, Mesh)
             facets = of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
             if (facets < bounds.low).any() or (facets > bounds.high).any():
-                facets = cut(within(facets, bounds.low, bounds.high), CUT * bounds.span)
+                solid = isinstance(obstacle, SOLIDS) and not getattr(obstacle, "inside", False)
+                facets = cut(within(facets, bounds.low, bounds.high, solid), CUT * bounds.span)
             walls.append(Walls(facets, is_mesh))
     return walls
 

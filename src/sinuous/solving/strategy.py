@@ -46,10 +46,6 @@ OPENING = 3
 OPENING_ALONE = 16
 """Starts of the first call where no attempt but scattered starts follows."""
 
-REST = 0.1
-"""Seconds that have to be left before the best start is brought to rest: that counts no looks, and takes up to so long
-for 60 segments (`benchmarks speed`, budgets, free)."""
-
 SHARE = 0.6
 """Scattered starts for each unit of cost in the ledger. More helps among balls, less in tubes."""
 
@@ -212,9 +208,11 @@ class Strategy:
         """
         if self._memory is None:
             return
-        if starts is not None:
-            found = found[~self._memory._shapes.alike(found[:, None], starts).any(axis=1)]
-        self._memory._learn(found)
+        if starts is not None and starts.shape[1]:
+            new: NDArray[np.bool_] = ~np.any(self._memory._shapes.alike(found[:, None], starts), axis=1)
+            self._memory._learn(found, new)
+        else:
+            self._memory._learn(found)
 
     def _remembered_batch(self, question: Question) -> Iterator[Batch]:
         count = REMEMBERED_SEVERAL if question.several else NEAREST

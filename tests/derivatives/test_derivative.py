@@ -149,32 +149,32 @@ def test_limits_that_move_push_the_answer() -> None:
     assert compared > 15
 
 
-def gap(problem: sn.Problem, q: Floats) -> float:
-    """Least distance between the surface of the body and the obstacles, densely sampled and then refined."""
+def gaps(problem: sn.Problem, q: Floats) -> Floats:
+    """Least distances (m,) between surfaces of bodies (m, n, 3) and the obstacles, densely sampled and then refined."""
     robot, scene = problem.robot, problem.scene
-    shares = np.linspace(0.0, 1.0, 401)
+    m, n = q.shape[:2]
+    shares = np.tile(np.linspace(0.0, 1.0, 401), (m, 1))
     for _ in range(4):
-        clearances = []
-        for k in range(len(robot)):
-            parts = np.repeat(q[None], len(shares), axis=0)
-            parts[:, k] *= shares[:, None]
-            clearances.append(scene.distance(robot.forward(parts)[:, k, :3, 3]) - robot.radii[k])
-        table = np.array(clearances)
-        i = int(np.unravel_index(table.argmin(), table.shape)[1])
-        width = shares[1] - shares[0]
-        shares = np.clip(np.linspace(shares[i] - width, shares[i] + width, 41), 0.0, 1.0)
-    return float(table.min())
+        parts = np.repeat(np.repeat(q[:, None, None], n, axis=1), shares.shape[1], axis=2)
+        for k in range(n):
+            parts[:, k, :, k] *= shares[..., None]
+        poses = robot.forward(parts.reshape(-1, n, 3)).reshape(*parts.shape[:3], n, 4, 4)
+        places = np.stack([poses[:, k, :, k, :3, 3] for k in range(n)], axis=1)
+        table = scene.distance(places.reshape(-1, 3)).reshape(places.shape[:3]) - np.array(robot.radii)[:, None]
+        least, width = table.min(axis=1).argmin(axis=1), shares[:, 1] - shares[:, 0]
+        middle = shares[np.arange(m), least]
+        shares = np.clip(middle[:, None] + width[:, None] * np.linspace(-1.0, 1.0, 41), 0.0, 1.0)
+    return np.asarray(table.min(axis=(1, 2)))
 
 
 def gap_gradient(found: Solution) -> Floats:
     """Its derivatives (3 n,) by central differences."""
-    q, scale = found.q, metric(found.problem.robot)
-    gradient = np.zeros(q.size)
-    for i in np.flatnonzero(scale):
-        step = np.zeros(q.size)
-        step[i] = 1e-6 * scale[i]
-        ends = [gap(found.problem, q + sign * step.reshape(q.shape)) for sign in (1.0, -1.0)]
-        gradient[i] = (ends[0] - ends[1]) / (2.0 * step[i])
+    scale = metric(found.problem.robot)
+    some = np.flatnonzero(scale)
+    steps = 1e-6 * np.diag(scale)[some].reshape(-1, *found.q.shape)
+    ahead, back = (gaps(found.problem, found.q + sign * steps) for sign in (1.0, -1.0))
+    gradient = np.zeros(found.q.size)
+    gradient[some] = (ahead - back) / (2e-6 * scale[some])
     return gradient
 
 
@@ -227,12 +227,12 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
         change = sum(derivative.clearance[name] @ way[name] for name in ALL)
         if not derivative.regular or not np.isfinite(change):
             continue
-        h, gaps = 1e-5, []
+        h, ends = 1e-5, []
         for sign in (1.0, -1.0):
             asked = question(found, way, sign * h)
             q = found.q + sign * h * derivative.jvp(way)
-            gaps.append(gap(sn.Problem(asked.robot, asked.targets, asked.scene), q))
-        assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
+            ends.append(gaps(sn.Problem(asked.robot, asked.targets, asked.scene), q[None])[0])
+        assert (ends[0] - ends[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
         compared += 1
     assert compared > 8
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sinuous.arguments import MethodName
 from sinuous.methods.learned.search import Learned
 from sinuous.methods.learned.training import FEWEST, train
 from sinuous.methods.registry import METHODS, name_of
@@ -78,10 +79,11 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
     return [*(own if "newton" in chosen else []), *geometry, *others]
 
 
-def _method(name: str) -> None:
+def _method(name: MethodName) -> None:
     """Use a method; `learned` with a network that learns as little as can be: training takes seconds."""
-    little = {"samples": 2 * FEWEST, "width": 1, "rounds": 1}
-    Solver(ROBOT, FAR, method=Learned(train(ROBOT, FAR, **little)) if name == "learned" else name)
+    learned = name == "learned"
+    method = Learned(train(ROBOT, FAR, samples=2 * FEWEST, width=1, rounds=1)) if learned else name
+    Solver(ROBOT, FAR, method=method)
 
 
 def _motions() -> None:

@@ -55,6 +55,7 @@ def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats,
     shares = 0.5 * (1.0 + NODES[:, None, None])
     centers = np.tensordot(0.5 * SHARES, _ends(shares[..., None] * bends, shares * extents), 1)
     turns, ends = _turns(bends) @ _roll(twists), _ends(bends, extents)
+    gravity = np.zeros(3) if robot.gravity is None else robot.gravity
     rotation, place = np.broadcast_to(robot.base[:3, :3], (len(states), 3, 3)), robot.base[:3, 3]
     total = _strain(own, q, states, length)
     long = np.zeros((len(states), len(lines.actuators)))
@@ -74,7 +75,7 @@ def _energy(robot: Robot, own: Body, q: Floats, states: Floats) -> tuple[Floats,
         if k == own.ends[segment]:
             for load in robot.payload:
                 if (load.segment or len(robot)) == segment + 1:
-                    total = total - load.mass * ((place + rotation @ load.position) @ robot.gravity)
+                    total = total - load.mass * ((place + rotation @ load.position) @ gravity)
     return total, long
 
 
@@ -85,9 +86,7 @@ def _strain(own: Body, q: Floats, states: Floats, length: Floats) -> Floats:
     rest = np.where(own.pulled[:, None], own.rest, q[:, :2]) / own.counts[:, None]
     bent = states[..., :2] - _turned(_roll(0.5 * states[..., 2])[..., :2, :2], rest[own.owners])
     result: Floats = 0.5 * (
-        np.square(bent).sum(axis=-1) @ bend
-        + states[..., 2] ** 2 @ twist
-        + (states[..., 3] - length) ** 2 @ stretch
+        np.square(bent).sum(axis=-1) @ bend + states[..., 2] ** 2 @ twist + (states[..., 3] - length) ** 2 @ stretch
     )
     return result
 

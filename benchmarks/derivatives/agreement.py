@@ -1,23 +1,47 @@
 """Whether differences of answers agree with derivatives, in every family; and how many answers are regular."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import islice
+from typing import NamedTuple
 
+import numpy as np
 from numpy.random import Generator
 
-from benchmarks.derivatives.differences import ALL, agreement, random_tangent
-from benchmarks.derivatives.families import FAMILIES, draw, solver_for
+from benchmarks.derivatives.differences import (
+    ALL,
+    SHARES,
+    Tangent,
+    agreement,
+    least_gaps,
+    minimum_again,
+    question,
+    random_tangent,
+)
+from benchmarks.derivatives.families import FAMILIES, SHAPES, draw, loaded, preferred, solver_for
 from benchmarks.harness.lines import Goal, Line
 from benchmarks.harness.plan import Plan
+from sinuous.arguments import LoadParameter
 from sinuous.checks import Floats
+from sinuous.errors import InputError, NotSolvedError
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.solution.solution import Solution
+from sinuous.statics.equilibrium import find_equilibrium
+from sinuous.statics.response import GROUPS as LOADS
 
 SECTION = "derivatives against central differences of answers that are solved again from them"
 WRONG = 1e-6
 """Relative difference from which on a derivative that was called regular is wrong."""
 
+MANY = 153_000
+"""Answers that would be asked for if each draw made as many as it can; 100,000 are left."""
+
 BESIDE = 16
 """Answers near each one that is drawn, whose targets are moved a little."""
+
+DEAR = 6
+"""The same where to compare one takes long."""
 
 TOLD = 10
 """Most wrong ones that are named: the draw, and which of the answers beside it."""
@@ -26,30 +50,101 @@ AWAY = 0.01
 """How far their targets are moved: rad, and mean lengths of the robot."""
 
 
+class Compared(NamedTuple):
+    """What became of one derivative: whether it was called regular, and then its relative difference."""
+
+    regular: bool
+    error: float = np.nan
+
+
 def measure(plan: Plan, family: str) -> Iterator[Line]:
     """Lines of a family: the share of regular answers, wrong ones among them, the worst of those that agree."""
-    count, number = plan.count(100_000 // (len(FAMILIES) * (BESIDE + 1)), 12), list(FAMILIES).index(family)
+    count, number = plan.count(MANY // (len(COMPARED) * (BESIDE + 1)), 12), list(COMPARED).index(family)
     total = regular = 0
     worst, wrong = 0.0, list[str]()
     for i in plan.track(range(count), family, count):
-        rng = plan.rng(83, number, i)
-        for j, found in enumerate(_some(family, rng)):
+        for j, each in enumerate(COMPARED[family](plan.rng(83, number, i))):
             total += 1
-            way = random_tangent(found, rng)
-            if j:  # for the others targets alone, which needs no other robot
-                way = {"target": way["target"]}
-            derivative = found.derivative(ALL if j == 0 else "target")
-            if derivative.regular:
-                regular += 1
-                error = agreement(found, derivative.jvp(way), way).error
-                if error <= WRONG:
-                    worst = max(worst, error)
-                else:
-                    wrong.append(f"{i}.{j}")
+            regular += each.regular
+            if each.error <= WRONG:
+                worst = max(worst, each.error)
+            elif each.regular:
+                wrong.append(f"{i}.{j}")
     yield Line(SECTION, f"{family}: regular", 100.0 * regular / max(total, 1), "%", note=f"of {total:,} answers")
     told = ", ".join(wrong[:TOLD])
     yield Line(SECTION, f"{family}: wrong among those", float(len(wrong)), "", Goal(0.0, correctness=True), note=told)
     yield Line(SECTION, f"{family}: largest difference of the others", worst, "", Goal(WRONG))
+
+
+def _answers(family: str, rng: Generator) -> Iterator[Compared]:
+    """Of answers, along a motion of all parameters at once the first, of the target those beside it."""
+    for j, found in enumerate(_some(family, rng)):
+        way = random_tangent(found, rng)
+        if j:  # for the others targets alone, which needs no other robot
+            way = {"target": way["target"]}
+        derivative = found.derivative(ALL if j == 0 else "target")
+        yield (
+            Compared(True, agreement(found, derivative.jvp(way), way).error) if derivative.regular else Compared(False)
+        )
+
+
+def _clearances(rng: Generator) -> Iterator[Compared]:
+    """Of clearances beside obstacles, along a motion of all parameters at once."""
+    for found in islice(_some("beside obstacles", rng), DEAR):
+        derivative, way = found.derivative(ALL), random_tangent(found, rng)
+        assert derivative.clearance is not None
+        change = float(np.sum([derivative.clearance[name] @ way[name] for name in ALL]))
+        motion = derivative.jvp(way)
+        if not derivative.regular or not np.isfinite(change):
+            yield Compared(False)
+            continue
+        error, size = np.inf, found.problem.robot.mean_length
+        for h in SHARES[:3]:
+            ends = [_gap_at(found, way, sign * h, motion) for sign in (1.0, -1.0)]
+            error = min(error, abs((ends[0] - ends[1]) / (2.0 * h) - change) / max(abs(change), size))
+        yield Compared(True, error)
+
+
+def _gap_at(found: Solution, way: Tangent, h: float, motion: Floats) -> float:
+    asked = question(found, way, h)
+    return float(least_gaps(Problem(asked.robot, asked.targets, asked.scene), (found.q + h * motion)[None])[0])
+
+
+def _preferred(rng: Generator) -> Iterator[Compared]:
+    """Of answers that preferences have chosen, along motions of all parameters at once."""
+    for shape in SHAPES:
+        found = preferred(shape, rng).found
+        if not found.solved:
+            continue
+        derivative = found.derivative(ALL)
+        for _ in range(DEAR // len(SHAPES)):
+            way = random_tangent(found, rng)
+            yield (
+                Compared(True, agreement(found, derivative.jvp(way), way, solved=minimum_again).error)
+                if derivative.regular
+                else Compared(False)
+            )
+
+
+def _loaded(rng: Generator) -> Iterator[Compared]:
+    """Of shapes under load: one parameter each, against shapes that are found anew, with two steps."""
+    try:
+        found = loaded(rng)
+    except (InputError, NotSolvedError):
+        return
+    groups: tuple[LoadParameter, ...] = "loads", "payload", "gravity", "stiffness", "base", "q"
+    derivative = found.derivative(groups)
+    columns = [(name, i) for name in groups for i in range(len(derivative.labels(name)))]
+    for at in rng.permutation(len(columns))[: BESIDE + 1]:
+        if not derivative.regular:
+            yield Compared(False)
+            continue
+        name, i = columns[at]
+        column = list(LOADS[name](found.question))[i]
+        ends = [find_equilibrium(column.changed(h * column.scale)).states for h in (1e-3, -1e-3, 5e-4, -5e-4)]
+        change = (8.0 * (ends[2] - ends[3]) - (ends[0] - ends[1])) / 6e-3 / column.scale
+        scale = np.abs(derivative.states[name]).max()
+        yield Compared(True, float(np.abs(derivative.states[name][..., i] - change).max() / scale))
 
 
 def _some(family: str, rng: Generator) -> Iterator[Solution]:
@@ -80,3 +175,12 @@ def _at(found: Solution, i: int, q: Floats) -> Target:
         rotation=None if target.rotation is None else pose[:3, :3],
         segment=target.segment,
     )
+
+
+COMPARED: dict[str, Callable[[Generator], Iterator[Compared]]] = {
+    **{family: partial(_answers, family) for family in FAMILIES},
+    "clearances": _clearances,
+    "preferred": _preferred,
+    "under load": _loaded,
+}
+"""What is derived and compared with differences."""

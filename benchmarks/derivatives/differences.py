@@ -1,5 +1,6 @@
 """Differences of answers: solve again, from the answer, after the parameters have moved a little both ways."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,9 +10,11 @@ from scipy.spatial.transform import Rotation
 from benchmarks.derivatives.families import solver_for
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
+from sinuous.derivatives.derivative import derivative_of
 from sinuous.derivatives.parameters import GROUPS, circles_of
 from sinuous.errors import InputError
 from sinuous.kernels.tables import LENGTH_SCALE
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target
 from sinuous.robot.actuators import Lines
 from sinuous.robot.robot import Robot
@@ -187,6 +190,40 @@ def again(found: Solution, way: Tangent, h: float) -> Floats | None:
     return again.q if again.solved else None
 
 
+def minimum_again(found: Solution, way: Tangent, h: float) -> Floats | None:
+    """Find the minimum of what is preferred after the parameters have moved, from where it was."""
+    wish, near = found._wish(), found.derivative().configuration
+    if wish is None or wish.reference is None:
+        return None
+    asked = question(found, way, h)
+    begin, reference = near + asked.initial - found.q, wish.reference + asked.initial - found.q
+    problem = Problem(asked.robot, asked.targets, asked.scene, found.problem.tolerance)
+    moved = derivative_of(problem, begin, "target", True, wish._replace(reference=reference))
+    return moved.configuration if moved.regular else None
+
+
+def least_gaps(problem: Problem, q: Floats) -> Floats:
+    """Least distances (m,) of bodies (m, n, 3) from the obstacles, densely sampled and then refined."""
+    robot, scene = problem.robot, problem.scene
+    m, n = q.shape[:2]
+    shares = np.tile(np.linspace(0.0, 1.0, 401), (m, 1))
+    for _ in range(4):
+        parts = np.repeat(np.repeat(q[:, None, None], n, axis=1), shares.shape[1], axis=2)
+        for k in range(n):
+            parts[:, k, :, k] *= shares[..., None]
+        poses = robot.forward(parts.reshape(-1, n, 3)).reshape(*parts.shape[:3], n, 4, 4)
+        places = np.stack([poses[:, k, :, k, :3, 3] for k in range(n)], axis=1)
+        table = scene.distance(places.reshape(-1, 3)).reshape(places.shape[:3]) - np.array(robot.radii)[:, None]
+        least, width = table.min(axis=1).argmin(axis=1), shares[:, 1] - shares[:, 0]
+        middle = shares[np.arange(m), least]
+        shares = np.clip(middle[:, None] + width[:, None] * np.linspace(-1.0, 1.0, 41), 0.0, 1.0)
+    return np.asarray(table.min(axis=(1, 2)))
+
+
+Solved = Callable[[Solution, Tangent, float], Floats | None]
+"""What finds the answer after the parameters have moved."""
+
+
 class Agreement(NamedTuple):
     """How well a derivative along a tangent agrees with differences.
 
@@ -202,13 +239,15 @@ class Agreement(NamedTuple):
     step: float
 
 
-def agreement(found: Solution, motion: Floats, way: Tangent, one_sided: bool = False) -> Agreement:
+def agreement(
+    found: Solution, motion: Floats, way: Tangent, one_sided: bool = False, solved: Solved = again
+) -> Agreement:
     """Compare a derivative (n, 3) along a tangent with central differences, or with those to one side."""
     scale = np.array([1.0, 1.0, found.problem.robot.mean_length])
     best = Agreement(np.inf, np.nan)
     for h in SHARES:
-        after = again(found, way, h)
-        before = found.q if one_sided else again(found, way, -h)
+        after = solved(found, way, h)
+        before = found.q if one_sided else solved(found, way, -h)
         if after is None or before is None:
             continue
         change = (after - before) / (h if one_sided else 2.0 * h)

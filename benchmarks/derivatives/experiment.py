@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from benchmarks.derivatives import agreement
-from benchmarks.derivatives.families import FAMILIES
+from benchmarks.derivatives.agreement import COMPARED
+from benchmarks.derivatives.agreement import measure as measure_family
 from benchmarks.harness.experiment import Measurement, OfSections
 from benchmarks.harness.plan import Plan
 
@@ -29,6 +29,7 @@ class OfDerivatives(OfSections):
         """One section is one piece; of agreement each family is one, so that a run goes on after the last."""
         for name, measure in super().parts():
             if name == "agreement":
-                yield from ((f"{name} {family}", partial(agreement.measure, self.plan, family)) for family in FAMILIES)
+                for family in COMPARED:
+                    yield f"{name} {family}", partial(measure_family, self.plan, family)
             else:
                 yield name, measure

@@ -1,6 +1,7 @@
 """Answers of all kinds, made so that something is active in them: limits, actuators, obstacles, the body itself."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -9,15 +10,19 @@ from scipy.spatial.transform import Rotation
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.packing import MARGIN
+from sinuous.problem.preferences import Preferences
 from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.actuators import Chambers, Tendons
+from sinuous.robot.loads import Force, Payload
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from sinuous.robot.stiffness import Stiffness
 from sinuous.scene.meshes.mesh import Mesh
 from sinuous.scene.obstacles import Box, Capsule, Cylinder, HalfSpace, Obstacle, Sphere
 from sinuous.solution.solution import Solution
 from sinuous.solving.solver import Solver
+from sinuous.statics.equilibrium import Equilibrium
 
 EXACT = 1e-12
 """Tolerances of answers and of their differences: mean lengths of the robot, rad."""
@@ -273,3 +278,39 @@ def draw(family: str, rng: Generator) -> Solution | None:
     except InputError:
         return None
     return found if found.solved else None
+
+
+SHAPES = {"straight": (1e-4, 1e-2), "bent": (0.5, 2.0), "pi": (3.0, 3.14)}
+"""Least and largest bend of the shapes that are preferred."""
+
+
+class Preferred(NamedTuple):
+    """An answer near a start, which is preferred, and so are small bends; and that start (n, 3)."""
+
+    found: Solution
+    prefer: Preferences
+    start: Floats
+
+
+def preferred(shape: str, rng: Generator) -> Preferred:
+    """Draw an answer that preferences have chosen."""
+    robot = random_robot(rng, lines=True)
+    robot = robot.changed(segments=[each.changed(max_bend=3.5) for each in robot.segments])
+    low, high = robot.limits[:, :2].T
+    ways = np.array([unit(rng)[:2] for _ in range(len(robot))])
+    q = np.column_stack([ways, low + rng.uniform(0.2, 0.8, len(robot)) * (high - low)])
+    q[:, :2] *= rng.uniform(*SHAPES[shape], (len(robot), 1)) / np.linalg.norm(q[:, :2], axis=1, keepdims=True)
+    asked = q + 0.02 * rng.normal(size=q.shape) * robot.limits[:, [5, 5, 6]]
+    prefer = Preferences(start=1.0, bends=float(rng.choice([0.0, 0.01])))
+    solver = Solver(robot, tolerance=Tolerance(1e-9 * robot.mean_length, 1e-9), prefer=prefer, routes=False)
+    return Preferred(solver.solve(targets_at(robot, asked, rng), q), prefer, q)
+
+
+def loaded(rng: Generator) -> Equilibrium:
+    """Draw a shape under load: of a robot of 1 to 3 elastic segments, in gravity, with a payload and a force."""
+    rod = Stiffness(bend=1.0, twist=rng.uniform(0.5, 1.5), stretch=10.0 ** rng.uniform(1.0, 3.0))
+    segments = [Segment((0.3, 0.6), radius=0.01)] * int(rng.integers(1, 4))
+    carried = Payload(rng.uniform(0.01, 0.1), 0.02 * rng.normal(size=3))
+    robot = Robot(segments, stiffness=rod, mass=0.3, arcs=4, gravity=3.0 * rng.normal(size=3), payload=carried)
+    loads = [Force(0.5 * rng.normal(size=3), 0.1 * rng.normal(size=3), position=0.05 * rng.normal(size=3))]
+    return robot.shape(random_shape(robot, rng), loads)

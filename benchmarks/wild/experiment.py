@@ -9,7 +9,7 @@ from benchmarks.harness import reference
 from benchmarks.harness.experiment import Findings, InTurn, Piece, chosen
 from benchmarks.harness.lines import Line
 from benchmarks.harness.plan import Plan
-from benchmarks.wild import audit, branches, calls, curled, doors, motions, worlds
+from benchmarks.wild import audit, branches, calls, curled, doors, loaded, motions, worlds
 from benchmarks.wild.tally import Tally
 from benchmarks.wild.trials import examine
 from benchmarks.wild.worlds import World
@@ -155,7 +155,7 @@ def _tallied(make: Callable[[int], World], numbers: range) -> dict[str, Any]:
 
 def _judges() -> dict[str, Callable[[int, int], Sequence[Any]]]:
     """What makes and judges a motion or a call, from a seed and a number, by kind."""
-    return {**motions.KINDS, **calls.KINDS}
+    return {**motions.KINDS, **loaded.KINDS, **calls.KINDS}
 
 
 def _moved(judge: Callable[[int], Sequence[Any]], numbers: range) -> dict[str, Any]:

@@ -129,7 +129,7 @@ def ticks(seed: int, number: int) -> Judged:
         else:
             step = solver.step(q, twist, TICK, rates=rates)
         false = (
-            _refuted(robot, Scene.of(step.scene), _between(step.initial, step.q, TICK_SAMPLES)) if step.proved else ""
+            _refuted(robot, Scene.of(step.scene), between(step.initial, step.q, TICK_SAMPLES)) if step.proved else ""
         )
         proved, false = proved or step.proved, false or _too_fast(most, step.q - step.initial)
         if false:
@@ -211,10 +211,10 @@ def _strained(seed: int, number: int) -> World:
 def _along(q: Floats) -> Floats:
     """Configurations (k, n, 3) along a motion with knots (m, n, 3), about `SAMPLES` of them."""
     count = max(1, SAMPLES // (len(q) - 1))
-    return np.concatenate([*(_between(a, b, count) for a, b in pairwise(q)), q[-1:]])
+    return np.concatenate([*(between(a, b, count) for a, b in pairwise(q)), q[-1:]])
 
 
-def _between(one: Floats, other: Floats, count: int) -> Floats:
+def between(one: Floats, other: Floats, count: int) -> Floats:
     """Configurations (count, n, 3) from one to before another, linear in q."""
     shares = np.arange(count)[:, None, None] / count
     return np.asarray((1.0 - shares) * one + shares * other)

@@ -211,6 +211,10 @@ def test_bad_measurements_are_refused() -> None:
     refused("groups", lambda: sn.calibrate(DRAWN, values, tips, groups=["a"]), "30")
     refused("fit[0]", lambda: sn.calibrate(DRAWN, values, tips, fit=["bases"]), "base")
     refused("robot", lambda: sn.calibrate(sn.Robot([sn.Segment(1.0)]), values, tips), "actuators")
+    loose = DRAWN.changed(segments=[each.changed(length=(40, 60)) for each in DRAWN.segments])
+    told = "no actuator determines length of s1 (segment 1), length of s2"
+    refused("robot", lambda: sn.calibrate(loose, values, tips), told)
+    refused("robot", lambda: sn.suggest(loose, 5), told)
     stage = sn.Robot([sn.Segment((0.0, 100.0), stage=sn.Stage(), max_bend=0.0)])
     assert not can_stretch(stage)
     lengths = np.linspace(1.0, 90.0, 20)[:, None]

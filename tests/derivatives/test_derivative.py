@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from benchmarks.derivatives.differences import ALL, Tangent, again, agreement, question, random_tangent
+from benchmarks.derivatives.differences import ALL, Tangent, again, agreement, least_gaps, question, random_tangent
 from benchmarks.derivatives.families import FAMILIES, OBSTACLES, draw, touching
 from sinuous.arguments import Parameter
 from sinuous.checks import Floats
@@ -149,30 +149,12 @@ def test_limits_that_move_push_the_answer() -> None:
     assert compared > 15
 
 
-def gaps(problem: sn.Problem, q: Floats) -> Floats:
-    """Least distances (m,) between surfaces of bodies (m, n, 3) and the obstacles, densely sampled and then refined."""
-    robot, scene = problem.robot, problem.scene
-    m, n = q.shape[:2]
-    shares = np.tile(np.linspace(0.0, 1.0, 401), (m, 1))
-    for _ in range(4):
-        parts = np.repeat(np.repeat(q[:, None, None], n, axis=1), shares.shape[1], axis=2)
-        for k in range(n):
-            parts[:, k, :, k] *= shares[..., None]
-        poses = robot.forward(parts.reshape(-1, n, 3)).reshape(*parts.shape[:3], n, 4, 4)
-        places = np.stack([poses[:, k, :, k, :3, 3] for k in range(n)], axis=1)
-        table = scene.distance(places.reshape(-1, 3)).reshape(places.shape[:3]) - np.array(robot.radii)[:, None]
-        least, width = table.min(axis=1).argmin(axis=1), shares[:, 1] - shares[:, 0]
-        middle = shares[np.arange(m), least]
-        shares = np.clip(middle[:, None] + width[:, None] * np.linspace(-1.0, 1.0, 41), 0.0, 1.0)
-    return np.asarray(table.min(axis=(1, 2)))
-
-
 def gap_gradient(found: Solution) -> Floats:
-    """Its derivatives (3 n,) by central differences."""
+    """Derivatives (3 n,) of the least distance from the obstacles, by central differences."""
     scale = metric(found.problem.robot)
     some = np.flatnonzero(scale)
     steps = 1e-6 * np.diag(scale)[some].reshape(-1, *found.q.shape)
-    ahead, back = (gaps(found.problem, found.q + sign * steps) for sign in (1.0, -1.0))
+    ahead, back = (least_gaps(found.problem, found.q + sign * steps) for sign in (1.0, -1.0))
     gradient = np.zeros(found.q.size)
     gradient[some] = (ahead - back) / (2e-6 * scale[some])
     return gradient
@@ -227,12 +209,12 @@ def test_the_derivative_of_the_clearance_agrees_with_differences() -> None:
         change = sum(derivative.clearance[name] @ way[name] for name in ALL)
         if not derivative.regular or not np.isfinite(change):
             continue
-        h, ends = 1e-5, []
+        h, gaps = 1e-5, []
         for sign in (1.0, -1.0):
             asked = question(found, way, sign * h)
             q = found.q + sign * h * derivative.jvp(way)
-            ends.append(gaps(sn.Problem(asked.robot, asked.targets, asked.scene), q[None])[0])
-        assert (ends[0] - ends[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
+            gaps.append(least_gaps(sn.Problem(asked.robot, asked.targets, asked.scene), q[None])[0])
+        assert (gaps[0] - gaps[1]) / (2.0 * h) == pytest.approx(change, rel=1e-6, abs=1e-6 * _size(found))
         compared += 1
     assert compared > 8
 

@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 
 import sinuous as sn
 from benchmarks.derivatives.differences import ALL, Tangent, question, random_tangent
-from benchmarks.derivatives.families import random_robot, targets_at, unit
+from benchmarks.derivatives.families import SHAPES, preferred
 from sinuous.checks import Floats
 from sinuous.derivatives.rows import metric
 from sinuous.solution.constraints import limits_of
@@ -16,28 +16,6 @@ from sinuous.solution.solution import Solution
 TOLERANCE = 1e-6
 STEP = 1e-4
 """Of the differences: rad, and mean lengths of the robot."""
-
-SHAPES = {"straight": (1e-4, 1e-2), "bent": (0.5, 2.0), "pi": (3.0, 3.14)}
-"""Least and largest bend of the shapes that are preferred."""
-
-
-def drawn(shape: str, seed: int) -> tuple[Solution, sn.Preferences, Floats]:
-    """An answer near a start, which is preferred, and so are small bends; and that start."""
-    rng = np.random.default_rng([seed, list(SHAPES).index(shape)])
-    robot = random_robot(rng, lines=True)
-    robot = robot.changed(segments=[each.changed(max_bend=3.5) for each in robot.segments])
-    low, high = robot.limits[:, :2].T
-    q = np.column_stack(
-        [
-            *(np.array([unit(rng)[:2] for _ in range(len(robot))])).T,
-            low + rng.uniform(0.2, 0.8, len(robot)) * (high - low),
-        ]
-    )
-    q[:, :2] *= rng.uniform(*SHAPES[shape], (len(robot), 1)) / np.linalg.norm(q[:, :2], axis=1, keepdims=True)
-    asked = q + 0.02 * rng.normal(size=q.shape) * robot.limits[:, [5, 5, 6]]
-    prefer = sn.Preferences(start=1.0, bends=float(rng.choice([0.0, 0.01])))
-    solver = sn.Solver(robot, tolerance=sn.Tolerance(1e-9 * robot.mean_length, 1e-9), prefer=prefer, routes=False)
-    return solver.solve(targets_at(robot, asked, rng), q), prefer, q
 
 
 def minimum(problem: sn.Problem, prefer: sn.Preferences, start: Floats, near: Floats) -> Floats:
@@ -85,7 +63,7 @@ def differences(found: Solution, prefer: sn.Preferences, start: Floats, way: Tan
 def test_minima_that_move_agree_with_differences(shape: str) -> None:
     regular = 0
     for seed in range(3):
-        found, prefer, start = drawn(shape, seed)
+        found, prefer, start = preferred(shape, np.random.default_rng([seed, list(SHAPES).index(shape)]))
         if not found.solved:
             continue
         derivative, way = found.derivative(ALL), random_tangent(found, np.random.default_rng(seed))

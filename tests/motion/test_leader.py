@@ -162,6 +162,20 @@ def test_drawn_back_its_tip_is_at_the_base_of_before() -> None:
     assert [actuator.name for actuator in robot.actuators] == [actuator.name for actuator in ARM.actuators]
 
 
+def test_what_is_known_of_each_segment_goes_onto_the_stage_too() -> None:
+    arm = ARM.changed(
+        clearance=(1, 2),
+        self_clearance=(3, 4),
+        uncertainty=sn.Uncertainty((0.5, 0.7), 0.99),
+        payload=sn.Payload(2, segment=1),
+    )
+    robot = sn.on_stage(arm, 100)
+    assert (robot.clearance, robot.self_clearance) == ((1, 1, 2), (3, 3, 4))
+    assert robot.uncertainty is not None
+    assert (robot.uncertainty.bound, robot.uncertainty.level) == ((0.5, 0.5, 0.7), 0.99)
+    assert [(load.mass, load.segment) for load in robot.payload] == [(2, 2)]
+
+
 def test_actuators_of_the_arm_stay_what_they_are() -> None:
     driven = sn.Robot.uniform(2, 50.0, actuators=sn.Actuators(np.eye(6)[[0, 4]], names=["a", "b"], limits=(-1, 1)))
     robot = sn.on_stage(driven, 100)

@@ -10,7 +10,7 @@ from sinuous import checks
 from sinuous.arguments import HasArray, Names, Number, Rows, Stack, Whole
 from sinuous.calibration.calibration import LEVEL, Calibration, Parameter, Trial, bound_of
 from sinuous.calibration.fit import DRAWING, Fit, State, begun, errors, extended, fitted, left_out
-from sinuous.calibration.measurements import Measurements, Place, read
+from sinuous.calibration.measurements import Measurements, Place, read, refuse_loose
 from sinuous.calibration.model import derivatives, model, shapes
 from sinuous.calibration.parameters import ORDER, Group, GroupName, Values, can_stretch, changed, elastic, group
 from sinuous.checks import Floats
@@ -288,7 +288,13 @@ def suggest(robot: Robot, n: Whole, *, fit: Names | None = None, seed: Whole = 0
     Returns
     -------
     ndarray (n, m)
+
+    Raises
+    ------
+    InputError
+        When actuators do not determine the shape of the robot, or an argument is not what it should be.
     """
+    refuse_loose(robot)
     count = checks.integer("n", n, 1, 10_000)
     generator = np.random.default_rng(checks.integer("seed", seed, 0, 2**31))
     names = _names(fit, "base") or ORDER

@@ -11,6 +11,7 @@ from sinuous import checks
 from sinuous.arguments import HasArray, Number, Rows, Stack
 from sinuous.checks import Floats
 from sinuous.errors import InputError
+from sinuous.robot.inverse import listed
 from sinuous.robot.robot import Robot
 
 LEVER = 0.1
@@ -84,6 +85,15 @@ class Measurements(NamedTuple):
         return Measurements(*arrays, self.rows[chosen], self.dropped, self.levers)
 
 
+def refuse_loose(robot: Robot) -> None:
+    """Refuse a robot whose actuators do not determine its shape."""
+    if not len(robot.drive):
+        raise InputError("robot", "has no actuators", robot, "tendons, chambers, stages or Actuators")
+    if robot.undetermined:
+        problem = f"no actuator determines {listed(robot.undetermined)}"
+        raise InputError("robot", problem, robot, "a robot whose shape follows from its actuators")
+
+
 def read(
     robot: Robot,
     actuators: Stack,
@@ -94,8 +104,7 @@ def read(
     unit: Number,
 ) -> Measurements:
     """Check what was measured; see `sinuous.calibrate`."""
-    if not len(robot.drive):
-        raise InputError("robot", "has no actuators", robot, "tendons, chambers, stages or Actuators")
+    refuse_loose(robot)
     values = _numbers("actuators", actuators, (None, len(robot.drive)))
     given = _numbers("measured", measured, None)
     factor = checks.number("unit", unit, above=0.0)

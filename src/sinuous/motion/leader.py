@@ -16,8 +16,10 @@ from sinuous.motion.report import Report
 from sinuous.problem.curve import Curve
 from sinuous.problem.target import Tolerance
 from sinuous.robot.actuators import Stage
+from sinuous.robot.loads import Payload
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
+from sinuous.robot.uncertainty import Uncertainty
 from sinuous.scene.scene import SceneLike
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
@@ -89,18 +91,24 @@ def on_stage(robot: Robot, travel: Number, name: str = "stage", motor: Stage | N
         wider = np.hstack([np.zeros((len(linear.matrix), 3)), linear.matrix])
         linear = linear.changed(matrix=wider)
     named = [s.changed(name=n) for s, n in zip(robot.segments, robot.segment_names, strict=True)]
+    unsure = robot.uncertainty
+    carried = [
+        load if load.segment is None else Payload(load.mass, load.position, load.segment + 1) for load in robot.payload
+    ]
     return robot.changed(
         segments=[stage, *named],
         base=robot.base @ back,
         actuators=linear,
         clearance=_of_stage_too(robot.clearance),
         self_clearance=_of_stage_too(robot.self_clearance),
+        uncertainty=None if unsure is None else Uncertainty(_of_stage_too(unsure.bound), unsure.level),
+        payload=carried or None,
     )
 
 
-def _of_stage_too(demanded: float | tuple[float, ...]) -> float | tuple[float, ...]:
-    """What is demanded of each segment; of the stage it is that of the first one."""
-    return (demanded[0], *demanded) if isinstance(demanded, tuple) else demanded
+def _of_stage_too(known: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    """What is demanded or not known of each segment; of the stage it is that of the first one."""
+    return (known[0], *known) if isinstance(known, tuple) else known
 
 
 def follow_the_leader(

@@ -85,14 +85,15 @@ class Inverse(Frozen):
             found = found + product(flat(reference), self._of_reference)
         return found.reshape(*found.shape[:-1], len(self.undetermined), 3)
 
-    def refuse_undetermined(self, names: Sequence[str]) -> None:
-        """Refuse to do without a reference when a coordinate of one of these segments is undetermined."""
-        places = [(int(k), COORDINATES[c]) for k, c in np.argwhere(self.undetermined)]
-        if places:
-            listed = [f"{coordinate} of {names[k]} (segment {k + 1})" for k, coordinate in places[:MOST_NAMED]]
-            more = f" and {len(places) - MOST_NAMED} more" if len(places) > MOST_NAMED else ""
-            expected = f"a configuration for what no actuator determines: {', '.join(listed)}{more}"
-            raise InputError("initial", "missing", None, expected)
+    def named(self, names: Sequence[str]) -> list[str]:
+        """Name the coordinates that are undetermined, of segments with these names."""
+        return [f"{COORDINATES[c]} of {names[k]} (segment {k + 1})" for k, c in np.argwhere(self.undetermined)]
+
+
+def listed(coordinates: Sequence[str]) -> str:
+    """Name some of the coordinates, and how many more there are."""
+    more = f" and {len(coordinates) - MOST_NAMED} more" if len(coordinates) > MOST_NAMED else ""
+    return ", ".join(coordinates[:MOST_NAMED]) + more
 
 
 def fitting(

@@ -14,13 +14,14 @@ from sinuous.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollisio
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.guesses import answers_attributes
 from sinuous.notebook import NotebookMixin
 from sinuous.poses import as_pose
 from sinuous.reprs import call, text
 from sinuous.robot import limits
 from sinuous.robot.actuation import Actuation, Actuator, coupled_rows
 from sinuous.robot.actuators import Actuators, Chambers, Tendons
-from sinuous.robot.inverse import Inverse, answer_contradictions, fitting
+from sinuous.robot.inverse import Inverse, answer_contradictions, fitting, listed
 from sinuous.robot.limits import Violation, curvature_limits, held_back
 from sinuous.robot.loads import Loads, Payload, load_list, payload_list
 from sinuous.robot.names import MOST_SEGMENTS, each_segment, optional_name, segment_number
@@ -66,6 +67,15 @@ class RobotArguments(WholeArguments, total=False):
     radius: Number | None
 
 
+@answers_attributes(
+    fk="robot.tip(q), and robot.forward(q) for the ends of all segments",
+    forward_kinematics="robot.tip(q), and robot.forward(q) for the ends of all segments",
+    ik="sn.solve(robot, target, scene)",
+    inverse_kinematics="sn.solve(robot, target, scene)",
+    solve="sn.solve(robot, target, scene)",
+    plot="sn.plot(robot)",
+    show="sn.show(robot)",
+)
 class Robot(NotebookMixin, Frozen):
     """A continuum robot: segments from base to tip, where it stands, and what it carries.
 
@@ -570,8 +580,9 @@ class Robot(NotebookMixin, Frozen):
         """
         names = [actuator.name for actuator in self.actuators]
         values, reference = fitting(actuators, initial, names, len(self))
-        if reference is None:
-            self._inverse.refuse_undetermined(self.segment_names)
+        if reference is None and self.undetermined:
+            expected = f"a configuration for what no actuator determines: {listed(self.undetermined)}"
+            raise InputError("initial", "missing", None, expected)
         found = self.without_load(self.drive.motors.displacements(values), reference)
         answer_contradictions(self.drive, values, found, tolerance, self.mean_length)
         return found
@@ -607,6 +618,11 @@ class Robot(NotebookMixin, Frozen):
         lead = self.configuration("q", q).shape[:-2]
         jacobian = self.drive.value_jacobian
         return np.broadcast_to(jacobian, (*lead, *jacobian.shape))
+
+    @cached_property
+    def undetermined(self) -> tuple[str, ...]:
+        """What no actuator determines, like `length of s2 (segment 2)`: `from_actuators` takes it from `initial`."""
+        return tuple(self._inverse.named(self.segment_names))
 
     @cached_property
     def _inverse(self) -> Inverse:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.wild import calls
+from benchmarks.wild import calls, odd
 from benchmarks.wild.calls import Called
 from sinuous.errors import InputError
 
@@ -42,8 +42,8 @@ def test_what_ends_otherwise_is_wrong(monkeypatch: pytest.MonkeyPatch, error: Ex
 def test_shapes_are_within_limits() -> None:
     for number in range(30):
         rng = np.random.default_rng(number)
-        robot = calls._robot(rng)
-        assert not robot.violations(calls._shape(robot, rng))
+        robot = odd.robot(rng)
+        assert not robot.violations(odd.shape(robot, rng))
 
 
 @pytest.mark.parametrize("what", ["solve", "track", "check", "job"])

@@ -13,7 +13,7 @@ from benchmarks.harness.plan import Plan
 from benchmarks.judges.judge import judge
 from benchmarks.judges.kinematics import tip_poses
 from benchmarks.problems import random_configurations
-from benchmarks.wild import audit, branches, calls, curled, doors, experiment, motions, replay, scan, worlds
+from benchmarks.wild import audit, branches, calls, curled, doors, experiment, loaded, motions, replay, scan, worlds
 from benchmarks.wild.audit import KINDS
 from benchmarks.wild.experiment import Wild
 from benchmarks.wild.tally import MANY, Tally
@@ -31,6 +31,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doors, "BUDGET", 0.1)
     monkeypatch.setattr(audit, "KINDS", {"units": audit.units})
     monkeypatch.setattr(motions, "KINDS", {"timed": motions.timed})
+    monkeypatch.setattr(loaded, "KINDS", {})
     monkeypatch.setattr(calls, "CALLS", {"check": calls.CALLS["check"]})
     monkeypatch.setattr(experiment, "_poses", lambda seed, count: iter(()))
     monkeypatch.setattr(Plan, "count", lambda self, full, quick: min(quick, 3))

@@ -2,9 +2,11 @@
 
 The cost is `initial |q - reference|^2 + bends |u|^2 + 100 |clearance missing up to the wish|^2`, bends in rad, lengths
 relative to the mean of their segment, clearance relative to the robot's length. Its Newton step is the mean motion of
-the sweeps; rows of the targets and contacts, met exactly, take out of it what feasibility forbids.
+the sweeps; rows of the targets and contacts, met exactly, take out of it what feasibility forbids. Motion is measured
+by the Hessian of the cost meanwhile: in another metric what is taken out would end beside the minimum.
 """
 
+import math
 from collections import namedtuple
 
 from sinuous.kernels.body.proof import CLEAR
@@ -33,6 +35,15 @@ it, and never end."""
 CLOSE = 100.0
 """Weight of the clearance that is missing."""
 
+LOOSEST = 3.0
+"""How much farther than bends lengths move at most: small bends alone leave them free."""
+
+LEAST = 1e-2
+"""Share of a step that is tried at least: near limits of several lengths only short ones lower the cost."""
+
+DEEPEST = 6
+"""How much deeper contacts are looked for at most than other steps do."""
+
 CORRECTIONS = 3
 """Most Newton steps back to the targets after a step towards what is preferred."""
 
@@ -53,16 +64,27 @@ def cost(problem: Problem, state: State, wishes: Wishes) -> float:
 
 
 @kernel
+def _loose(wishes: Wishes) -> float:
+    """How many times farther than in the metric of other steps lengths move beside bends in that of the cost."""
+    weight = wishes.initial + wishes.bends
+    if weight == 0.0:
+        return 1.0
+    if weight >= LOOSEST * LOOSEST * wishes.initial:
+        return LOOSEST
+    return math.sqrt(weight / wishes.initial)
+
+
+@kernel
 def _pull(state: State, work: Work, wishes: Wishes, share: float) -> None:
     """Wish for `share` of the motion to where the cost of start and bends is least."""
-    weight = wishes.initial + wishes.bends
+    weight, loose = wishes.initial + wishes.bends, _loose(wishes)
     for k in range(state.q.shape[0]):
         x = y = z = 0.0
         if weight > 0.0:
             x = wishes.initial / weight * wishes.reference[k, 0] - state.q[k, 0]
             y = wishes.initial / weight * wishes.reference[k, 1] - state.q[k, 1]
         if wishes.initial > 0.0:
-            z = wishes.reference[k, 2] - state.q[k, 2]
+            z = loose * loose * wishes.initial / weight * (wishes.reference[k, 2] - state.q[k, 2])
         put_vec(work.mean, k, 0, (share * x, share * y, share * z))
 
 
@@ -86,13 +108,20 @@ def _correct(
 
 @kernel
 def improve(
-    problem: Problem, states: State, work: Work, wishes: Wishes, best: Array, most: int, with_self: bool
+    problem: Problem,
+    measured: Problem,
+    states: State,
+    work: Work,
+    wishes: Wishes,
+    best: Array,
+    most: int,
+    depth: int,
+    with_self: bool,
 ) -> int:
     """Lower the cost of the solved `best`, keeping it solved, while there is time. Returns the iterations.
 
-    Self-contacts are looked at only `with_self`.
+    `measured` is the problem where motion is measured by the cost. Self-contacts are looked at only `with_self`.
     """
-    depth = problem.step_depth + 2
     at, free, spare = 0, 1, 2
     start = pick(states, at)
     copy(best, start.q)
@@ -102,11 +131,11 @@ def improve(
     if wishes.initial + wishes.bends == 0.0:
         enough = CLOSE * (MISSING * wishes.clearance / problem.unit) ** 2
     for iteration in range(most):
-        if least <= enough or share < 0.05 or over(work.clock):
+        if least <= enough or share < LEAST or over(work.clock):
             return iteration
         state, trial = pick(states, at), pick(states, free)
         _pull(state, work, wishes, share)
-        step(problem, state, work, EXACT)
+        step(measured, state, work, EXACT)
         if wishes.initial + wishes.bends == 0.0:
             for k in range(state.q.shape[0]):
                 put_vec(work.step, k, 0, scale(share, get_vec(work.step, k, 0)))
@@ -145,34 +174,45 @@ def prefer(
     """Improve the solved `best` (n, 3) and prove it again; what is not proved is not taken.
 
     `reference` (n, 3) is the configuration to stay close to; `proved` holds position error, angle error, proved
-    clearance and self-clearance of `best`, and the seconds that may be spent; for the rest see `search.search`. Returns
-    the iterations, the first four of `proved` for what `best` holds then, and the seconds that were spent.
+    clearance and self-clearance of `best`, and the seconds that may be spent; the rest is as for `search.search`, but
+    `workspace` ends with as many numbers more as `robot` has. Returns the iterations, the first four of `proved` for
+    what `best` holds then, and the seconds that were spent.
 
     Self-contacts are dear to look for, and most shapes never come near themselves. So they are left out, until the
-    proof finds that the body has come to run through itself.
+    proof finds that the body has come to run through itself. Contacts are looked for more closely where it finds one.
     """
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
     wishes = Wishes(settings[INITIAL_WEIGHT], settings[BENDS_WEIGHT], settings[WISHED_CLEARANCE], reference)
+    loosened = workspace[workspace.shape[0] - robot.shape[0] :]
+    for i in range(robot.shape[0]):
+        loosened[i] = robot[i]
+    measured = read_problem(loosened, scene, settings, targets)
+    for k in range(best.shape[0]):
+        measured.limits[k, LENGTH_SCALE] *= _loose(wishes)
     copy(best, work.solved)
     begin(work.clock)
     began, used, most = now(work.clock), 0, int(settings[MAX_ITERATIONS])
-    with_self = False
+    with_self, depth = False, problem.step_depth + 2
     while True:
         left = began + proved[4] - now(work.clock)
         allow(work.clock, IMPROVING * left)
-        used += improve(problem, states, work, wishes, best, most, with_self)
+        used += improve(problem, measured, states, work, wishes, best, most, depth, with_self)
         allow(work.clock, began + proved[4] - now(work.clock))
         state = pick(states, 0)
         copy(best, state.q)
         linearise(problem, state, work, problem.step_depth, solids.EXACT, 0.0, False)
         own, self_clearance = self_proof(problem, state, work)
-        if own == CLEAR or with_self or late(work.clock):
-            break
-        with_self = True
+        verdict, clearance = proof(problem, state, work) if own == CLEAR else (CLEAR, 0.0)
+        if own == CLEAR and verdict == CLEAR and met(problem, state, 0.0):
+            return used, state.norms[POSITION], state.norms[ANGLE], clearance, self_clearance, now(work.clock) - began
         copy(work.solved, best)
-    verdict, clearance = proof(problem, state, work)
-    if own == CLEAR and verdict == CLEAR and met(problem, state, 0.0):
-        return used, state.norms[POSITION], state.norms[ANGLE], clearance, self_clearance, now(work.clock) - began
-    copy(work.solved, best)
+        if late(work.clock):
+            break
+        if own != CLEAR and not with_self:
+            with_self = True
+        elif verdict != CLEAR and depth < problem.step_depth + DEEPEST:
+            depth += 2
+        else:
+            break
     return used, proved[0], proved[1], proved[2], proved[3], now(work.clock) - began

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.problem.suspicions import suspicions
 from tests.helpers import refused, refused_each
 
 ROBOT = sn.Robot.uniform(3, (45, 70), max_bend=1.6, radius=4)
@@ -189,3 +190,23 @@ def test_numbers_that_are_no_position_are_refused_as_a_whole() -> None:
     refused("targets", lambda: sn.track(NAMED, place), "a list of targets")
     wrong: Any = "room.yaml"
     refused("scene", lambda: sn.solve(NAMED, place, wrong), "a list of obstacles", "sinuous.load reads files")
+
+
+def test_attributes_that_one_guesses_say_where_that_is() -> None:
+    solution = sn.solve(NAMED, (0, 0, 150))
+    motion = sn.Motion(NAMED, [solution.q, solution.q])
+    for thing, name, words in (
+        (NAMED, "fk", "robot.tip"),
+        (NAMED, "solve", "sn.solve"),
+        (solution, "success", "solution.solved"),
+        (solution, "to_csv", "solution.actuators"),
+        (motion, "plot", "sn.plot"),
+    ):
+        with pytest.raises(AttributeError, match=words):
+            getattr(thing, name)
+        assert not hasattr(thing, "nothing")
+
+
+def test_a_payload_without_gravity_is_noted() -> None:
+    (note,) = suspicions(NAMED.changed(payload=sn.Payload(0.1)), sn.Scene().snapshot())
+    assert "gravity" in note

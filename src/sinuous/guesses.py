@@ -2,12 +2,13 @@
 
 import functools
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from sinuous.errors import InputError
 
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
+Kind = TypeVar("Kind")
 
 
 def answers_guesses(**instead: str) -> Callable[[Callable[Given, Made]], Callable[Given, Made]]:
@@ -27,3 +28,17 @@ def answers_guesses(**instead: str) -> Callable[[Callable[Given, Made]], Callabl
 
 QUATERNION = "rotation=(w, x, y, z) or xyzw=(x, y, z, w), which say the order"
 """What a quaternion is called."""
+
+
+def answers_attributes(**instead: str) -> Callable[[type[Kind]], type[Kind]]:
+    """Let objects of a class say where that is which one guesses at them; type checkers see none of it."""
+
+    def around(kind: type[Kind]) -> type[Kind]:
+        def missing(self: Any, name: str) -> Any:
+            hint = f"; see {instead[name]}" if name in instead else ""
+            raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
+
+        kind.__getattr__ = missing  # type: ignore[attr-defined]
+        return kind
+
+    return around

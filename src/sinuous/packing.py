@@ -169,6 +169,7 @@ def settings_group(
     start_weight: float = 0.0,
     bends_weight: float = 0.0,
     clearance_wish: float = 0.0,
+    room: float = 0.0,
     options: Sequence[float] | Floats = (),
 ) -> Floats:
     """Return the settings of a solve, with the options of its method at their end; `unit` is the mean length."""
@@ -184,16 +185,15 @@ def settings_group(
         t.INITIAL_WEIGHT: start_weight,
         t.BENDS_WEIGHT: bends_weight,
         t.WISHED_CLEARANCE: clearance_wish,
+        t.ROOM: room,
     }
     own = np.array([values[i] for i in range(t.METHOD_OPTIONS)], np.float64)
     return np.concatenate([own, np.asarray(options, np.float64)])
 
 
-def plan_search(
-    query: Floats, *, cell: float, clearance: float, room: float, most_cells: int, exact: bool, prove: bool
-) -> Floats:
+def plan_search(query: Floats, *, cell: float, clearance: float, room: float, most_cells: int, prove: bool) -> Floats:
     """Return the query (28,) of a route search with these numbers put in; see `sinuous.kernels.tables`."""
     planned = query.copy()
     planned[t.QUERY_CELL], planned[t.QUERY_CLEARANCE], planned[t.QUERY_ROOM] = cell, clearance, room
-    planned[t.QUERY_MOST_CELLS], planned[t.QUERY_EXACT], planned[t.QUERY_PROVE] = most_cells, exact, prove
+    planned[t.QUERY_MOST_CELLS], planned[t.QUERY_PROVE] = most_cells, prove
     return planned

@@ -14,6 +14,8 @@ ROTATION_SLACK = 1e-6
 """How far, in any entry, a matrix may be from a rotation (numbers in files are rounded); it is then made exact."""
 
 
+POSE = "4 rows of 4 finite numbers, as sn.pose(position, direction=) gives them"
+
 EXACT = 1e-14
 """A matrix as near to a rotation as this is one up to rounding, and is kept, so that it can be written and read."""
 
@@ -184,7 +186,7 @@ def pose(
     if matrix is not None:
         if position is not None:
             raise InputError("position", "cannot be combined with matrix", position, "one of position, matrix")
-        whole = checks.array("matrix", matrix, (4, 4))
+        whole = checks.array("matrix", matrix, (4, 4), POSE)
         if not np.array_equal(whole[3], [0.0, 0.0, 0.0, 1.0]):
             raise InputError("matrix", "last row is wrong", whole[3].tolist(), "[0, 0, 0, 1]")
         result[:3, :3] = _nearest_rotation("matrix", whole[:3, :3])

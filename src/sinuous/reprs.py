@@ -23,6 +23,9 @@ class ShortRepr:
     _arguments: ClassVar[Mapping[str, str]] = {}
     """Arguments of the constructor that are kept as an attribute of another name."""
 
+    _asked: ClassVar[frozenset[str]] = frozenset()
+    """Arguments that say something wherever they are given: a target that asks for no turn asks for a rotation."""
+
     def __repr__(self) -> str:
         return call(type(self).__name__, self._shown())
 
@@ -30,7 +33,7 @@ class ShortRepr:
         """Yield what stands between the parentheses."""
         for name, default in parameters(type(self)):
             value = getattr(self, self._arguments.get(name, name), None)
-            if not says_nothing(value, default):
+            if not (value is None if name in self._asked else says_nothing(value, default)):
                 yield f"{name}={text(value)}"
 
 

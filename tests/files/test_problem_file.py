@@ -240,7 +240,7 @@ BAD = {
     "robot: {segments: {length: 1}, tool: {rotation: [[1, 0, 0], [0, 2, 0], [0, 0, 1]]}}": "robot.tool.rotation: "
     "expected a rotation: orthonormal rows and determinant 1 ... [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]]",
     "robot: {segments: {length: 1}, base: {matrix: [[1]]}}": "robot.base.matrix: "
-    "expected 4 rows of 4 finite numbers, got [[1]] (shape (1, 1))",
+    "expected 4 rows of 4 finite numbers, as sn.pose(position, direction=) gives them, got [[1]] (shape (1, 1))",
     "robot: {segments: {count: 2, length: 1, name: a}}": "robot.segments[1].name: "
     "expected a name of its own, got 'a' (is that of segments[0].name already)",
     "robot: {segments: {length: 1}, actuators: {matrix: [[1, 2]]}}": "robot.actuators.matrix: "

@@ -45,6 +45,7 @@ targets = st.one_of(
     st.builds(sn.Target, points, segment=st.none() | st.just(1)),
     st.builds(lambda p, s: sn.Target(p, direction=turned(s)[0]), points, seeds),
     st.builds(lambda s: sn.Target(rotation=turned(s)), seeds),
+    st.just(sn.Target(np.eye(4))),
 )
 waypoints = st.lists(targets, min_size=1, max_size=3)
 

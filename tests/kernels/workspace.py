@@ -6,13 +6,12 @@ from numpy.typing import NDArray
 from sinuous.kernels.body.contacts import PER_SEGMENT
 from sinuous.kernels.body.rows import Rows
 from sinuous.kernels.body.self_contacts import MOST_PAIRS
-from sinuous.kernels.body.self_pairs import SPAN_WIDTH
 from sinuous.kernels.chain.kinematics import put_frame
 from sinuous.kernels.clock import CLOCK_SIZE, DEADLINE
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
-from sinuous.kernels.step.states import NORMS, STATES, State, Work
+from sinuous.kernels.step.states import NORMS, STATES, State, Work, rest_size
 from tests.helpers import Floats, mat, vec
 
 NEVER = 2**62
@@ -64,8 +63,7 @@ def make_work(problem: Problem, deadline: int = NEVER) -> Work:
     """Scratch of a solve."""
     n, m = len(problem.limits), len(problem.scene.table)
     own = np.zeros((n, 9)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3))
-    rest = SPAN_WIDTH * (n + 1) + 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
-    return Work(*own, np.zeros(n, np.int64), np.zeros(m, np.int64), make_clock(deadline), np.zeros(rest))
+    return Work(*own, np.zeros(n, np.int64), np.zeros(m, np.int64), make_clock(deadline), np.zeros(rest_size(n)))
 
 
 def put(states: State, i: int, q: Floats) -> State:

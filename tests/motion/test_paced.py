@@ -8,6 +8,7 @@ import pytest
 
 import sinuous as sn
 from sinuous.checks import Floats
+from sinuous.robot.rates import least
 from tests.helpers import refused
 
 ROBOT = sn.Robot.uniform(3, (40.0, 60.0), 2.0, radius=4.0, tendons=sn.Tendons(3, radius=3.0))
@@ -32,7 +33,7 @@ def fastest(motion: sn.Motion) -> dict[str, float]:
 def keeps(motion: sn.Motion, rates: sn.Rates) -> bool:
     limits = {"bend": rates.bend, "length": rates.length, "actuator": rates.actuator}
     seen = fastest(motion)
-    return all(most is None or seen[key] <= float(most) * (1.0 + 1e-9) for key, most in limits.items())
+    return all(seen[key] <= least(most) * (1.0 + 1e-9) for key, most in limits.items() if most is not None)
 
 
 @pytest.mark.parametrize("rates", [SLOW, sn.Rates(actuator=0.5), sn.Rates(bend=0.05, actuator=3.0)])

@@ -38,6 +38,28 @@ def test_a_box_cuts_exactly(limit: float) -> None:
     assert (np.einsum("mx,mx->m", broad.mean(axis=1), normals(broad)) > 0.0).all()
 
 
+def volume(facets: Floats) -> float:
+    """By the divergence theorem: of a surface without holes that faces outwards."""
+    a, b, c, d = np.moveaxis(facets, 1, 0)
+    return float((np.cross(a, b) * c).sum() + (np.cross(a, c) * d).sum()) / 6.0
+
+
+@pytest.mark.parametrize("limit", [-0.3, 0.0, 0.123, 0.7])
+def test_a_solid_that_is_cut_is_closed_again(limit: float) -> None:
+    low, far = np.array([-0.8, -2.0, -2.0]), np.array([2.0, 0.5, 2.0])
+    whole, (x, y, z) = within(BALL, low, far, solid=True), far
+    left = within(BALL, low, np.array([limit, y, z]), solid=True)
+    right = within(BALL, np.array([limit, -2.0, -2.0]), np.array([x, y, z]), solid=True)
+    assert volume(left) + volume(right) == pytest.approx(volume(whole), rel=1e-9)
+    assert 0.0 < volume(whole) < volume(BALL)
+    flat = np.abs(left[..., 0] - limit).max(axis=1) < 1e-9
+    assert area(left[flat]) == pytest.approx(area(right[np.abs(right[..., 0] - limit).max(axis=1) < 1e-9]))
+    across = np.cross(left[flat][:, 2] - left[flat][:, 0], left[flat][:, 3] - left[flat][:, 1])[:, 0]
+    assert (across > -1e-12).all()
+    edge = 0.2 * np.ones(3)
+    assert volume(within(BALL, -edge, edge, solid=True)) == pytest.approx(0.4**3)
+
+
 def test_what_is_outside_is_gone_and_what_is_inside_stays() -> None:
     one = np.ones(3)
     assert len(within(BALL, 2.0 * one, 3.0 * one)) == 0

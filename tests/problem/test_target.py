@@ -27,6 +27,7 @@ def test_a_target_is_what_was_said() -> None:
     assert target.segment is None
     np.testing.assert_array_equal(target.table, [[-1, 1, 1, 2, 3, DIRECTION, 0, 0, -1, 0, 0, 0, 0, 0, 0]])
     assert repr(target) == "Target(position=(1, 2, 3), direction=(0, 0, -1))"
+    assert repr(Target(np.eye(4))) == "Target(position=(0, 0, 0), rotation=(1, 0, 0, 0))"
 
 
 def test_rows_of_every_kind() -> None:

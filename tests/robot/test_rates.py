@@ -1,11 +1,13 @@
 """How fast a robot may move."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.files.problem_file import problem_of
 from sinuous.robot.rates import Changes
 
 ROBOT = sn.Robot.uniform(3, (45, 70), tendons=sn.Tendons(3, radius=3))
@@ -16,6 +18,20 @@ def test_one_number_is_for_all() -> None:
     assert own.bend.tolist() == [1.5] * 3
     assert own.length.tolist() == [math.inf] * 3
     assert own.actuator.tolist() == [1, 2, 3, 4, 5, 6, 7, 8, 9]
+
+
+def test_segments_and_actuators_have_rates_by_their_names() -> None:
+    rates = sn.Rates(bend={"s2": 0.5}, actuator={"s3.t1": 4, "s1.t2": 2}, acceleration=sn.Rates(length={"s1": 3.0}))
+    own = rates.spread(ROBOT)
+    assert own.bend.tolist() == [math.inf, 0.5, math.inf]
+    assert own.actuator.tolist() == [math.inf, 2, *[math.inf] * 4, 4, math.inf, math.inf]
+    assert (2.0 * rates).spread(ROBOT).bend.tolist() == [math.inf, 1.0, math.inf]
+    assert pickle.loads(pickle.dumps(rates)).equals(rates)
+    job = sn.Job(ROBOT, sn.Target((0, 0, 170)), rates=rates)
+    again = problem_of(job.to_dict(), "", sn.Job)
+    assert again.rates.equals(rates)
+    with pytest.raises(sn.InputError, match=r"rates.acceleration.length: expected perhaps s1 .*got 's_1'"):
+        sn.Job(ROBOT, sn.Target((0, 0, 170)), rates=sn.Rates(acceleration=sn.Rates(length={"s_1": 3.0})))
 
 
 def test_rates_times_a_time_are_changes() -> None:
@@ -49,6 +65,7 @@ def test_they_are_equal_when_they_say_the_same() -> None:
             "acceleration: expected Rates, got 1.0",
         ),
         (lambda: sn.Rates(acceleration=sn.Rates(acceleration=sn.Rates(1))), "acceleration.acceleration: expected"),
+        (lambda: sn.Rates(bend={"s1": 0}), "bend.s1: expected a number greater than 0, got 0"),
         (lambda: sn.Rates(bend=1) * 0.0, "dt: expected a number greater than 0, got 0.0"),
         (lambda: sn.Rates(length=(1, 2)).spread(ROBOT), "length: expected one number, or 3, got [1.0, 2.0]"),
     ],

@@ -240,4 +240,5 @@ def test_it_is_drawn_with_and_without_load_and_with_forces() -> None:
     robot = arm(payload=sn.Payload(0.1))
     contents = gather([robot.shape(SHAPE, FORCE)])
     assert [len(each.robot) for each in contents.arms] == [8, 2]
-    assert len(contents.paths) == 2
+    assert [each.ghost for each in contents.arms] == [False, True]
+    assert len(contents.forces) == 2

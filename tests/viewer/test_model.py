@@ -15,7 +15,7 @@ from sinuous.display.curves import speeds_of
 from sinuous.errors import InputError
 from sinuous.solution.remedies import Remedy
 from sinuous.viewer.history import History
-from sinuous.viewer.model import Model
+from sinuous.viewer.model import Model, least_of
 from sinuous.viewer.saving import loaded, saved
 from sinuous.viewer.solvers import QUICK, Solvers
 
@@ -250,6 +250,13 @@ def test_rates_change_the_times_of_a_motion_and_not_its_way() -> None:
     np.testing.assert_allclose(page.motion.duration, 0.5 * before)
     page.set_rates(none, none)
     assert not page.job.rates
+    page = model(rates=sn.Rates(bend={"s2": 0.3, "s1": 0.6}, length=(1, 2, 3)))
+    page.set_rates(np.array([0.1, 1.0, 4.0]), np.array([2.0, 0.0, 0.0]))
+    wanted = sn.Rates({"s2": 0.1, "s1": 0.2}, (1, 2, 3), 4.0, sn.Rates(bend=2.0))
+    assert least_of(page.job.rates).tolist() == pytest.approx([0.1, 1.0, 4.0])
+    assert page.job.rates.spread(page.robot).bend.tolist() == pytest.approx(wanted.spread(page.robot).bend.tolist())
+    np.testing.assert_array_equal(page.job.rates.length, wanted.length)
+    assert page.job.rates.acceleration is not None
     with pytest.raises(InputError, match="bend"):
         page.set_rates(-slow, none)
 

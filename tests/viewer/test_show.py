@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import sinuous as sn
-from sinuous.display.contents import MovingArm
+from sinuous.display.arms import MovingArm
 from sinuous.errors import InputError
 from sinuous.viewer.model import SHORTENED
 from sinuous.viewer.recording import FEWEST_FRAMES, MOST_FRAMES, frames_of

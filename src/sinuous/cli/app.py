@@ -15,6 +15,7 @@ from sinuous.cli.options import (
     UNSOLVED,
     BatchSolving,
     Clearance,
+    Crew,
     DesignSolving,
     ExploreSolving,
     Files,
@@ -114,13 +115,8 @@ def batch(
     ],
     out: Annotated[Path, typer.Option(metavar="TABLE", help="Results, of the same kinds.", show_default=False)],
     solving: BatchSolving,
+    crew: Crew,
     chunk: Annotated[int, typer.Option(metavar="ROWS", help="What is solved, and written, together.")] = 10_000,
-    engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads",
-    dask: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine."),
-    ] = None,
-    workers: Workers = None,
     shard: Annotated[
         str | None,
         typer.Option(metavar="I/N", help="Only this part of the chunks; without it, all parts are joined."),
@@ -129,10 +125,10 @@ def batch(
     json: Json = False,
 ) -> int:
     """Solve the targets of a table, any number; interrupted, the same command goes on."""
-    from sinuous.cli.batch import batch_file, read_engine, read_shard  # noqa: PLC0415
+    from sinuous.cli.batch import batch_file, read_shard  # noqa: PLC0415
 
-    run = {"chunk": chunk, "engine": read_engine(engine, dask), "workers": workers, "warm": warm}
-    return batch_file(file, targets, out, solving, {**run, "shard": read_shard(shard)}, json=json)
+    run = {"chunk": chunk, "warm": warm, "shard": read_shard(shard), **crew.arguments()}
+    return batch_file(file, targets, out, solving, run, json=json)
 
 
 @app.command()
@@ -140,6 +136,7 @@ def batch(
 def explore(
     file: Place,
     solving: ExploreSolving,
+    crew: Crew,
     memory: Annotated[
         Path, typer.Option(metavar="FILE", help="What is filled; when it is there, it goes on.", show_default=False)
     ],
@@ -150,20 +147,12 @@ def explore(
         float | None,
         typer.Option(metavar="LENGTH", help="How near covers a position; by default a 20th of the reach."),
     ] = None,
-    engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads",
-    dask: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine."),
-    ] = None,
-    workers: Workers = None,
     json: Json = False,
 ) -> int:
     """Fill a memory ahead with shapes and proved motions of a place that stays."""
-    from sinuous.cli.batch import read_engine  # noqa: PLC0415
     from sinuous.cli.explore import explore_file  # noqa: PLC0415
 
-    run = {"rounds": rounds, "spacing": spacing, "engine": read_engine(engine, dask), "workers": workers}
-    return explore_file(file, solving, memory, run, json=json)
+    return explore_file(file, solving, memory, {"rounds": rounds, "spacing": spacing, **crew.arguments()}, json=json)
 
 
 @app.command()

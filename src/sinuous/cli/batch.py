@@ -12,8 +12,6 @@ from sinuous.errors import InputError, UnfinishedError
 from sinuous.files.results import json_line
 from sinuous.solving.memory import Memory
 
-ENGINES = ("threads", "processes")
-
 
 def batch_file(file: str, targets: Path, out: Path, solving: BatchSolving, run: dict[str, Any], *, json: bool) -> int:
     """Solve all rows of a table; return the exit code. `run` are arguments of `solve_batch` about the run."""
@@ -34,25 +32,6 @@ def batch_file(file: str, targets: Path, out: Path, solving: BatchSolving, run: 
     typer.echo(json_line(found.to_dict()) if json else f"{file}: {str(found).split(': ', 1)[1]}")
     shard_done = run["shard"] is not None and not found.failed
     return SOLVED if found.solved or shard_done else UNSOLVED
-
-
-def read_engine(engine: str, dask: str | None) -> str:
-    """Return the engine that `--engine` and `--dask` name.
-
-    Raises
-    ------
-    InputError
-        That names the option.
-    """
-    if engine not in ENGINES:
-        raise InputError("--engine", "", engine, "one of " + ", ".join(ENGINES))
-    if dask is None:
-        return engine
-    if engine != "threads":
-        raise InputError("--dask", "cannot be combined with --engine", dask, "one of --engine, --dask")
-    if dask != "local" and "://" not in dask:
-        raise InputError("--dask", "", dask, "tcp://HOST:PORT of a scheduler, or local")
-    return "dask" if dask == "local" else dask
 
 
 def read_shard(shard: str | None) -> tuple[int, int] | None:

@@ -33,6 +33,9 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 """Exit code of a command that was interrupted."""
 
+ENGINES = ("threads", "processes")
+"""What `--engine` may name."""
+
 
 def methods_like(begun: str) -> list[str]:
     """Return names of methods, for the shell to complete one."""
@@ -50,7 +53,9 @@ Routes = Annotated[bool, typer.Option(help="Search for routes through free space
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object a line, and nothing else.")]
 Clearance = Annotated[
     str | None,
-    typer.Option(metavar="LENGTH", help="Distance from obstacles that the body keeps; or one a segment, as 1,1,2."),
+    typer.Option(
+        metavar="LENGTH", help="Distance from obstacles that the body keeps; or one a segment: 1,1,2; wrist=2."
+    ),
 ]
 SelfClearance = Annotated[str | None, typer.Option(metavar="LENGTH", help="The same of the body from itself.")]
 Workers = Annotated[int | None, typer.Option(metavar="COUNT", help="Threads or processes; by default one a core.")]
@@ -164,6 +169,36 @@ class MapSolving(Solving):
 
     max_starts: MostStarts = 1
     routes: Routes = False
+
+
+@dataclass(frozen=True)
+class Crew:
+    """Who works on what takes long."""
+
+    engine: Annotated[str, typer.Option(help="threads or processes.")] = "threads"
+    dask: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="Workers of this Dask scheduler; local: some on this machine."),
+    ] = None
+    workers: Workers = None
+
+    def arguments(self) -> dict[str, Any]:
+        """Return the arguments `engine` and `workers` of `solve_batch` and `explore`.
+
+        Raises
+        ------
+        InputError
+            That names the option.
+        """
+        if self.engine not in ENGINES:
+            raise InputError("--engine", "", self.engine, "one of " + ", ".join(ENGINES))
+        if self.dask is None:
+            return {"engine": self.engine, "workers": self.workers}
+        if self.engine != "threads":
+            raise InputError("--dask", "cannot be combined with --engine", self.dask, "one of --engine, --dask")
+        if self.dask != "local" and "://" not in self.dask:
+            raise InputError("--dask", "", self.dask, "tcp://HOST:PORT of a scheduler, or local")
+        return {"engine": "dask" if self.dask == "local" else self.dask, "workers": self.workers}
 
 
 @dataclass(frozen=True)
@@ -291,7 +326,7 @@ def with_groups(command: Callable[..., int]) -> Callable[..., None]:
 
 
 def read_demands(clearance: str | None, self_clearance: str | None) -> dict[str, Any]:
-    """Read what `--clearance` and `--self-clearance` say: a number, or some with commas between them.
+    """Read what `--clearance` and `--self-clearance` say: a number, or some with commas between them, or with names.
 
     Raises
     ------
@@ -307,15 +342,20 @@ def read_demands(clearance: str | None, self_clearance: str | None) -> dict[str,
     }
 
 
-def _one_or_some(option: str, typed: str) -> float | tuple[float, ...]:
+def _one_or_some(option: str, typed: str) -> float | tuple[float, ...] | dict[str, float]:
     from sinuous import checks  # noqa: PLC0415
 
+    wanted = "a number of at least 0, or one a segment, as 1,1,2, or by names, as wrist=2,s1=1"
+    parts = [part.rpartition("=") for part in typed.split(",")]
+    names = [name.strip() for name, _, _ in parts if name.strip()]
     try:
-        numbers = [float(part) for part in typed.split(",")]
+        numbers = [float(number) for _, _, number in parts]
     except ValueError:
-        raise InputError(option, "", typed, "a number of at least 0, or one a segment, as 1,1,2") from None
+        raise InputError(option, "", typed, wanted) from None
     checked = tuple(checks.number(option, each, low=0.0) for each in numbers)
-    return checked[0] if len(checked) == 1 else checked
+    if len({*names}) not in (0, len(checked)):
+        raise InputError(option, "", typed, wanted)
+    return dict(zip(names, checked, strict=True)) if names else checked[0] if len(checked) == 1 else checked
 
 
 @contextmanager

@@ -25,6 +25,7 @@ from sinuous.solving.classes.curves import Curves
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.searches import Searches
 from sinuous.solving.solver import Solver
+from sinuous.statics.rest import Rest
 
 ROBOT = Robot.uniform(2, (0.8, 1.2), radius=0.05)
 MOVING = Scene([Moving(Sphere((9.0, 0.0, 0.0), 0.5), [0.0], [(0.0, 0.0, 0.0)])])
@@ -101,6 +102,8 @@ def _derivatives(scene: Scene | None) -> None:
 def _shapes_under_load() -> None:
     straight = np.array([[0.0, 0.0, 1.0]] * len(ROBOT))
     HEAVY.shape(straight)
+    Solver.once(HEAVY, None).solve(TARGET)
+    _ = Rest(HEAVY, straight).slopes
     Motion(HEAVY, [straight, straight + 0.01])
 
 

@@ -116,9 +116,10 @@ def _feet(obstacles: Sequence[Obstacle], bounds: Bounds, reach: float) -> list[F
 def _places(contents: Contents) -> Floats:
     """Points (m, 3) that must be seen: whole bodies with their bases, targets, paths."""
     found: list[Floats] = [place[None] for _, place in contents.targets]
-    found += contents.paths
+    found += contents.paths + contents.forces
     on_the_way = [moving.at(share) for moving in contents.moving for share in np.linspace(0.0, 1.0, SAMPLES).tolist()]
-    for robot, q, _ in [*contents.arms, *on_the_way]:
+    for arm in [*contents.arms, *on_the_way]:
+        robot, q = arm.robot, arm.q
         points, radius = robot.backbone(q), max(robot.radii)
         behind = robot.base[:3, 3] - FOOT * robot.radii[0] * robot.base[:3, 2]
         found += [points - radius, points + radius, robot.tip(q)[None, :3, 3], behind[None]]
@@ -127,10 +128,10 @@ def _places(contents: Contents) -> Floats:
 
 def best_view(contents: Contents) -> View:
     """Look across the plane that the first robot reaches out in, from a little above, or from where less hides it."""
-    arms = contents.all_arms
-    if not arms:
+    arm = next(contents.bodies, None)
+    if arm is None:
         return View()
-    points = arms[0].robot.backbone(arms[0].q) - arms[0].robot.base[:3, 3]
+    points = arm.robot.backbone(arm.q) - arm.robot.base[:3, 3]
     reach = points[np.hypot(points[:, 0], points[:, 1]).argmax()]
     azimuth = -60.0
     if math.hypot(reach[0], reach[1]) > 1e-6 * max(1e-300, float(np.abs(points).max())):
@@ -146,7 +147,8 @@ def best_view(contents: Contents) -> View:
 def seen_places(contents: Contents) -> Floats:
     """Places (m, 3) that a viewer looks for: along the robots, also on their way."""
     on_the_way = [moving.at(share) for moving in contents.moving for share in (0.0, 0.5, 1.0)]
-    found = [robot.backbone(q, max(1, SIGHTED // len(robot))) for robot, q, _ in [*contents.arms, *on_the_way]]
+    bodies = [arm for arm in [*contents.arms, *on_the_way] if not arm.ghost]
+    found = [arm.robot.backbone(arm.q, max(1, SIGHTED // len(arm.robot))) for arm in bodies]
     return np.concatenate(found) if found else np.empty((0, 3))
 
 

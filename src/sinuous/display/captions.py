@@ -28,11 +28,17 @@ def caption(answers: Sequence[Solution | Motion]) -> str:
     if len(answers) > 1:
         return f"{sum(answer.solved for answer in answers)} of {len(answers)} solved"
     answer = answers[0]
-    clear = "" if answer.clearance is None else f", clearance at least {answer.clearance:.3g}"
+    clear = "" if answer.clearance is None else f", clearance at least {answer.clearance:.3g}{certainty(answer)}"
     if isinstance(answer, Solution) or not answer.solutions:
         return f"{words_of(answer.status)}{clear}, {duration(answer.seconds)}"
     begun = "" if answer.solved else f"{words_of(answer.status)}: "
     return f"{begun}{reached_in_words(answer)}{clear}"
+
+
+def certainty(answer: Solution | Motion) -> str:
+    """At which level a clearance is proved: ` at 95 %`; nothing where the body is where the model says."""
+    unsure = answer.robot.uncertainty
+    return "" if unsure is None else f" {unsure}"
 
 
 def told_apart(solutions: Sequence[Solution]) -> list[str]:
@@ -79,10 +85,20 @@ def _of_solution(solution: Solution) -> dict[str, str]:
         "worst": "" if solution.worst is None else str(solution.worst),
         "position error": number(solution.position_error, f" (tolerance {tolerance.position:.3g})"),
         "angle error": number(solution.angle_error, f" rad (tolerance {tolerance.angle:.3g})"),
-        "clearance": number(solution.clearance, ", proved", "at least "),
+        "clearance": number(solution.clearance, f", proved{certainty(solution)}", "at least "),
         "self-clearance": number(solution.self_clearance, ", proved", "at least "),
+        "tensions": _tensions(solution),
         "effort": f"{effort}, {duration(solution.seconds)}",
     }
+
+
+def _tensions(solution: Solution) -> str:
+    """The least and the largest tension; nothing where nothing pulls."""
+    found = solution.tensions or {}
+    if not found:
+        return ""
+    slack, tight = min(found, key=found.__getitem__), max(found, key=found.__getitem__)
+    return f"{found[slack]:.3g} ({slack}) to {found[tight]:.3g} ({tight})"
 
 
 def _of_motion(motion: Motion) -> dict[str, str]:
@@ -94,7 +110,7 @@ def _of_motion(motion: Motion) -> dict[str, str]:
         "worst": "" if motion.worst is None else str(motion.worst),
         "between": between if moves else "",
         "time": times,
-        "clearance": number(motion.clearance),
+        "clearance": number(motion.clearance, certainty(motion)),
         "largest step": f"{bend:.3g} rad, {length:.3g} of length",
         "effort": duration(motion.seconds),
     }

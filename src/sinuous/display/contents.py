@@ -1,6 +1,6 @@
 """What a picture or a page shows: things of all kinds, sorted into robots, obstacles, targets and lines."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -9,6 +9,7 @@ import numpy as np
 
 from sinuous import checks
 from sinuous.checks import Floats
+from sinuous.display.arms import Arm, Body, MovingArm, arms_of, bodies_of
 from sinuous.errors import InputError
 from sinuous.files.problem_file import ProblemFile
 from sinuous.motion.motion import Motion
@@ -21,8 +22,7 @@ from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 from sinuous.solution.solution import Solution
 from sinuous.solution.solutions import Solutions
-from sinuous.statics.equilibrium import Equilibrium
-from sinuous.statics.rest import bodies_at
+from sinuous.statics.equilibrium import Equilibrium, under_load
 
 Thing = Robot | Scene | Snapshot | Obstacle | Target | Problem | ProblemFile | Solution | Motion | Floats
 Things = Thing | Sequence[Thing | Sequence[Thing]]
@@ -38,50 +38,6 @@ STRAIGHT = 0.03
 """How far a tip may be off a straight line that is drawn as its way, as a share of its length."""
 
 EXPECTED = "a robot, scene, obstacle, target, problem, solution, equilibrium or motion, or a list of them"
-
-
-class Arm(NamedTuple):
-    """A robot in one configuration.
-
-    Attributes
-    ----------
-    robot : Robot
-    q : ndarray (n, 3)
-    solved : bool
-        Whether it meets what was asked.
-    """
-
-    robot: Robot
-    q: Floats
-    solved: bool = True
-
-
-class MovingArm(NamedTuple):
-    """A robot that moves.
-
-    Attributes
-    ----------
-    robot : Robot
-    q : ndarray (T, n, 3)
-        Configurations, linear between neighbouring ones.
-    times : ndarray (T,)
-        Increasing.
-    solved : bool
-        Whether it meets what was asked.
-    """
-
-    robot: Robot
-    q: Floats
-    times: Floats
-    solved: bool
-
-    def at(self, share: float) -> Arm:
-        """Where it is after this share of its time."""
-        begin, end = self.times[0], self.times[-1]
-        now = begin + share * (end - begin)
-        i = int(np.clip(np.searchsorted(self.times, now, side="right") - 1, 0, len(self.times) - 2))
-        part = (now - self.times[i]) / (self.times[i + 1] - self.times[i])
-        return Arm(self.robot, (1.0 - part) * self.q[i] + part * self.q[i + 1], self.solved)
 
 
 class PlacedTarget(NamedTuple):
@@ -104,23 +60,29 @@ class Contents:
 
     Attributes
     ----------
+    robots : list of Robot
+        They have numbers, 0 = first.
     arms : list of Arm
-        Robots that stand still.
+        Their bodies that stand still.
     moving : list of MovingArm
     obstacles : list of Obstacle
     targets : list of PlacedTarget
     routes, paths : list of ndarray (k, 3)
         Lines: routes that led to a solution, and the positions of waypoints.
+    forces : list of ndarray (2, 3)
+        Lines that end where forces and payloads act, along these.
     answers : list of Solution or Motion
         What the caption is about.
     """
 
+    robots: list[Robot] = field(default_factory=list)
     arms: list[Arm] = field(default_factory=list)
     moving: list[MovingArm] = field(default_factory=list)
     obstacles: list[Obstacle] = field(default_factory=list)
     targets: list[PlacedTarget] = field(default_factory=list)
     routes: list[Floats] = field(default_factory=list)
     paths: list[Floats] = field(default_factory=list)
+    forces: list[Floats] = field(default_factory=list)
     answers: list[Solution | Motion] = field(default_factory=list)
 
     def add_obstacles(self, obstacles: Iterable[Obstacle]) -> None:
@@ -128,16 +90,32 @@ class Contents:
         known = {id(obstacle) for obstacle in self.obstacles}
         self.obstacles += [obstacle for obstacle in obstacles if id(obstacle) not in known]
 
-    def add_target(self, target: Target, arm: Arm | None) -> None:
-        """Take a target that is not there yet; one without a position is drawn at that end of the arm."""
+    def add_robot(self, robot: Robot, q: Floats, solved: bool = True, shape: Equilibrium | None = None) -> None:
+        """Take a robot in a configuration (n, 3), with the forces on it.
+
+        `shape` is its body under other loads than gravity and payload.
+        """
+        loaded = None if shape is None else Body(shape.body, shape.arcs[None])
+        self.arms += arms_of(robot, q, solved, len(self.robots), loaded)
+        self.robots.append(robot)
+        self.forces += forces_of(robot, q, shape)
+
+    def add_way(self, robot: Robot, q: Floats, times: Floats, solved: bool) -> None:
+        """Take a robot that moves through configurations (T, n, 3)."""
+        for body in bodies_of(robot, q):
+            self.moving.append(MovingArm(body.robot, body.q, times, solved, body.ghost, len(self.robots), robot))
+        self.robots.append(robot)
+
+    def add_target(self, target: Target, arm: Arm | None = None) -> None:
+        """Take a target that is not there yet; one without a position is drawn at that end of an arm."""
         if any(target is other.target for other in self.targets):
             return
         place = target.position
         if place is None:
-            if arm is None:
+            own = arm or next(self.bodies, None)
+            if own is None:
                 raise InputError("things", "has no place", target, "a robot before a target without a position")
-            last = target.segment is None or target.segment > len(arm.robot)
-            place = (arm.robot.tip(arm.q) if last else arm.robot.forward(arm.q)[(target.segment or 1) - 1])[:3, 3]
+            place = own.end(target.segment)
         self.targets.append(PlacedTarget(target, place))
 
     def obstacles_at(self, share: float) -> list[Obstacle]:
@@ -149,8 +127,13 @@ class Contents:
 
     @property
     def all_arms(self) -> list[Arm]:
-        """Robots that stand still, and those that move where they end."""
+        """Bodies that stand still, and those that move where they end."""
         return [*self.arms, *(moving.at(1.0) for moving in self.moving)]
+
+    @property
+    def bodies(self) -> Iterator[Arm]:
+        """The same without ghosts."""
+        return (arm for arm in self.all_arms if not arm.ghost)
 
 
 def straight(robot: Robot) -> Floats:
@@ -176,31 +159,34 @@ def gather(things: Iterable[Any]) -> Contents:
             targets.append(thing)
         elif isinstance(thing, Robot):
             if not (i + 1 < len(flat) and _is_array(flat[i + 1][1])):
-                contents.arms.append(Arm(thing, straight(thing)))
+                contents.add_robot(thing, straight(thing))
         elif _is_array(thing):
             before = flat[i - 1][1] if i else None
             if not isinstance(before, Robot):
                 raise InputError(key, "has no robot", thing, "an array of configurations right after its robot")
-            q = before.configuration(key, thing).reshape(-1, len(before), 3)
-            contents.arms += [Arm(before, each) for each in q]
+            for q in before.configuration(key, thing).reshape(-1, len(before), 3):
+                contents.add_robot(before, q)
         else:
             _add(contents, thing, key)
     for target in targets:
-        contents.add_target(target, next(iter(contents.all_arms), None))
-    checks.integer("len(robots)", len(contents.arms), 0, MOST_ARMS)
-    if not (contents.arms or contents.moving or contents.obstacles or contents.targets):
+        contents.add_target(target)
+    checks.integer("len(robots)", len(contents.robots), 0, MOST_ARMS)
+    if not (contents.robots or contents.obstacles or contents.targets):
         raise InputError("things", "", [thing for _, thing in flat], "something to draw: " + EXPECTED)
     return contents
 
 
 def _is_array(thing: Any) -> bool:
-    return isinstance(thing, np.ndarray)
+    """Whether it is an array, or lists that begin with a number or an array."""
+    while isinstance(thing, list | tuple) and thing:
+        thing = thing[0]
+    return isinstance(thing, np.ndarray | int | float)
 
 
 def _flat(things: Any, key: str) -> Iterable[tuple[str, Any]]:
     """All that lists hold, each with the name of its place."""
     for i, thing in enumerate(things):
-        if isinstance(thing, list | tuple | Solutions):
+        if isinstance(thing, list | tuple | Solutions) and not _is_array(thing):
             checks.integer(f"len({key}[{i}])", len(thing), 0, 100_000)
             yield from _flat(thing, f"{key}[{i}]")
         else:
@@ -215,7 +201,7 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
     elif isinstance(thing, Solution):
         _add_solution(contents, thing)
     elif isinstance(thing, Equilibrium):
-        _add_shape(contents, thing)
+        contents.add_robot(thing.robot, thing.q, shape=thing)
     elif isinstance(thing, Motion):
         _add_motion(contents, thing)
     elif isinstance(thing, Problem):
@@ -230,35 +216,35 @@ def _add(contents: Contents, thing: Any, key: str) -> None:
 
 
 def _add_question(contents: Contents, robot: Robot, scene: Snapshot, targets: Iterable[Target]) -> None:
-    arm = Arm(robot, straight(robot))
-    contents.arms.append(arm)
+    _add_arm(contents, robot, straight(robot), True, targets)
     contents.add_obstacles(scene.obstacles)
-    for target in targets:
-        contents.add_target(target, arm)
 
 
 def _add_solution(contents: Contents, solution: Solution) -> None:
-    arm = Arm(solution.problem.robot, solution.q, solution.solved)
-    if arm.robot.hangs:
-        _add_shape(contents, arm.robot.shape(arm.q), solution.solved)
-    else:
-        contents.arms.append(arm)
+    problem = solution.problem
+    _add_arm(contents, problem.robot, solution.q, solution.solved, problem.targets)
     contents.answers.append(solution)
-    contents.add_obstacles(solution.problem.scene.obstacles)
+    contents.add_obstacles(problem.scene.obstacles)
     if solution.route is not None:
         contents.routes.append(solution.route)
-    for target in solution.problem.targets:
-        contents.add_target(target, arm)
 
 
-def _add_shape(contents: Contents, shape: Equilibrium, solved: bool = True) -> None:
-    """Take the body under load, the one without, and the forces as lines that end where they act."""
-    contents.arms += [Arm(shape.body, shape.arcs, solved), Arm(shape.robot, shape.q, solved)]
-    forces = list(shape.forces())
+def _add_arm(contents: Contents, robot: Robot, q: Floats, solved: bool, targets: Iterable[Target]) -> None:
+    """Take a robot and its targets."""
+    count = len(contents.arms)
+    contents.add_robot(robot, q, solved)
+    for target in targets:
+        contents.add_target(target, contents.arms[count])
+
+
+def forces_of(robot: Robot, q: Floats, shape: Equilibrium | None = None) -> list[Floats]:
+    """Lines (2, 3) of forces and payloads on a robot in a configuration (n, 3), as long as they are strong."""
+    own = under_load(robot, q) if shape is None else shape
+    forces = [] if own is None else list(own.forces())
     largest = max((float(np.linalg.norm(force)) for _, force in forces), default=0.0)
-    for place, force in forces:
-        if largest > 0.0:
-            contents.paths.append(np.stack([place - force * (FORCE_LENGTH * shape.robot.mean_length / largest), place]))
+    if largest == 0.0:
+        return []
+    return [np.stack([place - force * (FORCE_LENGTH * robot.mean_length / largest), place]) for place, force in forces]
 
 
 def _add_motion(contents: Contents, motion: Motion) -> None:
@@ -266,17 +252,17 @@ def _add_motion(contents: Contents, motion: Motion) -> None:
     contents.answers.append(motion)
     contents.add_obstacles(motion.scene.obstacles)
     if len(motion.q) > 1:
-        contents.moving.append(MovingArm(*bodies_at(motion.robot, motion.q), motion.times, motion.solved))
-    elif motion.solutions:
-        contents.arms.append(Arm(motion.robot, motion.solutions[-1].q, motion.solved))
+        contents.add_way(motion.robot, motion.q, motion.times, motion.solved)
     else:
-        contents.arms.append(Arm(motion.robot, straight(motion.robot), motion.solved))
+        q = motion.solutions[-1].q if motion.solutions else straight(motion.robot)
+        contents.add_robot(motion.robot, q, motion.solved)
     targets = [target for solution in motion.solutions for target in solution.problem.targets]
     if _goes_straight(motion):
         _add_path(contents, targets)
     else:
+        arm = [*contents.bodies][-1]
         for target in targets:
-            contents.add_target(target, contents.all_arms[-1])
+            contents.add_target(target, arm)
 
 
 def _goes_straight(motion: Motion) -> bool:
@@ -300,4 +286,4 @@ def _add_path(contents: Contents, targets: list[Target]) -> None:
             contents.paths.append(np.stack(places))
         elif places:
             single = next(t for t in targets if t.segment == segment and t.position is not None)
-            contents.add_target(single, next(iter(contents.all_arms)))
+            contents.add_target(single)

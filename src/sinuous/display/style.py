@@ -13,6 +13,7 @@ from sinuous.robot.robot import Robot
 INK, PALE, LINE, GRID = "#2f343a", "#6b7178", "#b4bac1", "#e7eaed"
 OBSTACLE, DOTS, METAL = "#b9c1cb", "#98a1ac", "#4a5058"
 TARGET, PATH, ROUTE, TIP_PATH = "#d55e00", "#f0b48c", "#009e73", "#d55e00"
+FORCE = INK
 X, Y, Z = "#d55e00", "#009e73", "#0072b2"
 
 UNSOLVED = ("#e69f00", "#f3cf80")

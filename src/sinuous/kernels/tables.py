@@ -136,13 +136,14 @@ TARGET_WIDTH = 15
     INITIAL_WEIGHT,
     BENDS_WEIGHT,
     WISHED_CLEARANCE,
-) = range(11)
+    ROOM,
+) = range(12)
 """Places in the settings: length of backbone that obstacles do not concern; mean length of the robot; clearance that
 steps aim for; tolerances; how often a segment is halved in the search for contacts, at a glance and in a step; most
-iterations from one start; and the preferences: weights of staying close to the initial configuration and of small
-bends, and the clearance that is wished for."""
+iterations from one start; the preferences: weights of staying close to the initial configuration and of small bends,
+and the clearance that is wished for; and the clearance that an answer in contact is given where that costs nothing."""
 
-METHOD_OPTIONS = 11
+METHOD_OPTIONS = 12
 """Place of the first option of the method."""
 
 Budget = tuple[int, int, int, float]

@@ -6,32 +6,31 @@ from typing import Any, ClassVar
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.kernels import tables
 from sinuous.kernels.solve.preferences import prefer
+from sinuous.kernels.solve.room import GRAZING
 from sinuous.kernels.solve.search import search, search_many
 from sinuous.kernels.step.states import workspace_size
-from sinuous.kernels.tables import CODE, FAILED, GIVEN, MAX_ITERATIONS, SOLVED, Budget, Outcome
+from sinuous.kernels.tables import CODE, SOLVED, Budget, Outcome
 from sinuous.methods.capabilities import LIMITS, Capabilities
 from sinuous.methods.options import Options
 from sinuous.methods.prepared import Call, Compiled, Prepared, as_outcomes
 from sinuous.problem.preferences import Preferences
-from sinuous.problem.problem import Problem, settings_group
+from sinuous.problem.problem import Problem
 from sinuous.problem.target import Target, Tolerance
 from sinuous.robot.robot import Robot, robot_group
 from sinuous.scene.scene import Scene
 from sinuous.scene.snapshot import Snapshot
 
-GRAZING, ROOM = 0.02, 0.1
-"""Clearance below which an answer is in contact, although nobody wished for that, and the one that it is then given,
-where it costs nothing; in radii of the thinnest part of the body that has one, beyond what is demanded."""
+ROOM = 0.1
+"""Clearance that an answer in contact is given, although nobody wished for it, where it costs nothing; in radii of the
+thinnest part of the body that has one, beyond what is demanded."""
 
 THIN = 0.01
 """What counts as the radius of a body that has none, in mean lengths of the robot."""
 
-NEARLY_GRAZING = 1.2 * GRAZING
+NEARLY_GRAZING = 1.2 * GRAZING * ROOM
 """Clearance up to which an answer beside it may be in contact: what is proved is less by up to a tenth."""
-
-STEPS = 3
-"""Most steps out of contact: in tubes they are dear, and further ones gain little."""
 
 
 def thinnest(robot: Robot) -> float:
@@ -75,33 +74,12 @@ class PreparedNewton(Prepared):
     def _load(self, robot: Robot, scene: Snapshot, tolerance: Tolerance) -> None:
         """Compile the entry for one problem, or load it from the cache; that for many waits for its first call."""
         self._shape = self._segments, 3
-        self._away, self._loaded = self._settings, False
-        if not self._preferences:
-            radius = thinnest(robot)
-            self.grazing, room = GRAZING * radius, Preferences(clearance=ROOM * radius + robot.least_demanded[0])
-            self._away = settings_group(robot, tolerance, room)
-            self._away[MAX_ITERATIONS] = STEPS
+        self._settings[tables.ROOM] = 0.0 if self._preferences else ROOM * thinnest(robot)
         nowhere = Problem.prepared(robot, (Target((0.0, 0.0, 0.0)),), scene, tolerance)
         outcome = self.run(nowhere, np.empty((0, self._segments, 3)), (0, 0, 0, 0.0))
         if self._preferences:
             outcome.q[:] = 0.0
             self._prefer(outcome, nowhere.scene, nowhere._rows, None, 0.0)
-
-    def load_room(self, problem: Problem) -> None:
-        """Compile what leads out of contact; see `Prepared.load_room`."""
-        if self._loaded:
-            return
-        straight = Outcome(np.zeros(self._shape), FAILED, 0, 0, GIVEN, 0.0, 0.0, 0.0, 0.0, False, 0.0, 0.0)
-        self._prefer(straight, problem.scene, problem._rows, None, 0.0)
-        self._loaded = True
-
-    def take_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
-        """Move a solution away from what it touches; see `Prepared.take_room`."""
-        before = outcome._replace(q=outcome.q.copy())
-        after = self._prefer(outcome, problem.scene, problem._rows, None, seconds)
-        if after.clearance < before.clearance:  # proved: a bound may be less tight than the one before
-            return before._replace(iterations=after.iterations, seconds=after.seconds)
-        return after
 
     def _scene_group(self, scene: Snapshot) -> Floats | None:
         """Nothing where there are no obstacles: entries of their own, which compile faster, look at none."""
@@ -153,12 +131,12 @@ class PreparedNewton(Prepared):
     ) -> Outcome:
         """Improve a solved outcome, in place, by what is preferred.
 
-        What is preferred where nothing is, is room. `rows` (t, 15) are the targets; `reference` (n, 3) is what to stay
+        `rows` (t, 15) are the targets; `reference` (n, 3) is what to stay
         close to; `seconds` are what the search left of the budget.
         """
         near = outcome.q.copy() if reference is None else np.array(reference)
         proved = outcome.position_error, outcome.angle_error, outcome.clearance, outcome.self_clearance, seconds
-        groups = self._robot, self._scene_group(scene), self._away, rows
+        groups = self._robot, self._scene_group(scene), self._settings, rows
         used, *better = prefer(*groups, near, proved, self._workspace(len(rows)), outcome.q)
         position_error, angle_error, clearance, self_clearance, spent = better
         return outcome._replace(

@@ -1,6 +1,5 @@
 """A method that is prepared for a robot: its whole solve is one compiled call, with a workspace for each thread."""
 
-import math
 import threading
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -67,15 +66,7 @@ class Prepared:
     scene : Scene
     tolerance : Tolerance
     preferences : Preferences
-
-    Attributes
-    ----------
-    grazing : float
-        Clearance, beyond what is demanded, below which a solution is in contact and should be moved away from it, see
-        `take_room`; a method that cannot do that has none.
     """
-
-    grazing = -math.inf
 
     def __init__(
         self,
@@ -147,13 +138,6 @@ class Prepared:
         if self._bounded and len(answers):
             held = self._own_robot.within_tensions(answers[:, RECORD_WIDTH:].reshape(len(answers), -1, 3))
             answers[(answers[:, CODE] == SOLVED) & ~held, CODE] = FAILED
-
-    def load_room(self, problem: Problem) -> None:
-        """Compile what `take_room` needs, or load it, where that is not done yet."""
-
-    def take_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
-        """Move a solution away from what it touches, as far as that is cheap; it stays solved and proved."""
-        return outcome
 
     def _search(self, scene: Snapshot, rows: Floats, initial: Floats, budget: Budget, answers: Floats) -> None:
         call = self._call(scene, rows, initial, budget, answers)

@@ -15,6 +15,7 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError, NotSolvedError
 from sinuous.export.ros import Of
 from sinuous.frozen import Frozen
+from sinuous.guesses import answers_attributes
 from sinuous.motion import report, tables
 from sinuous.motion.configurations import check_limits
 from sinuous.motion.report import Report
@@ -49,6 +50,12 @@ Between = Literal["proved", "sampled", "unproved"]
 clear at samples; or some step is neither."""
 
 
+@answers_attributes(
+    success="motion.solved",
+    plot="sn.plot(motion)",
+    show="sn.show(motion)",
+    animate='sn.animate(motion, path="motion.gif")',
+)
 class Motion(NotebookMixin, Frozen):
     """Configurations at times, linear in q from each to the next; frozen.
 

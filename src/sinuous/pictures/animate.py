@@ -17,7 +17,7 @@ from sinuous.display.style import ARMS, INK, PATH, ROUTE, TARGET, TIP_PATH, UNSO
 from sinuous.errors import InputError
 from sinuous.pictures.files import MOVIES, check_picture
 from sinuous.pictures.paint import add, paint_arms, paint_walls, places_of, walls_of
-from sinuous.pictures.plot import as_view, draw_dots, draw_head, draw_lines, draw_surfaces, tip_path
+from sinuous.pictures.plot import as_view, draw_dots, draw_head, draw_lines, draw_surfaces, tip_paths
 from sinuous.pictures.space import axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
 from sinuous.scene.moving import Moving
 from sinuous.writing.documents import written
@@ -97,7 +97,7 @@ def _moving(contents: Contents, view: View, count: int, area: float) -> Iterator
     walls = paint_walls(walls_of(still, box), *bodies, view)
     draw_dots(axes, still, box)
     draw_lines(axes, contents, box, tips=False)
-    paths = [tip_path(moving) for moving in contents.moving]
+    paths = tip_paths(contents)
     for share in np.linspace(0.0, 1.0, count).tolist():
         arms = [*contents.arms, *(moving.at(share) for moving in contents.moving)]
         there = [own for own in contents.obstacles_at(share) if not any(own is one for one in still)]

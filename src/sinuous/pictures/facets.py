@@ -14,6 +14,9 @@ MOST_TRIANGLES = 12_000
 FINEST, COARSEST = 96, 12
 """Cells of that grid along the longest side of the mesh."""
 
+ROUNDING = 1e-9
+"""How far corners in a plane may be off, as a share of the extent of the facets."""
+
 LONGEST = 0.1
 """Longest side of a facet of a mesh, as a share of the longest side of the mesh."""
 
@@ -79,8 +82,16 @@ def _quarters(corners: Floats, count: int) -> Floats:
     return np.concatenate(parts)
 
 
-def within(facets: Floats, low: Floats, high: Floats) -> Floats:
-    """What of the facets is within a box; those that cross its sides are cut there (Sutherland & Hodgman 1974)."""
+def within(facets: Floats, low: Floats, high: Floats, solid: bool = False) -> Floats:
+    """What of the facets is within a box; those that cross its sides are cut there (Sutherland & Hodgman 1974).
+
+    Those of a convex `solid` are closed again where it is cut.
+    """
+    if solid:
+        for axis in range(3):
+            for side, limit in ((1.0, low[axis]), (-1.0, high[axis])):
+                facets = _closed(facets, axis, side, limit)
+        return facets
     whole = ((facets >= low) & (facets <= high)).all(axis=(1, 2))
     beyond = np.any(np.all(facets < low, axis=1) | np.all(facets > high, axis=1), axis=1)
     parts = [facets[whole]]
@@ -91,6 +102,23 @@ def within(facets: Floats, low: Floats, high: Floats) -> Floats:
                 polygon = _above(polygon, side * (polygon[:, axis] - limit))
         parts += [_fan(polygon)] if len(polygon) > 2 else []
     return np.concatenate(parts)
+
+
+def _closed(facets: Floats, axis: int, side: float, limit: float) -> Floats:
+    """What of a convex solid is on one side of a plane across an axis, with a face in the plane."""
+    heights = side * (facets[..., axis] - limit)
+    below, above = heights.min(axis=1), heights.max(axis=1)
+    if not len(facets) or below.min() >= 0.0:
+        return facets
+    crossed = (below < 0.0) & (above > 0.0)
+    polygons = [_above(corners, own) for corners, own in zip(facets[crossed], heights[crossed], strict=True)]
+    kept = np.concatenate([facets[below >= 0.0], *(_fan(polygon) for polygon in polygons if len(polygon) > 2)])
+    corners = kept.reshape(-1, 3)
+    rim = corners[np.abs(corners[:, axis] - limit) < ROUNDING * np.ptp(facets, axis=(0, 1)).max()]
+    if len(rim) < 3:
+        return kept
+    across, up = (rim[:, (axis + k) % 3] - rim[:, (axis + k) % 3].mean() for k in (1, 2))
+    return np.concatenate([kept, _fan(rim[np.argsort(-side * np.arctan2(up, across), kind="stable")])])
 
 
 def _above(polygon: Floats, heights: Floats) -> Floats:

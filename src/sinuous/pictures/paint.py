@@ -5,15 +5,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.checks import Floats
+from sinuous.display.arms import Arm
 from sinuous.display.body import BodySurface
 from sinuous.display.bounds import Bounds, towards
-from sinuous.display.contents import Arm
 from sinuous.display.obstacles import AROUND, Dotted, obstacle_surface
-from sinuous.display.style import METAL, OBSTACLE, THINNEST, View, tones
+from sinuous.display.style import METAL, OBSTACLE, THINNEST, View
 from sinuous.pictures.facets import cut, normals, of_mesh, within
 from sinuous.pictures.space import screen
 from sinuous.scene.meshes.mesh import Mesh
-from sinuous.scene.obstacles import Obstacle
+from sinuous.scene.obstacles import Box, Capsule, Cylinder, Obstacle, Sphere
 
 SOLID, SEE_THROUGH = 1.0, 0.22
 """Opacity of obstacles, and of what of them is in front of a robot."""
@@ -29,6 +29,9 @@ BODY_AROUND = 20
 
 MANY, FEWER = 12, 22
 """From so many obstacles on, each has fewer facets around."""
+
+SOLIDS = (Sphere, Box, Capsule, Cylinder)
+"""Obstacles that are closed where the picture cuts them; rooms and half-spaces stay open."""
 
 CUT = 0.06
 """Longest side of the facets of an obstacle that goes on beyond the picture, as a share of the picture."""
@@ -61,28 +64,30 @@ def walls_of(obstacles: list[Obstacle], bounds: Bounds) -> list[Walls]:
             is_mesh = isinstance(obstacle, Mesh)
             facets = of_mesh(surface, not obstacle.watertight) if isinstance(obstacle, Mesh) else surface.facets
             if (facets < bounds.low).any() or (facets > bounds.high).any():
-                facets = cut(within(facets, bounds.low, bounds.high), CUT * bounds.span)
+                solid = isinstance(obstacle, SOLIDS) and not getattr(obstacle, "inside", False)
+                facets = cut(within(facets, bounds.low, bounds.high, solid), CUT * bounds.span)
             walls.append(Walls(facets, is_mesh))
     return walls
 
 
 def places_of(arms: list[Arm], bounds: Bounds) -> tuple[Floats, float]:
-    """Places (m, 3) of bodies, and the largest of their radii as drawn."""
-    places = [arm.robot.backbone(arm.q) for arm in arms]
-    thickest = max((max(arm.robot.radii) for arm in arms), default=0.0)
+    """Places (m, 3) of bodies, and the largest of their radii as drawn; ghosts may be hidden."""
+    bodies = [arm for arm in arms if not arm.ghost]
+    places = [arm.robot.backbone(arm.q) for arm in bodies]
+    thickest = max((max(arm.robot.radii) for arm in bodies), default=0.0)
     return np.concatenate(places) if places else np.empty((0, 3)), max(thickest, 0.01 * bounds.span)
 
 
 def paint_arms(arms: list[Arm], bounds: Bounds, view: View) -> list[Painted]:
-    """Facets of robots, each in tones of its own."""
-    return [part for i, arm in enumerate(arms) for part in paint_arm(arm, i, bounds, view)]
+    """Facets of bodies, those of each robot in tones of its own."""
+    return [part for arm in arms for part in paint_arm(arm, bounds, view)]
 
 
-def paint_arm(arm: Arm, number: int, bounds: Bounds, view: View, opacity: float = SOLID) -> list[Painted]:
-    """Facets of a robot that are seen; `number` counts the robots. One that is not solid has no fittings."""
-    surface = BodySurface(arm.robot, THINNEST * bounds.span, BODY_AROUND, fittings=opacity == SOLID)
-    own = tones(arm.solved, number)
-    colours = [METAL if part.segment is None else own[part.segment % 2] for part in surface.parts]
+def paint_arm(arm: Arm, bounds: Bounds, view: View) -> list[Painted]:
+    """Facets of a body that are seen. A ghost has no fittings."""
+    surface = BodySurface(arm.robot, THINNEST * bounds.span, BODY_AROUND, fittings=not arm.ghost)
+    own, opacity = arm.colours, GHOST if arm.ghost else SOLID
+    colours = [METAL if part.segment is None else own[part.segment] for part in surface.parts]
     drawn = zip(surface.facets(arm.q), colours, strict=True)
     return [_lit(facets, colour, opacity, view) for facets, colour in drawn]
 

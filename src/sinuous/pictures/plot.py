@@ -11,12 +11,12 @@ from sinuous.arguments import Number
 from sinuous.checks import Floats
 from sinuous.display.bounds import Bounds, best_view
 from sinuous.display.captions import caption
-from sinuous.display.contents import Contents, MovingArm, PlacedTarget, Things, gather
+from sinuous.display.contents import Contents, PlacedTarget, Things, gather
 from sinuous.display.obstacles import Dotted, dots
-from sinuous.display.style import ARROW, DOTS, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, View, arrows_of
+from sinuous.display.style import ARROW, DOTS, FORCE, INK, PATH, ROUTE, TARGET, TIP_PATH, TITLE, View, arrows_of
 from sinuous.errors import InputError
 from sinuous.pictures.files import check_picture, need_matplotlib, stills
-from sinuous.pictures.paint import GHOST, add, paint_arm, paint_arms, paint_walls, places_of, walls_of
+from sinuous.pictures.paint import add, paint_arm, paint_arms, paint_walls, places_of, walls_of
 from sinuous.pictures.space import AREA, HEAD, axes_box, fill, new_axes, new_figure, room_of, set_bounds, sizes
 from sinuous.scene.obstacles import Obstacle
 from sinuous.writing.documents import written
@@ -44,8 +44,10 @@ def plot(
     *things : Robot, Scene, obstacle, Target, Problem, Job, Solution, Solutions, Motion, or a list of them
         A robot is drawn straight; with an array of configurations, (n, 3) or (k, n, 3), right after it, in those. A
         solution brings its scene, its targets, and as a dashed line the route that led to it. Several robots have
-        colours of their own; what is not solved is orange. Of a motion the last shape is solid, with others on the
-        way as ghosts, and a line is the path of the tip. What is in front of a robot is see-through.
+        colours of their own; what is not solved is orange. A robot that gravity bends is drawn with its load, and
+        see-through without; with an `uncertainty`, see-through around it is where the body may be. Of a motion
+        the last shape is solid, with others on the way as ghosts, and a line is the path of the tip. What is in front
+        of a robot is see-through.
     ax : Axes3D, optional
         Where to draw, made with `projection="3d"`; what was drawn there before stays. By default a new figure of
         pyplot.
@@ -142,9 +144,9 @@ def draw_surfaces(axes: Any, contents: Contents, box: Bounds, view: View) -> Non
     """Draw all that has a surface, and the points of what has none."""
     arms = contents.all_arms
     painted = paint_arms(arms, box, view)
-    for number, moving in enumerate(contents.moving, len(contents.arms)):
-        for share in np.linspace(0.0, 1.0, GHOSTS + 1)[:-1].tolist():
-            painted += paint_arm(moving.at(share), number, box, view, GHOST)
+    for moving in contents.moving:
+        for share in [] if moving.ghost else np.linspace(0.0, 1.0, GHOSTS + 1)[:-1].tolist():
+            painted += paint_arm(moving.at(share)._replace(ghost=True), box, view)
     obstacles = contents.obstacles_at(1.0)
     add(axes, paint_walls(walls_of(obstacles, box), *places_of(arms, box), view) + painted)
     draw_dots(axes, obstacles, box)
@@ -163,21 +165,24 @@ def draw_dots(axes: Any, obstacles: Iterable[Obstacle], box: Bounds) -> list[Any
 
 
 def draw_lines(axes: Any, contents: Contents, box: Bounds, *, tips: bool = True) -> None:
-    """Draw targets, paths, routes, and where the tips of motions go."""
+    """Draw targets, paths, routes, forces, and where the tips of motions go."""
     for target in contents.targets:
         draw_target(axes, target, ARROW * box.span)
     for path in contents.paths:
         axes.plot(*path.T, color=PATH, linewidth=2.4, zorder=3, solid_capstyle="round")
+    for begin, end in contents.forces:
+        axes.quiver(*begin, *(end - begin), color=FORCE, linewidth=1.6, arrow_length_ratio=0.2, zorder=5)
     for route in contents.routes:
         axes.plot(*route.T, color=ROUTE, linewidth=1.3, linestyle=(0, (4, 2)), zorder=4)
-    for moving in contents.moving if tips else ():
-        axes.plot(*tip_path(moving).T, color=TIP_PATH, linewidth=1.4, zorder=4)
+    for path in tip_paths(contents) if tips else ():
+        axes.plot(*path.T, color=TIP_PATH, linewidth=1.4, zorder=4)
 
 
-def tip_path(moving: MovingArm) -> Floats:
-    """Points (m, 3) that the tip goes through, evenly spaced in time."""
-    arms = [moving.at(k / ALONG_PATH).q for k in range(ALONG_PATH + 1)]
-    return moving.robot.tip(np.stack(arms))[:, :3, 3]
+def tip_paths(contents: Contents) -> list[Floats]:
+    """Points (m, 3) that the tip of each motion goes through, evenly spaced in time."""
+    shares = np.linspace(0.0, 1.0, ALONG_PATH + 1).tolist()
+    ways = [moving for moving in contents.moving if not moving.ghost]
+    return [way.robot.tip(np.stack([way.at(share).q for share in shares]))[:, :3, 3] for way in ways]
 
 
 def draw_target(axes: Any, placed: PlacedTarget, size: float) -> None:

@@ -37,6 +37,8 @@ def _of_bends(robot: Robot) -> Iterator[str]:
 
 def _of_loads(robot: Robot) -> Iterator[str]:
     """Compare what a robot carries with what bends it by a radian: a thousandth or thousandfold is another unit."""
+    if robot.gravity is None and robot.payload:
+        yield "the payload weighs nothing without gravity; gravity=(0, 0, -9.81) is that of the earth, for lengths in m"
     soft = [segment.stiffness.bend for segment in robot.segments if segment.stiffness is not None]
     if robot.gravity is None or not soft:
         return

@@ -176,6 +176,7 @@ class Target(Frozen):
     _table: Floats
 
     _tables: ClassVar[frozenset[str]] = frozenset({"_table"})
+    _asked: ClassVar[frozenset[str]] = frozenset({"rotation"})
 
     @answers_guesses(quaternion=QUATERNION)
     def __init__(

@@ -1,5 +1,6 @@
 """How fast a robot may move, and how far it may in a given time."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,9 +11,13 @@ from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
 from sinuous.robot.robot import Robot
+from sinuous.words import suggested
 
-Most = Number | Vector | None
-"""One number for all, or one for each; nothing: no limit."""
+Most = Number | Vector | Mapping[str, Number] | None
+"""One number for all, or one for each, or some by their names; nothing: no limit."""
+
+Kept = float | Floats | dict[str, float] | None
+"""The same as it is kept."""
 
 KEYS = ("bend", "length", "actuator")
 
@@ -32,17 +37,17 @@ class Spread(NamedTuple):
 
 
 class _Bounds(Frozen):
-    """Numbers that bound bends, lengths and actuators: one for all, one for each, or none."""
+    """Numbers that bound bends, lengths and actuators: one for all, one for each, some by names, or none."""
 
-    bend: float | Floats | None
-    length: float | Floats | None
-    actuator: float | Floats | None
+    bend: Kept
+    length: Kept
+    actuator: Kept
 
     def __init__(self, bend: Most = None, length: Most = None, actuator: Most = None) -> None:
         self._set(**{key: _most(key, value) for key, value in zip(KEYS, (bend, length, actuator), strict=True)})
 
     def _times(self, factor: float) -> "Changes":
-        return Changes(*(None if own is None else own * factor for own in (getattr(self, key) for key in KEYS)))
+        return Changes(*(scaled(getattr(self, key), factor) for key in KEYS))
 
     def spread(self, robot: Robot) -> Spread:
         """Return the numbers for every segment and every actuator of a robot; without accelerations.
@@ -50,10 +55,10 @@ class _Bounds(Frozen):
         Raises
         ------
         InputError
-            When there are not as many as it has.
+            When there are not as many as it has, or none has such a name.
         """
-        counts = len(robot), len(robot), len(robot.actuators)
-        return Spread(*(_spread(key, getattr(self, key), count) for key, count in zip(KEYS, counts, strict=True)))
+        names = robot.segment_names, robot.segment_names, [actuator.name for actuator in robot.actuators]
+        return Spread(*(_spread(key, getattr(self, key), own) for key, own in zip(KEYS, names, strict=True)))
 
 
 class Changes(_Bounds):
@@ -88,11 +93,12 @@ class Rates(_Bounds):
 
     Parameters
     ----------
-    bend : float or array_like (n,), optional
-        Of the bending vector of a segment, rad/s: the norm of its derivative.
-    length : float or array_like (n,), optional
+    bend : float, array_like (n,) or mapping, optional
+        Of the bending vector of a segment, rad/s: the norm of its derivative. A mapping has the names of segments;
+        what it does not name has no limit.
+    length : float, array_like (n,) or mapping, optional
         Of the length of a segment, length unit/s.
-    actuator : float or array_like (m,), optional
+    actuator : float, array_like (m,) or mapping, optional
         Of the value of an actuator, in the order of `Robot.actuators`: units of its motor a second
         (length unit/s without a gain).
     acceleration : Rates, optional
@@ -137,10 +143,12 @@ class Rates(_Bounds):
                 self.acceleration.spread(robot)
 
 
-def _most(key: str, value: Any) -> float | Floats | None:
+def _most(key: str, value: Any) -> Kept:
     """Check a number greater than 0, or several."""
     if value is None:
         return None
+    if isinstance(value, Mapping):
+        return {str(name): checks.number(f"{key}.{name}", each, above=0.0) for name, each in value.items()}
     if np.ndim(value) == 0:
         return checks.number(key, value, above=0.0)
     numbers = checks.array(key, value, (None,))
@@ -149,11 +157,26 @@ def _most(key: str, value: Any) -> float | Floats | None:
     return numbers
 
 
-def _spread(key: str, value: float | Floats | None, count: int) -> Floats:
-    if value is None:
-        return np.full(count, np.inf)
-    if isinstance(value, float):
-        return np.full(count, value)
-    if len(value) != count:
-        raise InputError(key, "", value.tolist(), f"one number, or {count}")
+def least(value: Kept) -> float:
+    """The least of the numbers; 0 where there is none."""
+    return 0.0 if value is None else float(np.min([*value.values()] if isinstance(value, dict) else value))
+
+
+def scaled(value: Kept, factor: float) -> Kept:
+    """The same with every number multiplied."""
+    if isinstance(value, dict):
+        return {name: factor * own for name, own in value.items()}
+    return None if value is None else factor * value
+
+
+def _spread(key: str, value: Kept, names: Sequence[str]) -> Floats:
+    if value is None or isinstance(value, float):
+        return np.full(len(names), np.inf if value is None else value)
+    if isinstance(value, dict):
+        for name in value:
+            if name not in names:
+                raise InputError(key, "nothing has this name", name, suggested(name, names))
+        return np.array([value.get(name, np.inf) for name in names])
+    if len(value) != len(names):
+        raise InputError(key, "", value.tolist(), f"one number, or {len(names)}")
     return value

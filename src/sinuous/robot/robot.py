@@ -14,6 +14,7 @@ from sinuous.arguments import Batch, Limits, Number, OneEach, Rows, SelfCollisio
 from sinuous.checks import Floats
 from sinuous.errors import InputError
 from sinuous.frozen import Frozen
+from sinuous.guesses import answers_attributes
 from sinuous.notebook import NotebookMixin
 from sinuous.poses import as_pose
 from sinuous.reprs import call, text
@@ -66,6 +67,15 @@ class RobotArguments(WholeArguments, total=False):
     radius: Number | None
 
 
+@answers_attributes(
+    fk="robot.tip(q), and robot.forward(q) for the ends of all segments",
+    forward_kinematics="robot.tip(q), and robot.forward(q) for the ends of all segments",
+    ik="sn.solve(robot, target, scene)",
+    inverse_kinematics="sn.solve(robot, target, scene)",
+    solve="sn.solve(robot, target, scene)",
+    plot="sn.plot(robot)",
+    show="sn.show(robot)",
+)
 class Robot(NotebookMixin, Frozen):
     """A continuum robot: segments from base to tip, where it stands, and what it carries.
 

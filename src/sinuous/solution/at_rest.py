@@ -5,6 +5,8 @@ Gauss-Newton steps go on from there. Each is the solution of a small problem wit
 least-distance programming (Lawson & Hanson 1974, chapter 23), by nonnegative least squares.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from sinuous.checks import Floats
@@ -13,7 +15,7 @@ from sinuous.robot.robot import Robot
 from sinuous.solution.constraints import Limit, limits_of, normal
 from sinuous.solution.residual import residual_of
 
-MOST_STEPS = 30
+MOST_STEPS = 100
 """Most Gauss-Newton steps, accepted or refused."""
 
 GAIN = 1e-8
@@ -32,10 +34,10 @@ MOST_COORDINATES = 600
 """Coordinates (3 n) of the largest robot for which this is done: the cost grows with their cube."""
 
 
-def at_rest(problem: Problem, q: Floats) -> Floats:
+def at_rest(problem: Problem, q: Floats, going_on: Callable[[], bool] = lambda: True) -> Floats:
     """Return a configuration (n, 3) within the limits, near `q`, where the targets are missed by as little as possible.
 
-    Obstacles are not looked at.
+    Obstacles are not looked at. Before each step it is asked whether there is time for another.
     """
     robot, count = problem.robot, len(problem.robot)
     if q.size > MOST_COORDINATES:
@@ -44,6 +46,8 @@ def at_rest(problem: Problem, q: Floats) -> Floats:
     scale = np.array([1.0, 1.0, unit])
     residual, limits, damping = residual_of(problem, q), list(limits_of(robot, q)), FIRST_DAMPING
     for _ in range(MOST_STEPS):
+        if not going_on():
+            break
         merit = float(residual.value @ residual.value)
         normals = np.array([normal(limit, unit) for limit in limits])
         slacks = np.maximum(0.0, [limit.slack for limit in limits])

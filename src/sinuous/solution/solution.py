@@ -11,7 +11,8 @@ import numpy as np
 from sinuous import checks
 from sinuous.arguments import Number, Parameter, Rows, StartKind, Vector
 from sinuous.checks import Floats
-from sinuous.errors import InputError, NotSolvedError
+from sinuous.errors import NotSolvedError
+from sinuous.guesses import answers_attributes
 from sinuous.kernels.tables import SOLVED, SOURCES, Outcome
 from sinuous.notebook import NotebookMixin
 from sinuous.packing import read_only
@@ -52,6 +53,16 @@ _OF_CLEARANCE = {
 """What is added to the meaning of a status where a clearance is demanded."""
 
 
+@answers_attributes(
+    success="solution.solved",
+    error="solution.position_error and solution.angle_error",
+    position="solution.tip[:3, 3]",
+    lengths="solution.q[:, 2]",
+    plot="sn.plot(solution)",
+    show="sn.show(solution)",
+    save="solution.to_dict(), which json.dumps takes",
+    to_csv="solution.q and solution.actuators; motions have to_csv",
+)
 class Solution(NotebookMixin):
     """What a solve found; frozen. On failure it holds the best configuration found.
 
@@ -200,17 +211,15 @@ class Solution(NotebookMixin):
 
     @property
     def position_error(self) -> float | None:
-        """Largest distance of an end to its target position; `None` where none is asked for."""
-        return self._outcome.position_error if any(t.position is not None for t in self.problem.targets) else None
+        """Largest distance of an end to its target position; `None` where none is asked for, or no body is at rest."""
+        asked = any(t.position is not None for t in self.problem.targets)
+        return finite_or_none(self._outcome.position_error) if asked else None
 
     @property
     def angle_error(self) -> float | None:
-        """Largest angle (rad) of an end to its target orientation; `None` where none is asked for."""
-        return (
-            self._outcome.angle_error
-            if any(t.direction is not None or t.rotation is not None for t in self.problem.targets)
-            else None
-        )
+        """Largest angle (rad) of an end to its target orientation; `None` where none is asked for, or no body rests."""
+        asked = any(t.direction is not None or t.rotation is not None for t in self.problem.targets)
+        return finite_or_none(self._outcome.angle_error) if asked else None
 
     @property
     def clearance(self) -> float | None:
@@ -284,10 +293,15 @@ class Solution(NotebookMixin):
 
     @property
     def worst(self) -> Worst | None:
-        """The constraint farthest from being met; `None` when solved."""
+        """The constraint farthest from being met; `None` when solved, or when no stable equilibrium was found."""
         if not hasattr(self, "_worst"):
-            self._worst = None if self.solved else self._find_worst()
+            self._worst = None if self.solved or self._falls else self._find_worst()
         return self._worst
+
+    @property
+    def _falls(self) -> bool:
+        """Whether loads bend the robot, and no stable equilibrium was found."""
+        return self.problem.robot.hangs and math.isinf(self._outcome.position_error)
 
     def _find_worst(self) -> Worst:
         """Of a robot under load what its body misses, by segments of the robot."""
@@ -303,13 +317,9 @@ class Solution(NotebookMixin):
     @property
     def shape(self) -> "Equilibrium | None":
         """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
-        robot = self.problem.robot
-        if not robot.hangs:
-            return None
-        try:
-            return robot.shape(self.q)
-        except InputError:
-            return None
+        from sinuous.statics.equilibrium import under_load  # noqa: PLC0415
+
+        return under_load(self.problem.robot, self.q)
 
     @property
     def binding(self) -> tuple[Binding, ...]:
@@ -321,6 +331,8 @@ class Solution(NotebookMixin):
     @property
     def sentence(self) -> str:
         """What the status means here; of `limit_bound` with the names of the limits."""
+        if self._falls:
+            return f"{self.status.sentence}: no stable equilibrium under its loads was found"
         if self.status in _OF_CLEARANCE and self.problem.robot.demands:
             return f"{self.status.sentence}, {_OF_CLEARANCE[self.status]}"
         if self.status is not Status.LIMIT_BOUND:

@@ -8,7 +8,7 @@ import numpy as np
 from sinuous import checks
 from sinuous.checks import Floats
 from sinuous.errors import InputError
-from sinuous.kernels.tables import CLEARANCE, CODE, RECORD_WIDTH, SOLVED, TARGET_WIDTH, Budget, Outcome, answer_size
+from sinuous.kernels.tables import CODE, RECORD_WIDTH, SOLVED, TARGET_WIDTH, Budget, Outcome, answer_size
 from sinuous.methods.prepared import Prepared, as_outcomes
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
@@ -102,20 +102,6 @@ class Many:
             self._advance(1)
 
         Crew(one, self._workers).share(_undecided(self._answers), alone=0.0)
-
-    def take_room(self, seconds: float) -> None:
-        """Move what is solved in contact away from it, see `Prepared.take_room`; `seconds` are those of each solve."""
-        touching = (self._answers[:, CODE] == SOLVED) & (self._answers[:, CLEARANCE] < self._method.grazing)
-        numbers = np.flatnonzero(touching).tolist()
-        if numbers:
-            self._method.load_room(self._questions.problem(numbers[0]))
-
-        def one(i: int) -> None:
-            outcome = as_outcomes(self._answers[i : i + 1])[0]
-            left = seconds - outcome.seconds
-            self._method.take_room(outcome, self._questions.problem(i), left).write(self._answers[i])
-
-        Crew(one, self._workers).share(numbers)
 
     def learn(self) -> None:
         """Keep what is solved for later questions, in the order of the targets, where there is a memory."""

@@ -167,12 +167,15 @@ class Memory(ShortRepr):
         self._shapes.add(kept[:0], (edges - first)[(edges >= first).all(axis=1)])
         self._explored = explored
 
-    def _learn(self, found: Floats) -> None:
-        """Keep solutions (m, n, 3), without those that are hardly different from the kept shape of the nearest tip."""
+    def _learn(self, found: Floats, new: NDArray[np.bool_] | None = None) -> None:
+        """Keep those of the solutions (m, n, 3) that are `new` (m,).
+
+        By default these are the ones that differ from the kept shape of the nearest tip.
+        """
         if self.learns:
-            new = found[self._shapes.is_new(found)]
-            if len(new):
-                self._shapes.add(new)
+            kept = found[self._shapes.is_new(found) if new is None else new]
+            if len(kept):
+                self._shapes.add(kept)
 
     def _learn_way(self, q: Floats) -> None:
         """Keep the knots (T, n, 3) of a motion, and that it is proved."""

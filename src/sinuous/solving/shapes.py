@@ -33,8 +33,8 @@ ANGLE_WEIGHT = 0.5
 SPACING = 0.02
 """Shapes nearer than that to what is kept already are not kept: rad, and mean lengths of a segment."""
 
-TAIL = 64
-"""Shapes that may be looked through one by one before they are sorted into the tree again."""
+TAIL = 512
+"""Shapes that may be looked through one by one before they are sorted into the tree again: as quick as a tree."""
 
 TAIL_SHARE = 0.125
 """The same as a share of all shapes: sorting costs a constant for each shape that is kept."""
@@ -253,20 +253,18 @@ class PoseIndex:
         """Return the numbers (m, count) of the shapes with poses (s, n, 12) nearest to target sets (m, t, 15)."""
         self._grow(poses)
         wanted = _joined([self._wanted(each, rows[:, i]) for i, each in enumerate(self._asked)])
-        near = min(count, self._sorted)
-        found: Whole = np.empty((len(rows), 0), np.int64)
-        distances = np.empty((len(rows), 0))
+        near, tail = min(count, self._sorted), self._features[self._sorted :]
         if near:
             distances, found = (each.reshape(len(rows), near) for each in self._tree.query(wanted, near))
-        tail = self._features[self._sorted :]
-        if len(tail):
-            apart = wanted[:, None] - tail
-            beside = np.sqrt(np.einsum("msd,msd->ms", apart, apart))
-            numbers = np.broadcast_to(np.arange(self._sorted, len(self._features)), beside.shape)
-            distances, found = _joined([distances, beside]), _joined([found, numbers])
-            order = distances.argsort(axis=1, kind="stable")[:, :count]
-            found = found[np.arange(len(rows))[:, None], order]
-        return found
+            if not len(tail):
+                return np.asarray(found, np.int64)
+        apart = wanted[:, None] - tail
+        beside = np.einsum("msd,msd->ms", apart, apart)
+        if not near:
+            return np.asarray(beside.argsort(axis=1, kind="stable")[:, :count], np.int64)
+        numbers = np.broadcast_to(np.arange(self._sorted, len(self._features)), beside.shape)
+        order = _joined([distances, np.sqrt(beside)]).argsort(axis=1, kind="stable")[:, :count]
+        return np.asarray(_joined([found, numbers])[np.arange(len(rows))[:, None], order], np.int64)
 
     def _grow(self, poses: Floats) -> None:
         """Take the shapes in that were added since."""

@@ -43,7 +43,7 @@ from sinuous.solving.options import SolveArguments, SolveOptions
 from sinuous.solving.search import UNDECIDED, FirstSolved, Follow
 from sinuous.solving.several import BY_ROUTE, BY_SHAPE, KINDS, Kind, Several, Wanted, disliking
 from sinuous.solving.starts import Batch, Question
-from sinuous.solving.strategy import REST, Strategy
+from sinuous.solving.strategy import Strategy
 from sinuous.solving.under_load import STARTS, UnderLoad, corrections, solve_under_load
 from sinuous.solving.under_load import given as start_at
 from sinuous.solving.velocity import ControlLoop
@@ -223,8 +223,6 @@ class Solver:
                 outcome = outcome._replace(source=REMEMBERED)
         if outcome.code != SOLVED:
             outcome = self._go_on(outcome, problem, given, budget[3])
-        if outcome.clearance < self._prepared.grazing:
-            outcome = self._with_room(outcome, problem, budget[3] - outcome.seconds)
         if self.options.memory is not None and outcome.code == SOLVED:
             self._strategy.learn(outcome.q[None], None if starts is given else starts[None])
         return Solution(problem, outcome, work_time() - began, self._resolver, given)
@@ -370,7 +368,6 @@ class Solver:
             if blocked:
                 many.decide(BASE_BLOCKED)
             many.go_on(lambda outcome, problem, own: self._go_on(outcome, problem, own, budget[3]))
-            many.take_room(budget[3])
             many.learn()
         return many.solutions(self._resolver)
 
@@ -439,8 +436,7 @@ class Solver:
         several.search.pursue(several.batches(self._strategy, question), self._follow(problem, given))
         own = self._resolver, given
         return [
-            Solution(problem, self._with_room(outcome, problem, wanted.seconds), outcome.seconds, *own, route_class)
-            for outcome, route_class in several.best()
+            Solution(problem, outcome, outcome.seconds, *own, route_class) for outcome, route_class in several.best()
         ]
 
     def step(
@@ -563,8 +559,8 @@ class Solver:
                 self._strategy.load()
         search = FirstSolved(first, self.options.max_starts, seconds)
         resting = first.bound and self.method == OWN_METHOD and not len(problem.scene)
-        if resting and search.open and search.seconds_left >= REST:
-            rested = at_rest(problem, first.q)
+        if resting and search.open:
+            rested = at_rest(problem, first.q, lambda: search.open)
             search.take(self._from_rest(first, problem, rested, search.seconds_left))
         batches = self._strategy.batches(Question(problem, given, lambda: search.seconds_left))
         search.pursue(batches, self._follow(problem, given))
@@ -574,14 +570,6 @@ class Solver:
         """Go on from the best within the limits near the best start: descents stop short of corners of limits."""
         found = self._prepared.run(problem, np.array(rested[None]), (0, 0, self.options.seed, max(0.0, seconds)))
         return found._replace(source=first.source, starts=0)
-
-    def _with_room(self, outcome: Outcome, problem: Problem, seconds: float) -> Outcome:
-        """Move a solution out of contact; see `Prepared.take_room`."""
-        if outcome.code != SOLVED or outcome.clearance >= self._prepared.grazing:
-            return outcome
-        with no_work():  # compiling is no solving
-            self._prepared.load_room(problem)
-        return self._prepared.take_room(outcome, problem, seconds)
 
     def _follow(self, problem: Problem, given: Floats) -> Follow:
         """How the starts of a batch are followed for this problem."""

@@ -36,7 +36,7 @@ from sinuous.solving.classes.passages import Passages
 from sinuous.solving.options import SolveOptions
 from sinuous.solving.routing.candidates import Candidate, Candidates, along
 from sinuous.solving.routing.growth import FIRST_WIDTH, LAST_WIDTH
-from sinuous.solving.routing.searches import CELLS, Plan, Searches
+from sinuous.solving.routing.searches import LARGEST, Plan, Searches
 from sinuous.solving.shapes import NEAREST
 from sinuous.solving.starts import Batch, Question, Scattered
 
@@ -45,10 +45,6 @@ OPENING = 3
 
 OPENING_ALONE = 16
 """Starts of the first call where no attempt but scattered starts follows."""
-
-REST = 0.1
-"""Seconds that have to be left before the best start is brought to rest: that counts no looks, and takes up to so long
-for 60 segments (`benchmarks speed`, budgets, free)."""
 
 SHARE = 0.6
 """Scattered starts for each unit of cost in the ledger. More helps among balls, less in tubes."""
@@ -72,15 +68,12 @@ PRICE_FINE = 8
 """Price of the first search over fine cells."""
 
 PRICE_ALTERNATIVES = 20
-"""Price of the search over coarse cells for routes that differ."""
+"""Price of the search for routes that differ (helix)."""
 
-PRICE_MANY = 110
-"""Price of the search over many fine cells, after one for alternatives."""
+PRICE_LARGEST = 110
+"""Price of the last search, where the tables of the others were too small: it proves that large rooms are closed."""
 
-PRICE_EXACT = 220
-"""Price of the search with exact distances."""
-
-LAST = 440
+LAST = 200
 """Price of what comes after all searches."""
 
 ALTERNATIVES = 4
@@ -95,12 +88,6 @@ GROWN_SEVERAL = 16
 
 GATES_COSTS = {3: 3, 6: 4, 20: 12, 50: 40, 150: 150}
 """By scattered starts of each part, the cost of chains through the narrowest place of a route (doors, cells, halls)."""
-
-GATES_BLIND = 1.5
-"""How many times as dear these are along routes over coarse cells: many lead through walls."""
-
-GROWN_ROUTES = 2
-"""Routes of one search along which chains are grown; chains of halves along the first one alone."""
 
 AT_ONCE = 0
 """Price of what comes first."""
@@ -221,9 +208,11 @@ class Strategy:
         """
         if self._memory is None:
             return
-        if starts is not None:
-            found = found[~self._memory._shapes.alike(found[:, None], starts).any(axis=1)]
-        self._memory._learn(found)
+        if starts is not None and starts.shape[1]:
+            new: NDArray[np.bool_] = ~np.any(self._memory._shapes.alike(found[:, None], starts), axis=1)
+            self._memory._learn(found, new)
+        else:
+            self._memory._learn(found)
 
     def _remembered_batch(self, question: Question) -> Iterator[Batch]:
         count = REMEMBERED_SEVERAL if question.several else NEAREST
@@ -352,37 +341,29 @@ class RouteAttempts:
             searches = [(max(price, AFTER_EDGES), plan) for price, plan in searches if plan.routes > 1]
             self._attempts.add("cells", AFTER_EDGES, partial(self._search, searches, False), cost=0)
             return
-        searches = [(price, plan) for price, plan in searches if not candidates.pointless(plan)]
-        if not searches:
-            return
         (_, plan), *others = searches
-        last, found = candidates.over_cells_once(plan)
-        closed = last.cell if found.ended == PROVED_CLOSED else None
-        self._add_routes(found.routes, last.cell == self._searches.fine.cell, last.exact)
+        found = candidates.over_cells_once(plan)
+        closed = plan.cell if found.ended == PROVED_CLOSED else None
+        self._add_routes(found.routes, plan.cell == self._searches.fine.cell)
         if others:
             self._attempts.add("cells", others[0][0], partial(self._search, others, False), cost=0)
         yield along(self._question.initial[:0], (), cost=found.cells / CELLS_A_START, closed=closed)
 
-    def _add_routes(self, routes: list[Floats], finest: bool, exact: bool = False) -> None:
-        """Add all that is tried along the routes (K, 3) of one search."""
+    def _add_routes(self, routes: list[Floats], finest: bool) -> None:
+        """Add all that is tried along the routes (K, 3) of one search: chains are grown along the first one alone."""
         if not routes:
             return
         stowed = self._candidates.to_be_stowed(routes[0])
-        for place, route in enumerate(routes):
-            candidate, unlike = self._candidates.note(route, finest, exact)
-            if candidate is None:
-                continue
-            if unlike and place < GROWN_ROUTES:
-                self._add_grown(candidate)
-                if place == 0 and not self._question.several:
-                    self._add_gates(candidate)
+        noted = [self._candidates.note(route, finest) for route in routes]
+        if noted[0] is not None:
+            self._add_grown(noted[0])
+            if not self._question.several:
+                self._add_gates(noted[0])
         price = min(GATES_COSTS.values()) if stowed else AT_ONCE
         self._attempts.add("laid", price, partial(self._candidates.laid, routes), cost=0)
 
-    def _add_along(
-        self, name: str, candidate: Candidate, cost: float, make: Callable[[], Iterator[Batch]], times: float = 1.0
-    ) -> None:
-        self._attempts.add(name, cost * times * candidate.weight, make, cost)
+    def _add_along(self, name: str, candidate: Candidate, cost: float, make: Callable[[], Iterator[Batch]]) -> None:
+        self._attempts.add(name, cost * candidate.weight, make, cost)
 
     def _add_grown(self, candidate: Candidate) -> None:
         """Add chains along a route; those for several solutions come last, because they are much alike."""
@@ -397,25 +378,13 @@ class RouteAttempts:
 
     def _add_gates(self, candidate: Candidate) -> None:
         """Add chains through the narrowest place of a route."""
-        times = 1.0 if candidate.finest else GATES_BLIND
         for starts, cost in GATES_COSTS.items():
-            self._add_along("gates", candidate, cost, partial(self._candidates.halves, candidate, starts), times)
+            self._add_along("gates", candidate, cost, partial(self._candidates.halves, candidate, starts))
 
 
 def plans_of(searches: Searches) -> list[tuple[float, Plan]]:
     """Return the searches over cells, from the quickest to the most thorough, each with its price."""
-    coarse, fine = searches.coarse, searches.fine
-    _, many, most = CELLS
-    first: list[tuple[float, Plan]] = []
-    second: list[tuple[float, Plan]] = []
-    if coarse.cell > fine.cell:
-        first.append((AT_ONCE, coarse))
-        second.append((PRICE_ALTERNATIVES, coarse._replace(routes=ALTERNATIVES)))
-    fine = fine._replace(prove=searches.proves)
-    return [
-        *first,
-        (PRICE_FINE if first else AT_ONCE, fine),
-        *second,
-        (PRICE_MANY if second else PRICE_ALTERNATIVES, fine._replace(cells=many, routes=ALTERNATIVES)),
-        (PRICE_EXACT, fine._replace(cells=most, routes=ALTERNATIVES, exact=True)),
-    ]
+    coarse, fine = searches.coarse, searches.fine._replace(prove=searches.proves)
+    first = [(AT_ONCE, coarse), (PRICE_FINE, fine)] if coarse.cell > fine.cell else [(AT_ONCE, fine)]
+    last = PRICE_LARGEST, fine._replace(cells=LARGEST)
+    return [*first, (PRICE_ALTERNATIVES, coarse._replace(routes=ALTERNATIVES)), last]

@@ -1,7 +1,7 @@
 """A body under load, at rest: where it is, what holds it, and whether it would stay there."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from sinuous.frozen import Frozen
 from sinuous.kernels.statics import layout as t
 from sinuous.reprs import call
 from sinuous.robot.loads import Force, Load
-from sinuous.statics.body import Tables, body_of, tables_of
+from sinuous.statics.body import KEPT, Tables, body_of, tables_of
 from sinuous.statics.response import Question, Response
 
 if TYPE_CHECKING:
@@ -213,6 +213,7 @@ def body_robot(robot: "Robot", lengths: Floats, roll: float) -> "Robot":
     return robot.changed(segments=segments, tool=tool, actuators=None, gravity=None, payload=None, **away)
 
 
+@lru_cache(maxsize=KEPT)
 def longest_body(robot: "Robot") -> "Robot":
     """Return the body of a robot at its greatest lengths, straight: of its group, lengths and tool change."""
     own = body_of(robot)
@@ -243,6 +244,16 @@ def find_equilibrium(question: Question) -> Equilibrium:
         loads = list(question.loads) or "gravity and payload"
         raise InputError("load", problem, loads, "a load that the robot can hold")
     return Equilibrium(question, q, tables, found)
+
+
+def under_load(robot: "Robot", q: Floats) -> Equilibrium | None:
+    """The body under gravity and payload; `None` where nothing bends the robot, or no equilibrium was found."""
+    if not robot.hangs:
+        return None
+    try:
+        return robot.shape(q)
+    except InputError:
+        return None
 
 
 def driven(question: Question) -> tuple[Floats, Tables]:
@@ -301,7 +312,7 @@ def _run(robot: "Robot", tables: Tables, descends: bool = True) -> Found:
     from sinuous.kernels.statics.equilibrium import RECORD_WIDTH, equilibrate  # noqa: PLC0415
     from sinuous.kernels.statics.newton import room_for  # noqa: PLC0415
 
-    arcs, loads, lines, slopes, states, tensions = tables
+    arcs, loads, lines, slopes, _, states, tensions = tables
     found = Found(states.copy(), tensions.copy(), np.zeros(RECORD_WIDTH))
     room = room_for(len(arcs), len(lines), slopes) + states.size + len(lines)
     body = packing.pose_row(robot.base), arcs, loads, lines, slopes

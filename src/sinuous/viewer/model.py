@@ -17,7 +17,7 @@ from sinuous.motion.motion import Motion
 from sinuous.motion.paced import paced
 from sinuous.poses import least_rotation
 from sinuous.problem.target import Target, Tolerance
-from sinuous.robot.rates import Rates
+from sinuous.robot.rates import KEYS, Kept, Rates, least, scaled
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.scene.obstacles import Obstacle, Primitive
@@ -26,6 +26,7 @@ from sinuous.scene.snapshot import Mover, Snapshot
 from sinuous.solution.explanation import Explanation
 from sinuous.solution.remedies import Remedy
 from sinuous.solution.solution import Solution
+from sinuous.statics.equilibrium import under_load
 from sinuous.viewer import edits
 from sinuous.viewer.solvers import Question, Settings
 
@@ -257,10 +258,12 @@ class Model:
 
     def target_frame(self, index: int) -> Floats:
         """Pose (4, 4) that stands for a target; what it does not ask for is that of the shape on the page."""
-        target = self._target(index)
-        robot = self.robot
-        at_tip = target.segment is None or target.segment == len(robot)
-        frame = np.array(robot.tip(self.q) if at_tip else robot.forward(self.q)[(target.segment or 0) - 1])
+        target, robot = self._target(index), self.robot
+        place, shape = None if target.segment == len(robot) else target.segment, under_load(robot, self.q)
+        if place is None:
+            frame = np.array(robot.tip(self.q) if shape is None else shape.tip)
+        else:
+            frame = np.array((robot.forward(self.q) if shape is None else shape.poses)[place - 1])
         if target.position is not None:
             frame[:3, 3] = target.position
         if target.direction is not None:
@@ -413,10 +416,12 @@ class Model:
     def set_rates(self, most: Floats, acceleration: Floats) -> None:
         """Set the largest speeds and accelerations of bends, lengths and actuators (3,); 0: no limit.
 
+        Where there is one for each, it is the least of them, and all change by one factor.
         A motion among obstacles that stand still goes the same way as fast as they allow.
         """
-        speeds, gains = ([float(each) or None for each in own] for own in (most, acceleration))
-        rates = Rates(speeds[0], speeds[1], speeds[2], Rates(gains[0], gains[1], gains[2]) if any(gains) else None)
+        own = self.job.rates
+        gains = Rates(*_with_least(own.acceleration or Rates(), acceleration), None)
+        rates = Rates(*_with_least(own, most), gains or None)
         rates.check(self.robot)
         self.job = changed(self.job, rates=rates)
         if self.motion is not None and not self.motion.scene.moves:
@@ -542,6 +547,23 @@ class Model:
 
 def _names(scene: Snapshot) -> set[str]:
     return {scene.name(i) for i in range(len(scene))}
+
+
+def least_of(rates: Rates | None) -> Floats:
+    """The least speeds of bends, lengths and actuators (3,) that rates allow at most; 0 without a limit."""
+    return np.array([0.0 if rates is None else least(getattr(rates, key)) for key in KEYS])
+
+
+def _with_least(rates: Rates, wanted: Floats) -> tuple[Kept, Kept, Kept]:
+    """Bounds of bends, lengths and actuators of which these (3,) are the least; 0: no limit."""
+    bend, length, actuator = wanted.tolist()
+    return _with(rates.bend, bend), _with(rates.length, length), _with(rates.actuator, actuator)
+
+
+def _with(own: Kept, most: float) -> Kept:
+    if own is None or isinstance(own, float) or not most:
+        return most or None
+    return own if most == least(own) else scaled(own, most / least(own))
 
 
 def changed(job: Job, **parts: Any) -> Job:

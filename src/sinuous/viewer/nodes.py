@@ -9,10 +9,11 @@ from viser import BatchedMeshHandle, MeshHandle, SceneApi, SceneNodeHandle
 from viser.transforms import SO3
 
 from sinuous.checks import Floats
+from sinuous.display.arms import Arm
 from sinuous.display.body import BodySurface
 from sinuous.display.bounds import Bounds
 from sinuous.display.obstacles import Dotted, dots, obstacle_surface
-from sinuous.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, arrows_of, rgb, tones
+from sinuous.display.style import ARROW, METAL, OBSTACLE, TARGET, THINNEST, Rgb, arrows_of, rgb
 from sinuous.display.surface import Triangles, as_triangles
 from sinuous.problem.target import Target
 from sinuous.robot.robot import Robot
@@ -57,10 +58,9 @@ def rotation_of(quaternion: Floats) -> Floats:
     return matrix
 
 
-def body_tones(count: int, solved: bool = True, number: int = 0) -> list[Rgb]:
-    """Colours of so many segments; `number` counts the robots on the page."""
-    pair = tones(solved, number)
-    return [rgb(pair[k % 2]) for k in range(count)]
+def colours_of(arm: Arm) -> list[Rgb]:
+    """Colours of the segments of a body."""
+    return [rgb(colour) for colour in arm.colours]
 
 
 class Look(NamedTuple):
@@ -113,13 +113,13 @@ class Body:
         )
         self._scene, self._name = scene, name
         self._nodes: list[MeshHandle] = []
-        self._shown: tuple[Floats | None, Sequence[Rgb]] = None, ()
+        self._shown: tuple[Floats, Sequence[Rgb]] = np.empty(0), ()
 
     def show(self, q: Floats, colours: Sequence[Rgb]) -> None:
         """Show a configuration (n, 3) with one colour a piece of the body."""
-        if q is self._shown[0] and colours == self._shown[1]:
+        if np.array_equal(q, self._shown[0]) and colours == self._shown[1]:
             return
-        self._shown = q, colours
+        self._shown = np.array(q), colours
         vertices = [own[0] for own in self.surface.vertices(q[None])]
         if self.look.grain:
             vertices = [np.round(own / self.look.grain) * self.look.grain for own in vertices]

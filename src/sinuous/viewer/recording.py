@@ -10,17 +10,18 @@ import numpy as np
 from viser import ViserServer
 
 from sinuous.checks import Floats
+from sinuous.display.arms import Arm, MovingArm
 from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
 from sinuous.display.captions import told_apart, words_of
-from sinuous.display.contents import Arm, Contents, MovingArm
+from sinuous.display.contents import Contents
 from sinuous.display.sight import hiding
-from sinuous.display.style import ROUTE, TIP_PATH, tones
+from sinuous.display.style import FORCE, ROUTE, TIP_PATH, tones
 from sinuous.scene.moving import Moving
 from sinuous.scene.obstacles import Obstacle
 from sinuous.solution.solution import Solution
 from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import pace
-from sinuous.viewer.nodes import Body, Look, Obstacles, body_tones, show_line, show_target
+from sinuous.viewer.nodes import Body, Look, Obstacles, colours_of, show_line, show_target
 from sinuous.viewer.server import aim, close_server, open_server
 
 GHOST = 0.4
@@ -58,11 +59,13 @@ def record(contents: Contents) -> str:
             show_target(server.scene, f"/targets/{i}", target, place, bounds.span)
         for i, path in enumerate(contents.paths):
             show_line(server.scene, f"/paths/{i}", path, TIP_PATH, bounds.span)
+        for i, force in enumerate(contents.forces):
+            show_line(server.scene, f"/forces/{i}", force, FORCE, 2.0 * bounds.span)
         for i, route in enumerate(contents.routes):
             show_line(server.scene, f"/routes/{i}", route, ROUTE, bounds.span)
         for i, (arm, ghost) in enumerate(zip(contents.arms, ghosts_of(contents.arms), strict=True)):
             body = Body(server.scene, f"/robots/{i}", arm.robot, Look(bounds.span, opacity=GHOST if ghost else None))
-            body.show(arm.q, body_tones(len(arm.robot), arm.solved, i))
+            body.show(arm.q, colours_of(arm))
         page = _show_moving(server, contents, bounds.span, partial(obstacles.show, hiding=in_front))
     finally:
         close_server(server)
@@ -81,8 +84,9 @@ def frames_of(moving: MovingArm) -> tuple[Floats, Floats]:
 
 
 def ghosts_of(arms: Sequence[Arm]) -> list[bool]:
-    """Which robots are ghosts: those after the first of the same robot."""
-    return [any(arm.robot is before.robot for before in arms[:i]) for i, arm in enumerate(arms)]
+    """Which bodies are ghosts on a page, also those of a robot whose body is there in another configuration."""
+    first = {id(arm.owner): arm.number for arm in reversed(arms)}
+    return [arm.ghost or arm.number != first[id(arm.owner)] for arm in arms]
 
 
 def _show_moving(
@@ -95,8 +99,9 @@ def _show_moving(
     bodies = []
     for i, moving in enumerate(contents.moving):
         robot = moving.robot
-        look = Look(span, grain=grain, along=max(1, min(10, 80 // len(robot))))
-        colours = body_tones(len(robot), moving.solved, len(contents.arms) + i)
+        opacity = GHOST if moving.ghost else None
+        look = Look(span, opacity=opacity, grain=grain, along=max(1, min(10, 80 // len(robot))))
+        colours = colours_of(moving.at(0.0))
         body = Body(server.scene, f"/motions/{i}", robot, look)
         bodies.append((body, *frames_of(moving), colours))
         body.show(bodies[i][1][0], colours)
@@ -129,7 +134,7 @@ def _finished(page: str, contents: Contents) -> str:
 def _caption(contents: Contents) -> Iterator[str]:
     """Yield a line for each answer; of several solutions with the colour of its robot."""
     solutions = [answer for answer in contents.answers if isinstance(answer, Solution)]
-    if len(contents.arms) != len(solutions) or len(solutions) < 2:
+    if len(contents.robots) != len(solutions) or len(solutions) < 2:
         yield from (markup.escape(str(answer).split("\n", maxsplit=1)[0]) for answer in contents.answers)
         return
     for i, (solution, line) in enumerate(zip(solutions, told_apart(solutions), strict=True)):

@@ -8,15 +8,16 @@ import numpy as np
 from viser import ClientHandle, LineSegmentsHandle, TransformControlsHandle, ViserServer
 
 from sinuous.checks import Floats
+from sinuous.display.arms import Arm, arms_of
 from sinuous.display.bounds import best_view, bounds_of, seen_places, towards
 from sinuous.display.clearances import clearances
-from sinuous.display.contents import Arm, Contents
+from sinuous.display.contents import Contents, forces_of
 from sinuous.display.sight import hiding
-from sinuous.display.style import TIP_PATH, Rgb, by_bending, by_clearance, rgb
+from sinuous.display.style import FORCE, TIP_PATH, Rgb, by_bending, by_clearance, rgb
 from sinuous.problem.target import Target
 from sinuous.viewer.axes import show_axes
 from sinuous.viewer.model import Model
-from sinuous.viewer.nodes import LINE, Body, Look, Obstacles, body_tones, rotation_of, show_line, wxyz
+from sinuous.viewer.nodes import LINE, Body, Look, Obstacles, colours_of, rotation_of, show_line, wxyz
 from sinuous.viewer.server import aim
 from sinuous.viewer.session import Session
 from sinuous.viewer.status import Near
@@ -60,6 +61,7 @@ class Scenery:
         self._bodies: dict[str, Body] = {}
         self._gizmos: dict[str, tuple[str, TransformControlsHandle]] = {}
         self._line: LineSegmentsHandle | None = None
+        self._forces: LineSegmentsHandle | None = None
         self._hiding: frozenset[int] = frozenset()
         self.look()
         if model.job.is_path:
@@ -77,13 +79,14 @@ class Scenery:
         """Make see-through what hides the body from somebody."""
         clients = self._server.get_clients().values()
         eyes = [client.camera.position for client in clients] or [self._server.initial_camera.position]
-        body = Contents(arms=[Arm(self._model.robot, self._model.shown)])
+        body = Contents(arms=[*arms_of(self._model.robot, self._model.shown)])
         self._hiding = hiding(self._model.there.obstacles, seen_places(body), np.array(eyes))
 
     def show(self, near: Near | None) -> None:
         """Show the model as it is."""
         with self._server.atomic():
             self._show_bodies()
+            self._show_forces()
             self._obstacles.show(self._model.there.obstacles, self._model.grasped, self._hiding)
             self._axes.visible = self._session.axes
             self._show_gizmos()
@@ -93,41 +96,63 @@ class Scenery:
         wanted = list(self._wanted_bodies())
         for name in self._bodies.keys() - {name for name, *_ in wanted}:
             self._bodies.pop(name).remove()
-        for name, look, q, colours in wanted:
+        for name, look, arm, colours in wanted:
             body = self._bodies.get(name)
-            if body is None or body.robot is not self._model.robot or body.look != look:
+            if body is None or body.robot is not arm.robot or body.look != look:
                 if body is not None:
                     body.remove()
-                body = self._bodies[name] = Body(self._server.scene, f"/{name}", self._model.robot, look)
-            body.show(q, colours)
+                body = self._bodies[name] = Body(self._server.scene, f"/{name}", arm.robot, look)
+            body.show(arm.q, colours)
 
-    def _wanted_bodies(self) -> Iterator[tuple[str, Look, Floats, list[Rgb]]]:
-        """Yield the bodies on the page: a name, how it is drawn, its configuration (n, 3), a colour for each piece."""
-        model, span, count = self._model, self.bounds.span, len(self._model.robot)
-        pieces = FINE if self._session.colouring == "clearance" else 1
-        yield "body", Look(span, pieces), model.shown, self._colours(model.shown, pieces)
+    def _show_forces(self) -> None:
+        """Show what pulls at the robot as lines that end where it does."""
+        lines = forces_of(self._model.robot, self._model.shown)
+        if not lines:
+            if self._forces is not None:
+                self._forces.visible = False
+            return
+        points = np.stack(lines).astype(np.float32)
+        if self._forces is None:
+            thick = 2.0 * LINE * self.bounds.span
+            self._forces = self._server.scene.add_line_segments("/forces", points, rgb(FORCE), thickness=thick)
+        if not np.array_equal(self._forces.points, points):
+            self._forces.points = points
+        self._forces.visible = True
+
+    def _wanted_bodies(self) -> Iterator[tuple[str, Look, Arm, list[Rgb]]]:
+        """Yield the bodies on the page: a name, how it is drawn, the body, a colour for each of its pieces."""
+        model, robot, span = self._model, self._model.robot, self.bounds.span
+        body, *around = arms_of(robot, model.shown, self._good(), HAND if model.by_hand else 0)
+        pieces = max(1, FINE * len(robot) // len(body.robot)) if self._session.colouring == "clearance" else 1
+        yield "body", Look(span, pieces), body, self._colours(body, pieces)
+        others = {f"ghosts/own{i}": each for i, each in enumerate(around)}
         if model.beside is not None and model.motion is None:
-            yield "second", Look(span, opacity=BESIDE), model.beside.q, body_tones(count, model.beside.solved, 1)
-        ghosts = {f"ghosts/{i}": each.q for i, each in enumerate(model.ghosts) if each is not model.answer}
+            others["second"] = next(arms_of(robot, model.beside.q, model.beside.solved, 1))
+        shapes = {f"ghosts/{i}": each.q for i, each in enumerate(model.ghosts) if each is not model.answer}
         if model.job.goal is not None:
-            ghosts["goal"] = model.job.goal
-        for i, (name, q) in enumerate(ghosts.items(), 1):
-            yield name, Look(span, opacity=GHOST), q, body_tones(count, True, i)
+            shapes["goal"] = model.job.goal
+        others |= {name: next(arms_of(robot, q, number=i)) for i, (name, q) in enumerate(shapes.items(), 1)}
+        for name, arm in others.items():
+            yield name, Look(span, opacity=BESIDE if name == "second" else GHOST), arm, colours_of(arm)
 
-    def _colours(self, q: Floats, pieces: int) -> list[Rgb]:
+    def _colours(self, body: Arm, pieces: int) -> list[Rgb]:
         """One colour a piece of the body."""
-        model, robot = self._model, self._model.robot
+        model = self._model
         if self._session.colouring == "bending":
-            return by_bending(robot, q)
+            own = by_bending(model.robot, model.shown)
+            return [own[k] for k in body.segments]
         if self._session.colouring == "clearance" and len(model.scene):
-            places = clearances(robot, model.there, q, FINE * STEPS)
+            places = clearances(body.robot, model.there, body.q, pieces * STEPS)
             least = [float(places[i : i + STEPS + 1].min()) for i in range(0, len(places) - 1, STEPS)]
-            return by_clearance(least, FAR * robot.mean_length)
-        solved = model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
+            return by_clearance(least, FAR * model.robot.mean_length)
+        return [colour for colour in colours_of(body) for _ in range(pieces)]
+
+    def _good(self) -> bool:
+        """Whether the shape meets what is asked; of a motion, whether it is proved clear there."""
+        model = self._model
         if model.motion is not None:
-            solved = model.step_is_proved
-        own = body_tones(len(robot), solved, HAND if model.by_hand else 0)
-        return [colour for colour in own for _ in range(pieces)]
+            return model.step_is_proved
+        return model.by_hand or not model.targets or (model.answer is not None and model.answer.solved)
 
     def gizmo(self, name: str) -> TransformControlsHandle | None:
         """The gizmo of a target, `targets/0`, or of the chosen obstacle, `grip`, where there is one."""
@@ -215,9 +240,10 @@ def _axis(quaternion: Floats) -> Floats:
 
 def _contents(model: Model) -> Contents:
     """What must be on the page: the robot, its goal, and the targets of all waypoints."""
-    shapes = [model.shown] if model.job.goal is None else [model.shown, model.job.goal]
-    contents = Contents(arms=[Arm(model.robot, q) for q in shapes], obstacles=list(model.scene.obstacles))
+    contents = Contents(obstacles=list(model.scene.obstacles))
+    for q in [model.shown] if model.job.goal is None else [model.shown, model.job.goal]:
+        contents.add_robot(model.robot, q)
     for targets in model.job.waypoints:
         for target in targets:
-            contents.add_target(target, contents.arms[0])
+            contents.add_target(target)
     return contents

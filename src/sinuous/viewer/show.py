@@ -25,7 +25,7 @@ def show(*things: Any, path: str | Path | None = None) -> None:
     ----------
     *things : Robot, Scene, Obstacle, Target, Solution, Solutions, Motion, Problem, Job, or lists of them
         Of several solutions the first is solid, the others are ghosts. After a robot may stand an array of
-        configurations (..., n, 3).
+        configurations (..., n, 3). A robot that gravity bends is shown with its load, and as a ghost without.
     path : path, optional
         Write the page into this file, `x.html`, and open nothing.
 

@@ -9,14 +9,17 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.display.captions import number, rows_of, start_in_words, words_of
 from sinuous.display.clearances import lengths_along, radii_along
+from sinuous.errors import InputError
 from sinuous.measures.body import segment_ends
 from sinuous.measures.reach import target_errors
+from sinuous.problem.body_question import ask_body
 from sinuous.problem.target import Target
 from sinuous.robot.limits import Violation
 from sinuous.robot.robot import Robot
 from sinuous.scene.snapshot import Snapshot, least_gap
 from sinuous.solution.binding import in_words
 from sinuous.solution.solution import Solution
+from sinuous.statics.rest import bodies_at
 from sinuous.viewer.model import Model
 
 SAMPLES = 16
@@ -84,18 +87,28 @@ class Judgement:
 
 
 def judge(robot: Robot, targets: tuple[Target, ...], q: Floats) -> Judgement:
-    """Compare a configuration (n, 3) with targets and limits."""
-    ends = segment_ends(robot, q)
-    errors = [(target, *target_errors(robot, target, ends)) for target in targets]
+    """Compare a configuration (n, 3) with targets and limits; where it hangs, the body that the targets are for."""
+    violations = tuple(robot.violations(q))
+    try:
+        asked = ask_body(robot, q, targets)
+    except InputError:  # no equilibrium
+        return Judgement(None, None, violations)
+    ends = segment_ends(asked.body, asked.arcs)
+    errors = [(target, *target_errors(asked.body, target, ends)) for target in asked.targets]
     placed = [position for target, position, _ in errors if target.position is not None]
     turned = [a for target, _, a in errors if target.direction is not None or target.rotation is not None]
-    return Judgement(max(placed, default=None), max(turned, default=None), tuple(robot.violations(q)))
+    return Judgement(max(placed, default=None), max(turned, default=None), violations)
 
 
 def nearest(robot: Robot, scene: Snapshot, q: Floats) -> Near | None:
     """Where the body beyond its mount is nearest to the obstacles; None without any."""
     if not len(scene):
         return None
+    body, arcs = bodies_at(robot, q[None])
+    return _nearest(body, scene, arcs[0])
+
+
+def _nearest(robot: Robot, scene: Snapshot, q: Floats) -> Near | None:
     along = lengths_along(q, SAMPLES)
     free = along >= min(robot.mount, along[-1])
     points, radii = robot.backbone(q, SAMPLES)[free], radii_along(robot, SAMPLES)[free]

@@ -18,12 +18,11 @@ from sinuous.display.curves import Curves, actuators_of, bends_of, lengths_of, s
 from sinuous.display.style import Colouring, largest_bends
 from sinuous.methods.registry import METHODS
 from sinuous.problem.target import Tolerance
-from sinuous.robot.rates import Rates
 from sinuous.robot.robot import Robot
 from sinuous.robot.segment import Segment
 from sinuous.viewer.edits import KINDS, sizes_of
 from sinuous.viewer.fields import Fields, step_of
-from sinuous.viewer.model import ASKED, MOST_SECONDS
+from sinuous.viewer.model import ASKED, MOST_SECONDS, least_of
 from sinuous.viewer.saving import saved, table
 from sinuous.viewer.session import Session, Sliders
 
@@ -143,19 +142,15 @@ def _rate_fields(session: Session, fields: Fields) -> None:
     """Put in how fast the robot may move."""
     model = session.model
 
-    def shown(rates: Rates | None) -> Floats:
-        each = [None if rates is None else getattr(rates, key) for key in ("bend", "length", "actuator")]
-        return np.array([0.0 if most is None else float(np.min(most)) for most in each])
-
     def put(index: int, value: Floats) -> None:
-        own = [shown(model.job.rates), shown(model.job.rates.acceleration)]
+        own = [least_of(model.job.rates), least_of(model.job.rates.acceleration)]
         own[index] = value
         model.set_rates(*own)
 
-    hint = "Largest speeds of a bend (rad/s), a length and an actuator (units of it a second); 0: no limit."
-    fields.vector("rates", lambda: shown(model.job.rates), partial(put, 0), 0.001, hint)
+    hint = "Largest speeds of a bend (rad/s), a length and an actuator (a second), of several the least; 0: no limit."
+    fields.vector("rates", lambda: least_of(model.job.rates), partial(put, 0), 0.001, hint)
     hint = "How fast these speeds may change; 0: no limit."
-    fields.vector("accelerations", lambda: shown(model.job.rates.acceleration), partial(put, 1), 0.001, hint)
+    fields.vector("accelerations", lambda: least_of(model.job.rates.acceleration), partial(put, 1), 0.001, hint)
     step, blend = step_of(model.robot.mean_length), partial(setattr, session, "blend")
     hint = "How far any place of the body may leave the way to round a corner; 0: the robot stops in each."
     rounding = fields.number("blend", lambda: session.blend, blend, min=0.0, step=step, hint=hint)

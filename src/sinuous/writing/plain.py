@@ -22,7 +22,7 @@ def described(noun: Frozen) -> dict[str, Any]:
     result = {}
     for name, parameter in inspect.signature(type(noun)).parameters.items():
         value = getattr(noun, noun._arguments.get(name, name), None)
-        value = _TURNS[name](value) if name in _TURNS else plain(value)
+        value = _TURNS[name](value) if name in _TURNS and name not in noun._asked else plain(value)
         default = None if parameter.default is parameter.empty else plain(parameter.default)
         nothing = value is None or (value == [] and default is None)
         if not nothing and value != default:

@@ -7,7 +7,7 @@ import numpy as np
 
 from sinuous import packing
 from sinuous.kernels import tables as t
-from sinuous.kernels.fields.solids import EXACT
+from sinuous.kernels.fields.solids import STEP
 from sinuous.kernels.freespace.cells import FIRST_SLOTS, LINE_POINTS, STACK, CellTable, Memory, Side
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.scene.obstacles import Box, Sphere
@@ -62,7 +62,7 @@ def grid(**changed: Any) -> Grid:
         "inflation": 1.0,
         "clearance_weight": 1.0,
         "longest": math.inf,
-        "mode": EXACT,
+        "mode": STEP,
     }
     values |= changed
     clearance = values["clearance"]
@@ -90,7 +90,6 @@ def query(**changed: Any) -> Floats:
         "clearance": 0.1 - HALF_DIAGONAL * 0.05,
         "room": 0.1,
         "most_cells": 1 << 14,
-        "exact": True,
         "prove": True,
     }
     out = np.zeros(t.QUERY_WIDTH)
@@ -99,7 +98,7 @@ def query(**changed: Any) -> Floats:
         out[at : at + np.size(value)] = value
     return packing.plan_search(
         out,
-        **{name: (values | changed)[name] for name in ("cell", "clearance", "room", "most_cells", "exact", "prove")},
+        **{name: (values | changed)[name] for name in ("cell", "clearance", "room", "most_cells", "prove")},
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
+from sinuous.kernels.fields.solids import ABOVE, STEP
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL
 from sinuous.kernels.freespace.query import Query, proof_grid, read_query, route_grid, straight_length
 from sinuous.scene.obstacles import Box
@@ -18,13 +18,13 @@ from tests.kernels.freespace.places import query
 
 
 def test_every_number_has_its_own_place() -> None:
-    names = [name for name in Query._fields if name not in ("exact", "prove")]
+    names = [name for name in Query._fields if name != "prove"]
     values: dict[str, Any] = {name: 100.0 + i for i, name in enumerate(names)}
     for i, name in enumerate(("origin", "axis", "goal", "back")):
         values[name] = (3.0 * i, 3.0 * i + 1.0, 3.0 * i + 2.0)
-    for exact, prove in ((True, False), (False, True)):
-        read = read_query(query(**values, exact=exact, prove=prove))
-        assert read._asdict() == values | {"exact": exact, "prove": prove}
+    for prove in (False, True):
+        read = read_query(query(**values, prove=prove))
+        assert read._asdict() == values | {"prove": prove}
 
 
 @given(low=st.floats(0.0, 2.0), more=st.floats(0.0, 2.0), other=st.floats(0.0, 2.0), length=st.floats(0.0, 5.0))
@@ -52,8 +52,7 @@ def test_flags_say_what_is_barred_and_how_distances_are_asked_for() -> None:
     asked = read_query(query())
     assert route_grid(asked, scene, 0.0, True).turn == pytest.approx(0.1)
     assert route_grid(asked, scene, 0.0, False).turn == 0.0
-    assert route_grid(asked, scene, 0.0, False).mode == EXACT
-    assert route_grid(read_query(query(exact=False)), scene, 0.0, False).mode == STEP
+    assert route_grid(asked, scene, 0.0, False).mode == STEP
 
 
 def test_a_proof_grants_whatever_any_body_may_do() -> None:

@@ -10,7 +10,8 @@ from sinuous.kernels.body.rows import END, HARD, IDLE, INNER, SOFT
 from sinuous.kernels.body.self_contacts import MOST_PAIRS, VALUE, WEIGHTS, self_contacts
 from sinuous.kernels.body.self_pairs import SPAN_WIDTH, Shape
 from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.coupling import couple, solve_symmetric
+from sinuous.kernels.step.coupling import couple
+from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.states import NORMS, PAIRS, State, Work
 from sinuous.kernels.step.sweeps import HARD_SHARE, SOFT_VARIANCE
 from tests.helpers import Floats, columns_of, configurations, expm_chain, frames_of, random_pose

@@ -7,7 +7,7 @@ from sinuous import Box, Robot, Scene, Segment, Target
 from sinuous.kernels.tables import POSE_POSITION
 from sinuous.poses import pose
 from sinuous.problem.problem import Problem
-from sinuous.solving.routing.roots import APART, MOST, roots
+from sinuous.solving.routing.roots import APART, ENOUGH, IN_WALL, MOST, roots
 from sinuous.solving.routing.turned import FLIP
 from tests.helpers import Floats, kernel_groups
 
@@ -52,7 +52,7 @@ def test_in_the_open_the_first_root_goes_on_along_the_route() -> None:
     assert np.arccos(np.clip(cosines, -1.0, 1.0))[~np.eye(len(found), dtype=bool)].min() > APART
 
 
-@pytest.mark.parametrize("tool", [None, ASIDE])
+@pytest.mark.parametrize("tool", [None, ASIDE, pose((0.0, 0.0, 0.4))])
 def test_in_a_channel_the_first_roots_lie_along_it_whatever_the_route_says(tool: Floats | None) -> None:
     """A channel along x of two radii, where the route arrives across it."""
     walls = [
@@ -66,6 +66,8 @@ def test_in_a_channel_the_first_roots_lie_along_it_whatever_the_route_says(tool:
     ]
     found = ends(tool, Scene(walls))
     assert abs(found[0, 0, 2]) > 0.9
+    room = Scene(walls).distance(found[:, :3, 3])
+    assert room.min() >= (ENOUGH - IN_WALL) * 0.1, "none begins in a wall, nor beyond one that the tool leads through"
 
 
 def test_where_the_tip_is_not_asked_to_be_somewhere_or_the_route_has_no_direction_there_is_none() -> None:

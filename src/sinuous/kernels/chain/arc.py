@@ -25,10 +25,12 @@ SERIES_D = tuple((-1) ** (k + 1) * (2 * k + 2) / math.factorial(2 * k + 4) for k
 
 @kernel
 def _series(x: float, terms: tuple[float, ...]) -> float:
-    total = terms[-1]
-    for k in range(len(terms) - 2, -1, -1):
-        total = terms[k] + x * total
-    return total
+    """Sum of `terms[k] x^k`, an odd number of them: even and odd powers apart, so that each waits for half as many."""
+    square = x * x
+    even, odd = terms[-1], terms[-2]
+    for k in range(len(terms) - 3, 0, -2):
+        even, odd = terms[k] + square * even, terms[k - 1] + square * odd
+    return terms[0] + square * even + x * odd
 
 
 @kernel

@@ -5,7 +5,7 @@ from collections import namedtuple
 
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.fields.distances import Scene, closest, most_roundoff
-from sinuous.kernels.fields.solids import ABOVE, EXACT, STEP
+from sinuous.kernels.fields.solids import ABOVE, STEP
 from sinuous.kernels.freespace.grid import HALF_DIAGONAL, Grid
 from sinuous.kernels.maths.vectors import ZERO, Array, Vec, add_scaled, norm, sub
 from sinuous.kernels.tables import (
@@ -13,7 +13,6 @@ from sinuous.kernels.tables import (
     QUERY_BACK,
     QUERY_CELL,
     QUERY_CLEARANCE,
-    QUERY_EXACT,
     QUERY_FREE_LENGTH,
     QUERY_GOAL,
     QUERY_GOAL_RADIUS,
@@ -32,7 +31,7 @@ from sinuous.kernels.tables import (
 )
 
 INFLATION = 2.0
-"""See `grid.Grid`: among obstacles a route costs more than its length, and an exact search looks at far more cells."""
+"""See `grid.Grid`: among obstacles a route costs more than its length, and to find the cheapest one is far dearer."""
 
 GREEDY = 1e6
 """The inflation of a proof: it asks whether there is a route, whatever that costs."""
@@ -67,7 +66,6 @@ Query = namedtuple(
         "clearance",
         "room",
         "most_cells",
-        "exact",
         "prove",
     ],
 )
@@ -101,7 +99,6 @@ def read_query(query: Array) -> Query:
         query[QUERY_CLEARANCE],
         query[QUERY_ROOM],
         int(query[QUERY_MOST_CELLS]),
-        query[QUERY_EXACT] != 0.0,
         query[QUERY_PROVE] != 0.0,
     )
 
@@ -158,7 +155,7 @@ def route_grid(query: Query, scene: Scene, straight: float, barred: bool) -> Gri
         INFLATION,
         CLEARANCE_WEIGHT,
         query.longest - pieces + query.goal_radius + query.cell,
-        EXACT if query.exact else STEP,
+        STEP,
     )
 
 

@@ -10,6 +10,7 @@ from sinuous.kernels.compile import entry, kernel
 from sinuous.kernels.fields import solids
 from sinuous.kernels.maths.vectors import Array, Vec, copy
 from sinuous.kernels.problem import Problem, answer_of, read_problem
+from sinuous.kernels.solve.room import take_room
 from sinuous.kernels.solve.starts import face, most_distal, scattered, single_arc, widest
 from sinuous.kernels.solve.verdicts import POSSIBLE, verdict_of
 from sinuous.kernels.step.newton import descend, linearise
@@ -27,6 +28,7 @@ from sinuous.kernels.tables import (
     MAX_ITERATIONS,
     POSITION_ERROR,
     RANDOM,
+    ROOM,
     SECONDS,
     SELF_CLEARANCE,
     SOLVED,
@@ -79,11 +81,13 @@ def _solve(
     budget: Budget,
     iterations: int,
     wish: float,
+    room: float,
     best: Array,
 ) -> Numbers:
     """Solve one problem; fills `best` (n, 3) and returns the record.
 
     From configurations that are given the way leads past obstacles with the clearance `wish`, where that is possible.
+    What is solved in contact is led away from it up to the clearance `room`.
     What is impossible is asked after the first start: most problems are solved by then.
     """
     first, last, seed, seconds = budget
@@ -103,8 +107,9 @@ def _solve(
         else:
             kind = _begin(problem, pick(states, at), pick(states, 1 - at), work, first + index - g, seed, tip, goal)
         index += 1
-        wished = wish if index <= g else 0.0
-        at, verdict, used, seen, self_seen, bound = descend(problem, states, at, work, iterations, wished)
+        at, verdict, used, seen, self_seen, bound = descend(
+            problem, states, at, work, iterations, wish if index <= g else 0.0
+        )
         total += used
         state = pick(states, at)
         if verdict == CLEAR or state.norms[MERIT] < least or index == 1:
@@ -127,6 +132,10 @@ def _solve(
             break
     if index == 0:
         impossible = verdict_of(problem)
+    known = (off, turn, clearance, self_clearance, least)
+    wanted = room if status == SOLVED else 0.0
+    used, (off, turn, clearance, self_clearance, least) = take_room(problem, states, work, wanted, known, best)
+    total += used
     if impossible != POSSIBLE and status != SOLVED:
         status = impossible
     spent = now(work.clock) - began
@@ -154,8 +163,8 @@ def search(
     problem = read_problem(robot, scene, settings, targets)
     states, work = carve(workspace, problem)
     begin(work.clock)
-    iterations, wish = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE]
-    return _solve(problem, states, work, initial, budget, iterations, wish, best)
+    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
+    return _solve(problem, states, work, initial, budget, iterations, wish, room, best)
 
 
 @entry
@@ -177,11 +186,11 @@ def search_many(
         return
     states, work = carve(workspace, read_problem(robot, scene, settings, targets[0]))
     begin(work.clock)
-    iterations, wish = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE]
+    iterations, wish, room = int(settings[MAX_ITERATIONS]), settings[WISHED_CLEARANCE], settings[ROOM]
     for i in range(targets.shape[0]):
         problem = read_problem(robot, scene, settings, targets[i])
         best, record = answer_of(answers, i, problem.limits.shape[0])
-        found = _solve(problem, states, work, initial[i], budget, iterations, wish, best)
+        found = _solve(problem, states, work, initial[i], budget, iterations, wish, room, best)
         record[CODE], record[ITERATIONS], record[STARTS], record[SOURCE], record[POSITION_ERROR] = found[:5]
         record[ANGLE_ERROR], record[CLEARANCE], record[SELF_CLEARANCE], record[BOUND] = found[5:9]
         record[RECORD_MERIT], record[SECONDS] = found[9:]

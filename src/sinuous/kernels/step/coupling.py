@@ -12,6 +12,7 @@ from sinuous.kernels.body.self_contacts import VALUE, WEIGHTS
 from sinuous.kernels.compile import kernel
 from sinuous.kernels.maths.vectors import Array, add_scaled, dot, get_mat, get_vec, mat_vec, put_vec, vec_mat
 from sinuous.kernels.step import sweeps
+from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.states import PAIRS, State, Work, coupling_of
 
 LEAST = 1e-12
@@ -58,21 +59,3 @@ def _seen(pairs: Array, a: int, step: Array) -> float:
     for k in range(step.shape[0]):
         total += dot(get_vec(pairs, a, WEIGHTS + 3 * k), get_vec(step, k, 0))
     return total
-
-
-@kernel
-def solve_symmetric(system: Array, m: int) -> None:
-    """Solve the positive definite m x m system in `system` (m, m + 1 or wider), whose column m is the right side.
-
-    The answer takes the place of the right side. What is below the diagonal is never read.
-    """
-    for a in range(m):
-        inverse = 1.0 / system[a, a]
-        for b in range(a + 1, m):
-            f = system[a, b] * inverse
-            for c in range(b, m + 1):
-                system[b, c] -= f * system[a, c]
-    for a in range(m - 1, -1, -1):
-        for c in range(a + 1, m):
-            system[a, m] -= system[a, c] * system[c, m]
-        system[a, m] /= system[a, a]

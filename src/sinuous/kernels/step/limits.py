@@ -19,11 +19,17 @@ def bend_cap(limits: Array, k: int, length: float) -> float:
 
 
 @kernel
+def bend_of(ux: float, uy: float) -> float:
+    """Angle of an arc: a call of `hypot`, which guards numbers that bends never are, takes longer than its segment."""
+    return math.sqrt(ux * ux + uy * uy)
+
+
+@kernel
 def project_segment(limits: Array, k: int, ux: float, uy: float, length: float) -> Vec:
     """Bring one segment within its limits; what is within them already stays as it is."""
     length = min(max(length, limits[k, MIN_LENGTH]), limits[k, MAX_LENGTH])
     cap = bend_cap(limits, k, length)
-    bend = math.hypot(ux, uy)
+    bend = bend_of(ux, uy)
     if bend > cap:
         shrink = cap / bend
         return ux * shrink, uy * shrink, length
@@ -61,7 +67,7 @@ def bind(limits: Array, q: Array, step: Array, root: Array, mean: Array, bound: 
         now = bound[k]
         if abs(aim[2] - length) > 1e-12 * (1.0 + length):
             now |= 1
-        if math.hypot(aim[0], aim[1]) > bend_cap(limits, k, length) + 1e-12:
+        if bend_of(aim[0], aim[1]) > bend_cap(limits, k, length) + 1e-12:
             now |= 2
         if now != bound[k]:
             bound[k] = now
@@ -82,7 +88,7 @@ def _bind_one(limits: Array, q: Array, k: int, aim: Vec, root: Array, mean: Arra
         put_mat(root, k, 0, ((scale, 0.0, 0.0), (0.0, scale, 0.0), (0.0, 0.0, 0.0)))
         put_vec(mean, k, 0, (wish[0], wish[1], length - q[k, 2]))
         return
-    bend = math.hypot(aim[0], aim[1])
+    bend = bend_of(aim[0], aim[1])
     nx, ny = (aim[0] / bend, aim[1] / bend) if bend > 0.0 else (1.0, 0.0)
     along = nx * q[k, 0] + ny * q[k, 1]
     across = nx * wish[1] - ny * wish[0]

@@ -18,6 +18,7 @@ from sinuous.kernels.maths.vectors import ZERO, Array, get_vec, put_vec
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import actuation, limits, sweeps
 from sinuous.kernels.step.coupling import couple
+from sinuous.kernels.step.dense import are_few, carve_dense, dense_step, see
 from sinuous.kernels.step.states import (
     ANGLE,
     MERIT,
@@ -148,9 +149,17 @@ def step(problem: Problem, state: State, work: Work, mu: float) -> bool:
     coupled = problem.actuation.shape[0] > 0
     if coupled:
         actuation.release(state.rows)
+    n = state.q.shape[0]
+    few = not coupled and state.norms[PAIRS] == 0.0 and are_few(state.rows, n)
+    sights, system = carve_dense(work.rest, n)
+    if few:
+        see(state.columns, state.rows, sights)
     for _ in range(ROUNDS):
-        sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
-        sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
+        if few:
+            dense_step(sights, work.root, work.mean, state.rows, mu, system, work.step)
+        else:
+            sweeps.forward(state.columns, work.root, work.mean, state.rows, mu, coupled)
+            sweeps.backward(state.columns, work.root, work.mean, state.rows, work.step, coupled)
         if state.norms[PAIRS] > 0.0:
             couple(state, work, mu, coupled)
         count = limits.bind(problem.limits, state.q, work.step, work.root, work.mean, work.bound)

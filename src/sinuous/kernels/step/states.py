@@ -15,6 +15,7 @@ from sinuous.kernels.fields.distances import number_of
 from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array
 from sinuous.kernels.problem import Problem
+from sinuous.kernels.step.dense import dense_size
 
 State = namedtuple("State", ["q", "frames", "columns", "rows", "norms"])
 """A configuration and the problem linearised there. `norms`: merit, position error, angle error,
@@ -42,8 +43,14 @@ def workspace_size(segments: int, actuators: int, obstacles: int, targets: int) 
     capacity = 6 * targets + (segments * PER_SEGMENT if obstacles > 0 else 0) + actuators
     rows, pairs = segments + 1 + 28 * capacity, MOST_PAIRS * (1 + 3 * segments)
     state = 33 * segments + 12 + NORMS + rows + pairs
+    return STATES * state + 19 * segments + obstacles + CLOCK_SIZE + rest_size(segments)
+
+
+@kernel
+def rest_size(segments: int) -> int:
+    """Numbers of what few solves need: what serves self-contacts, or in its place a dense system."""
     coupling = 3 * segments * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
-    return STATES * state + 19 * segments + obstacles + CLOCK_SIZE + SPAN_WIDTH * (segments + 1) + coupling
+    return max(SPAN_WIDTH * (segments + 1) + coupling, dense_size(segments))
 
 
 @kernel
@@ -71,7 +78,6 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         shaped(buffer[(33 * n + 12) * c : size], (c, width)),
     )
     rest = buffer[size + c * rows_size(n, capacity) :]
-    coupling = 3 * n * (1 + MOST_PAIRS) + MOST_PAIRS * (MOST_PAIRS + 1)
     own = 19 * n + m + CLOCK_SIZE
     work = Work(
         shaped(rest[: 9 * n], (n, 9)),
@@ -81,7 +87,7 @@ def carve_for(buffer: Array, problem: Problem, obstacles: int) -> tuple[State, W
         rest[18 * n : 19 * n].view(np.int64),
         rest[19 * n : 19 * n + m].view(np.int64),
         rest[19 * n + m : own].view(np.int64),
-        rest[own : own + SPAN_WIDTH * (n + 1) + coupling],
+        rest[own : own + rest_size(n)],
     )
     return states, work
 

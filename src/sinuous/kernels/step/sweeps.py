@@ -16,7 +16,7 @@ it, and `mean_k` is a motion decided beforehand: up to a bound, or towards a pre
 """
 
 from sinuous.kernels.body.rows import END, HARD, IDLE, SOFT, Rows
-from sinuous.kernels.compile import kernel
+from sinuous.kernels.compile import inline, kernel
 from sinuous.kernels.maths.vectors import (
     IDENTITY,
     NOTHING,
@@ -96,12 +96,15 @@ def _is_diagonal(m: Mat) -> bool:
 
 
 @kernel
-def _extend(reach: Reach, columns: Array, k: int, L: Mat) -> tuple[Reach, Mat, Mat]:
-    """What the robot can do with one more segment, and `B_k L_k` as `_spread` has it.
+def extend(reach: Reach, columns: Array, k: int, L: Mat, mean: Vec) -> tuple[Reach, Mat, Mat]:
+    """What the robot can do with one more segment that moves by `mean`, and `B_k L_k` as `_spread` has it.
 
     Where no limit binds there is half as much to multiply: stretching a segment turns nothing.
     """
     A, B, C, turned, moved = reach
+    if mean[0] != 0.0 or mean[1] != 0.0 or mean[2] != 0.0:
+        turned = add(turned, _mix(mean, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
+        moved = add(moved, _mix(mean, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
     if _is_diagonal(L) and columns[k, 12] == 0.0 and columns[k, 13] == 0.0 and columns[k, 14] == 0.0:
         x, y = scale(L[0][0], get_vec(columns, k, 0)), scale(L[1][1], get_vec(columns, k, 6))
         u, v = scale(L[0][0], get_vec(columns, k, 3)), scale(L[1][1], get_vec(columns, k, 9))
@@ -112,6 +115,9 @@ def _extend(reach: Reach, columns: Array, k: int, L: Mat) -> tuple[Reach, Mat, M
         return (A, B, C, turned, moved), (x, y, ZERO), (u, v, w)
     turn, move = _spread(columns, k, transpose(L))
     return (_even(_gram(A, turn, turn)), _gram(B, turn, move), _even(_gram(C, move, move)), turned, moved), turn, move
+
+
+extend_here = inline(extend)
 
 
 @kernel
@@ -203,12 +209,7 @@ def forward(columns: Array, root: Array, mean: Array, rows: Rows, mu: float, cou
     for k in range(columns.shape[0]):
         L, m = get_mat(root, k, 0), get_vec(mean, k, 0)
         lines = transpose(L)
-        reach, turn, move = _extend(reach, columns, k, L)
-        if m[0] != 0.0 or m[1] != 0.0 or m[2] != 0.0:
-            A, B, C, turned, moved = reach
-            turned = add(turned, _mix(m, get_vec(columns, k, 0), get_vec(columns, k, 6), get_vec(columns, k, 12)))
-            moved = add(moved, _mix(m, get_vec(columns, k, 3), get_vec(columns, k, 9), get_vec(columns, k, 15)))
-            reach = (A, B, C, turned, moved)
+        reach, turn, move = extend_here(reach, columns, k, L, m)
         if coupled:
             P, Q, T, summed = sums
             sums = (_gram(P, lines, turn), _gram(Q, lines, move), _gram(T, lines, lines), add(summed, m))

@@ -18,7 +18,8 @@ from sinuous.kernels.maths.shapes import shaped
 from sinuous.kernels.maths.vectors import Array, copy, put_vec, scale
 from sinuous.kernels.problem import Problem
 from sinuous.kernels.step import sweeps
-from sinuous.kernels.step.coupling import reply, solve_symmetric
+from sinuous.kernels.step.coupling import reply
+from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.velocity.bounds import LEFT, Cut, Limits, along, size_of, worst_cut
 from sinuous.kernels.velocity.layout import (
     KIND_HIGH,

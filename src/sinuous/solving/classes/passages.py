@@ -18,7 +18,7 @@ from sinuous.scene.snapshot import Snapshot
 from sinuous.solving.classes.curves import Curves
 from sinuous.solving.classes.screens import Bounds, Passage, passages, refined, screen
 from sinuous.solving.polylines import lengths_along
-from sinuous.solving.routing.candidates import Candidates
+from sinuous.solving.routing.candidates import Candidate, Candidates
 from sinuous.solving.routing.growth import FIRST_WIDTH
 from sinuous.solving.routing.searches import Plan, Searches
 from sinuous.solving.starts import Batch, Question
@@ -110,10 +110,8 @@ class Passages:
     def _along(self, route: Floats) -> Iterator[Batch]:
         """Yield configurations along one route (K, 3): laid, and grown."""
         candidates = Candidates(self._searches, self._question, self._query)
-        candidate, _ = candidates.note(route, finest=True)
         yield from candidates.laid([route])
-        assert candidate is not None  # the first one
-        yield from candidates.grown(candidate, FIRST_WIDTH)
+        yield from candidates.grown(Candidate(route, finest=True, rank=1, weight=1), FIRST_WIDTH)
 
     def _keeps(self, scene: Snapshot, route: Floats) -> float:
         """Least distance of a route from the obstacles that concern it."""

@@ -21,7 +21,7 @@ from sinuous.solving.routing.growth import (
     leg_queries,
 )
 from sinuous.solving.routing.halves import Halves
-from sinuous.solving.routing.searches import CELLS, Found, Plan, Searches
+from sinuous.solving.routing.searches import CELLS, LARGEST, Found, Plan, Searches
 from sinuous.solving.routing.tubes import out_of, tube_around, within
 from sinuous.solving.starts import Batch, Question
 
@@ -52,8 +52,6 @@ class Candidate(NamedTuple):
     route : ndarray (K, 3)
     finest : bool
         Whether it leads around edges, or over the finest cells: others may cut through walls.
-    exact : bool
-        Whether it comes from exact distances, not from samples.
     rank : int
         How many were known before it, and one.
     weight : int
@@ -62,7 +60,6 @@ class Candidate(NamedTuple):
 
     route: Floats
     finest: bool
-    exact: bool
     rank: int
     weight: int
 
@@ -103,8 +100,8 @@ class Candidates:
         self._chains: dict[int, Chains] = {}
         self._legs: dict[int, Floats | None] = {}
         self._found_legs: dict[bool, Floats | None] = {}
-        self._too_few: dict[float, int] = {}
-        self._told: dict[tuple[float, bool], int] = {}
+        self._too_small: dict[float, int] = {}
+        self._told: dict[float, int] = {}
         self._tried: set[bytes] = set()
 
     def in_tube(self) -> Iterator[Batch]:
@@ -134,54 +131,42 @@ class Candidates:
         off = SIDE_TUBES in self._without or self._deadline() <= 0.0 or self.enclosed
         return None if off else self.searches.by_tubes(self._problem, query, self._deadline)
 
-    def over_cells(self, plan: Plan) -> Found:
-        """Search as a plan says, in the time that is left."""
-        return self.searches.find(self._problem, self.query, plan, max(0.0, self._deadline()))
+    def _tables(self, plan: Plan) -> list[int]:
+        """Return the sizes of tables with which a search is of use: larger ones than were too small for its cells."""
+        too_small = self._too_small.get(plan.cell, 0)
+        if plan.cells == LARGEST:
+            return [LARGEST] if too_small == CELLS[-1] else []
+        return [size for size in CELLS if size > too_small]
 
-    def over_enough_cells(self, plan: Plan) -> tuple[Plan, Found]:
-        """Search as a plan says; where its table is too small for a first route, with larger ones at once.
+    def over_cells_once(self, plan: Plan) -> Found:
+        """Search as a plan says; where its table is too small for a first route, with the next one at once.
 
-        Returns the last plan, and what it found, with the cells of all of them.
+        Returns what was found, with the cells of all tables, and without the routes that the same cells gave before.
         """
-        cells = 0
-        while True:
-            found = self.over_cells(plan)
+        found, cells = Found([], FULL, 0), 0
+        for size in self._tables(plan):
+            seconds = max(0.0, self._deadline())
+            found = self.searches.find(self._problem, self.query, plan._replace(cells=size), seconds)
             cells += found.cells
             if found.ended != FULL or found.routes:
-                return plan, found._replace(cells=cells)
-            self._too_few[plan.cell] = plan.cells
+                break
+            self._too_small[plan.cell] = size
             if any(self.clear(candidate) for candidate in self.known):
-                return plan, found._replace(cells=cells)
-            larger = [size for size in CELLS[:-1] if size > plan.cells]
-            if not larger:
-                return plan, found._replace(cells=cells)
-            plan = plan._replace(cells=larger[0])
+                break
+        told = self._told.get(plan.cell, 0)
+        self._told[plan.cell] = max(told, len(found.routes))
+        return found._replace(routes=found.routes[told:], cells=cells)
 
-    def pointless(self, plan: Plan) -> bool:
-        """Whether a search is known to be of no use: its table is too small."""
-        return plan.cells <= self._too_few.get(plan.cell, 0)
-
-    def over_cells_once(self, plan: Plan) -> tuple[Plan, Found]:
-        """Search as a plan says, see `over_enough_cells`; without the routes that the same cells gave before."""
-        last, found = self.over_enough_cells(plan)
-        told = self._told.get((last.cell, last.exact), 0)
-        self._told[last.cell, last.exact] = max(told, len(found.routes))
-        return last, found._replace(routes=found.routes[told:])
-
-    def note(self, route: Floats, finest: bool, exact: bool = False) -> tuple[Candidate | None, bool]:
-        """Take a route as a candidate, unless one of its kind is known (`None`); say whether none is like it."""
+    def note(self, route: Floats, finest: bool) -> Candidate | None:
+        """Take a route as a candidate; `None`: one like it is known."""
         near = ALIKE * self.query[QUERY_RADIUS]
         points = respaced(route, COMPARED) if self.known else route
-        alike = [
-            other
-            for other in self.known
-            if other.exact >= exact and np.linalg.norm(respaced(other.route, COMPARED) - points, axis=1).max() < near
-        ]
-        if any(other.finest >= finest for other in alike):
-            return None, False
+        for other in self.known:
+            if np.linalg.norm(respaced(other.route, COMPARED) - points, axis=1).max() < near:
+                return None
         weight = 1 + sum(other.finest >= finest for other in self.known)
-        self.known.append(Candidate(route, finest, exact, 1 + len(self.known), weight))
-        return self.known[-1], not alike
+        self.known.append(Candidate(route, finest, 1 + len(self.known), weight))
+        return self.known[-1]
 
     def to_be_stowed(self, route: Floats) -> bool:
         """Whether a chain has to be much longer than a route (K, 3): it is seldom clear where it is laid."""

@@ -40,6 +40,10 @@ STEPS = (0.0, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0)
 ENOUGH = 1.25
 """Room that is enough there, in radii of the body."""
 
+IN_WALL = 0.75
+"""Room that a root lacks at most, in radii of the body: a pose that lacks more ends in a wall, however open what lies
+behind it (a tool that leads through the wall of a tube: two tubes)."""
+
 AGREEMENT = 1e-3
 """What a pose counts that is turned away from the route, beside the mean square of the room that it lacks: decides
 between poses in the open."""
@@ -75,7 +79,8 @@ def roots(groups: Groups, route: Floats) -> Floats:
         room_along(scene, points.reshape(-1, 3).copy(), ENOUGH * radius, distances)
         lack = np.maximum(0.0, ENOUGH - distances.reshape(len(ends), -1) / radius)
         squares = lack * lack
-        order = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable").tolist()
+        ranked = np.argsort(squares[:, 0] + squares.mean(axis=1) - AGREEMENT * ahead @ tangent, kind="stable")
+        order = [i for i in ranked.tolist() if lack[i, 0] <= IN_WALL] or ranked[:1].tolist()
     chosen: list[int] = []
     for i in order:
         turns = np.arccos(np.clip(ahead[chosen] @ ahead[i], -1.0, 1.0))

@@ -1,0 +1,53 @@
+"""The step of few rows against the same least squares problem by another way: by all coordinates, not by rows."""
+
+import numpy as np
+import pytest
+
+from sinuous.kernels.body.rows import END, INNER, SOFT
+from sinuous.kernels.step.dense import MOST_ROWS, MOST_SEGMENTS, are_few, carve_dense, dense_size, dense_step, see
+from tests.helpers import columns_of, configurations, make_rows
+from tests.kernels.step.test_sweeps import dense_step as expected_step
+from tests.kernels.step.test_sweeps import random_rows
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, MOST_SEGMENTS])
+@pytest.mark.parametrize("mu", [1e-4, 1e-1, 10.0])
+@pytest.mark.parametrize("bound", [False, True])
+def test_few_rows_give_the_step(n: int, mu: float, bound: bool) -> None:
+    rng = np.random.default_rng(n)
+    met = 0
+    for q in configurations(n, n, 40):
+        columns = columns_of(q)
+        rows = random_rows(rng, n, max(1, 8 // n), (END, INNER, SOFT))
+        if not are_few(rows, n):
+            continue
+        root = rng.normal(size=(n, 9)) if bound else np.zeros((n, 9))
+        root[:, ::4] = rng.uniform(0.5, 2.0, (n, 3))
+        mean = 0.3 * rng.normal(size=(n, 3)) * rng.integers(0, 2, (n, 1))
+        expected = expected_step(columns, root, mean, rows, mu)
+        sights, system = carve_dense(np.full(dense_size(n), np.nan), n)
+        step = np.full((n, 3), np.nan)
+        see(columns, rows, sights)
+        for _ in range(2):  # what rows see stays for the next time
+            dense_step(sights, root, mean, rows, mu, system, step)
+            np.testing.assert_allclose(step, expected, atol=1e-9 * (1.0 + np.abs(expected).max()))
+        met += 1
+    assert met >= 5
+
+
+def test_no_row_leaves_the_mean() -> None:
+    mean = np.arange(6.0).reshape(2, 3)
+    sights, system = carve_dense(np.full(dense_size(2), np.nan), 2)
+    step = np.full((2, 3), np.nan)
+    rows = make_rows(2, 0)
+    see(columns_of(np.ones((2, 3))), rows, sights)
+    dense_step(sights, np.tile(np.eye(3).ravel(), (2, 1)), mean, rows, 1e-3, system, step)
+    np.testing.assert_array_equal(step, mean)
+
+
+def test_many_rows_and_many_segments_are_left_to_sweeps() -> None:
+    few, many = make_rows(2, MOST_ROWS), make_rows(2, MOST_ROWS + 1)
+    few.start[2], many.start[2] = MOST_ROWS, MOST_ROWS + 1
+    assert are_few(few, 2)
+    assert not are_few(many, 2)
+    assert not are_few(make_rows(MOST_SEGMENTS + 1, 0), MOST_SEGMENTS + 1)

@@ -191,7 +191,7 @@ def _solved(points: Floats, limits: _Limits) -> tuple[Floats, Floats]:
 
 
 def _fastest(points: Floats, limits: _Limits, most: Floats) -> tuple[Floats, Floats]:
-    """Accelerations and speeds of s: as fast as can be from rest, at squares of speeds (M + 1,) that can be braked from.
+    """Accelerations and speeds of s: as fast as can be from rest, below squares of speeds (M + 1,) that can be braked.
 
     toppra has such a pass, too, but gives up where what it can brake from is rounded. Here limits may be exceeded by
     `ROUNDING`, and where they still contradict each other the speed stays one that can be braked from.

@@ -7,7 +7,6 @@ import numpy as np
 
 from sinuous import packing
 from sinuous.checks import Floats
-from sinuous.kernels.fitting.fit import fit_route, fit_workspace_size
 from sinuous.kernels.fitting.lines import room_along, room_beside
 from sinuous.kernels.fitting.query import ball_radius
 from sinuous.kernels.freespace.cells import memory_size
@@ -28,7 +27,7 @@ from sinuous.solving.routing.edges import Walls, rims_of, walls_of
 from sinuous.solving.routing.growth import FIRST_WIDTH, Grown, query_of, settled
 from sinuous.solving.routing.halves import WIDE
 from sinuous.solving.routing.openings import route_through, tubes_beside
-from sinuous.solving.routing.parts import beyond, segments_in
+from sinuous.solving.routing.parts import beyond, fitted, segments_in
 from sinuous.solving.routing.tubes import Tube, out_of, tube_around
 from sinuous.solving.routing.turned import Groups, turned_back
 from sinuous.solving.starts import Deadline
@@ -250,18 +249,13 @@ class Searches:
 
     def fit(self, problem: Problem, routes: Sequence[Floats], deadline: Deadline) -> Floats:
         """Return configurations (m, n, 3) along routes (K, 3), while there is time."""
-        robot = self._robot
-        sizes = len(robot), len(robot.actuation), len(problem.scene), len(problem.targets)
-        workspace = np.empty(fit_workspace_size(*sizes, POINTS))
-        fits = np.empty((len(routes), len(robot), 3))
-        groups = self.groups(problem)
-        for i, (route, q) in enumerate(zip(routes, fits, strict=True)):
+        groups, fits = self.groups(problem), list[Floats]()
+        for route in routes:
             left = deadline()
             if left <= 0.0:
-                return fits[:i]
-            line = np.array(route)  # what is told is frozen, and kernels are compiled for what can be written
-            fit_route(*groups, line, left, workspace, q)
-        return fits
+                break
+            fits.append(fitted(groups, route, left))
+        return np.array(fits).reshape(-1, len(self._robot), 3)
 
     def load(self, *, anew: bool = False) -> None:
         """Use the entries once, so that they are compiled, or read from the store, where that is not done yet."""

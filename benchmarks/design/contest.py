@@ -18,7 +18,7 @@ from sinuous.scene.scene import Scene
 
 SECTION = "a robot for 20 tasks, 4 varied fields, 2 workers, against {count} random ones"
 PROBLEMS = 10
-ROBOTS = 1500
+ROBOTS = 600
 
 
 def measure(plan: Plan) -> Iterator[Line]:

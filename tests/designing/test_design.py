@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 import sinuous as sn
+from sinuous.assessing.tasks import read_tasks
 from sinuous.cli.app import main
-from sinuous.designing import find
+from sinuous.designing import descent, find
 from sinuous.designing.design import Design
 from sinuous.designing.fields import Space
+from sinuous.designing.judge import Judge
 from sinuous.designing.search import Candidates, Search, front
+from sinuous.solution.verification import verify
 from tests.helpers import refused
 
 TEMPLATE = sn.Robot.uniform(3, 100.0, max_bend=2.0, radius=2.0, tendons=sn.Tendons(3, 2.0))
@@ -42,6 +45,48 @@ def test_the_best_robot_does_all_tasks_and_is_shorter_than_the_template() -> Non
     assert found.deciding in TASKS
     assert {change.field for change in found.changes} == {"segments.length"}
     assert "decides" in str(found)
+
+
+def test_derivatives_lead_fields_and_answers_to_a_better_robot(monkeypatch: pytest.MonkeyPatch) -> None:
+    varied = {"segments.length": (60.0, 130.0), "base.position[2]": (-20.0, 20.0)}
+    found = run(minimise="bend", vary=varied, robots=128)
+    assert found.best is not None
+    scene, bends = [sn.Sphere((0.0, 60.0, 120.0), 20.0)], []
+    for name, target in TASKS.items():
+        q = found.best.answers[name]
+        assert verify(sn.Problem(found.robot, target, scene), q).ok
+        bends.append(np.hypot(q[:, 0], q[:, 1]).max())
+    assert max(bends) == found.best.objectives["bend"]
+    monkeypatch.setattr(find, "can_descend", lambda _: False)
+    without = run(minimise="bend", vary=varied, robots=192).best
+    assert without is not None
+    assert found.best.objectives["bend"] < 0.95 * without.objectives["bend"]
+
+
+@pytest.mark.parametrize("length", [100.0, (60.0, 130.0)])
+def test_a_small_step_meets_all_targets_to_second_order(length: Any) -> None:
+    """Fields and answers move together, also where fields move lengths that nothing else does."""
+    template = sn.Robot.uniform(3, length, max_bend=2.0, radius=2.0)
+    varied = {"segments.max_bend": (1.0, 3.0), "radius": (1.0, 3.0), "base.position[2]": (-20.0, 20.0)}
+    if length == 100.0:
+        varied["segments.length"] = (80.0, 120.0)
+    space, scene = Space(template, varied), sn.Scene([sn.Sphere((0.0, 60.0, 120.0), 20.0)])
+    judge = Judge(space, read_tasks(TASKS), scene, ("clearance",), {"time": 5.0})
+    shares = np.full(len(varied), 0.5)
+    judged = judge.judge(space.robot((), shares))
+    assert judged.failed == -1
+    steps, change = descent._Steps(judge, (), shares, judged), 1e-3
+    step = steps.step(change, 0)
+    assert step is not None
+    assert np.abs(step.shares - shares).max() == pytest.approx(change)
+    robot = space.robot((), step.shares)
+    assert robot is not None
+    for target, before, q in zip(TASKS.values(), judged.answers, step.answers, strict=True):
+        assert target.position is not None
+        moved, left = (float(np.linalg.norm(robot.tip(each)[:3, 3] - target.position)) for each in (before, q))
+        assert left < max(20.0 * change * moved, 1e-3)
+    after = judge.judge(robot, begin=step.answers)
+    assert after.objectives[0] < judged.objectives[0]
 
 
 def test_any_number_of_workers_and_any_interruption_leave_it_the_same(
@@ -165,15 +210,16 @@ def test_the_front_leaves_out_what_something_is_better_than() -> None:
 
 
 def test_generations_stay_within_the_ranges() -> None:
-    search = Search([0, 2], 3, 5, (2, np.array([0.5, 0.0, 1.0])))
+    search = Search([0, 2], 3, 5, known=(2, np.array([0.5, 0.0, 1.0])))
     found: list[Candidates] = []
     for number in range(8):
-        combination, shares = search.generation(number, found)
+        combination, shares, begin, source, _ = search.generation(number, found)
         assert set(combination.tolist()) <= {0, 2}
         assert ((shares >= 0.0) & (shares <= 1.0)).all()
         many = len(combination)
         own = shares.sum(axis=1, keepdims=True)
-        found.append(Candidates(combination, shares, np.full(many, 3), np.ones(many), own, np.full(many, -1)))
+        done = np.full(many, 3), np.ones(many), own, np.full(many, -1)
+        found.append(Candidates(combination, shares, *done, begin, source, np.ones(many, int)))
     assert found[0].combination[0] == 2
     assert found[-1].objectives.min() < found[0].objectives.min()
 

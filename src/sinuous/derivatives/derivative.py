@@ -15,7 +15,6 @@ from sinuous.derivatives.preferred import Wish, follow_minimum
 from sinuous.derivatives.rows import KeptRows, metric
 from sinuous.groups import PerGroup, check_asked, read_tangent
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.derivative.query import find_contacts
 from sinuous.kernels.velocity.layout import ACTUATOR, CLEARANCE, SELF_CLEARANCE
 from sinuous.problem.problem import Problem
 from sinuous.reprs import call
@@ -315,11 +314,7 @@ def clearance_change(problem: Problem, q: Floats, plan: Plan, moved: Floats) -> 
     if not free.any():
         return np.full(plan.columns, np.nan)
     bound = float((problem.scene.distance(points[free]) - own[free]).min())
-    answer = np.empty(plan.answer)
-    workspace = np.empty(plan.workspace.size)
-    tables = plan.group, problem.scene._kernel_group, plan.settings, problem._rows, plan.asked, plan.lines
-    find_contacts(*tables, q.copy(), bound + SAME_GAP * robot.mean_length, workspace, answer)
-    found = KeptRows(problem, plan, answer, q)
+    found = KeptRows.near(problem, plan, q, bound + SAME_GAP * robot.mean_length)
     if not len(found.rows):
         return np.full(plan.columns, np.nan)
     left = found.about[:, a.SLACK]

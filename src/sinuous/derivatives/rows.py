@@ -7,7 +7,7 @@ import numpy as np
 from sinuous.checks import Floats
 from sinuous.derivatives.parameters import Plan
 from sinuous.kernels.derivative import layout as a
-from sinuous.kernels.derivative.query import derive
+from sinuous.kernels.derivative.query import derive, find_contacts
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 from sinuous.problem.problem import Problem
 from sinuous.robot.robot import Robot
@@ -43,6 +43,14 @@ class KeptRows:
         group = problem.scene._kernel_group if plan.obstacles else None
         own = plan.group, group, plan.settings, problem._rows, plan.asked, plan.lines
         derive(*own, np.array(q), plan.workspace, answer)
+        return cls(problem, plan, answer, q)
+
+    @classmethod
+    def near(cls, problem: Problem, plan: Plan, q: Floats, keep: float) -> "KeptRows":
+        """Find the places of the body whose gaps to obstacles are at most about `keep`, which gaps count from."""
+        answer, workspace = np.empty(plan.answer), np.empty(plan.workspace.size)
+        own = plan.group, problem.scene._kernel_group, plan.settings, problem._rows, plan.asked, plan.lines
+        find_contacts(*own, q.copy(), keep, workspace, answer)
         return cls(problem, plan, answer, q)
 
     def at(self, q: Floats) -> "KeptRows":

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from sinuous.checks import Floats
 from sinuous.designing.objectives import Objective
 from sinuous.errors import InputError
 from sinuous.reprs import ShortRepr
@@ -27,6 +28,8 @@ class Found(NamedTuple):
         Tasks that are done, and all.
     share : float
         Of the targets that are met.
+    answers : dict of str to ndarray (n, 3)
+        Of each task that asks for targets the configuration that its objectives are those of: solves begin from it.
     """
 
     robot: Robot
@@ -35,6 +38,7 @@ class Found(NamedTuple):
     done: int
     tasks: int
     share: float
+    answers: dict[str, Floats]
 
 
 class Change(NamedTuple):
@@ -151,7 +155,12 @@ class Design(ShortRepr):
             "status": "solved" if self.solved else "unsolved",
             "minimise": list(self.minimise),
             "front": [
-                {**found._asdict(), "robot": found.robot.to_dict(), "objectives": dict(found.objectives)}
+                {
+                    **found._asdict(),
+                    "robot": found.robot.to_dict(),
+                    "objectives": dict(found.objectives),
+                    "answers": {name: q.tolist() for name, q in found.answers.items()},
+                }
                 for found in self.front
             ],
             "deciding": self.deciding,

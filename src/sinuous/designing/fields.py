@@ -53,6 +53,8 @@ class Space:
     choices : tuple of Choices
     combinations : tuple of tuple
         Of the values of `choices`.
+    segments : int
+        Most segments of any of these robots.
 
     Raises
     ------
@@ -73,9 +75,11 @@ class Space:
         if count > MOST_CHOICES:
             raise InputError("vary", f"lists {count} combinations", list(vary), f"at most {MOST_CHOICES}")
         self.combinations = tuple(itertools.product(*(each.values for each in self.choices)))
+        self.segments = 1
         for combination in self.combinations:
             for share in (0.0, 1.0):  # a field that does not exist is refused now
-                self.robot(combination, np.full(len(self.ranges), share), refuse=True)
+                robot = self.robot(combination, np.full(len(self.ranges), share), refuse=True)
+                self.segments = max(self.segments, 0 if robot is None else len(robot))
 
     @property
     def fields(self) -> tuple[str, ...]:

@@ -17,12 +17,12 @@ from sinuous.batch.checkpoint import Checkpoint, Memory, hash_of, problem_record
 from sinuous.batch.dispatch import Dispatcher, closing_engine
 from sinuous.batch.tables.layout import Block
 from sinuous.batch.work import Task as Chunk
-from sinuous.checks import Floats
+from sinuous.designing.descent import Judging, can_descend
 from sinuous.designing.design import Change, Cut, Design, Found
 from sinuous.designing.fields import Space
 from sinuous.designing.judge import Judge
 from sinuous.designing.objectives import Objective, read_objectives
-from sinuous.designing.search import Candidates, Search, front
+from sinuous.designing.search import Candidates, Drawn, Search, front
 from sinuous.errors import InputError, UnfinishedError
 from sinuous.progress import ProgressBar
 from sinuous.robot.robot import Robot
@@ -122,7 +122,8 @@ def design(
     if not left:
         first = cut[0][1]
         raise InputError("tasks", f"no robot of these can do {first.task}: {first.reason}", list(asked), "wider ranges")
-    search = Search(left, len(space.ranges), int(chosen.get("seed", 0)), space.shares_of(template))
+    sizes, seed = (len(asked), space.segments), int(chosen.get("seed", 0))
+    search = Search(left, len(space.ranges), seed, sizes, space.shares_of(template), can_descend(judge))
     with ProgressBar(count if checks.truth("progress", progress) else 0) as bar:
         run = _Run(judge, search, _kept(judge, out), bar.advance)
         found = run.until(count, began + seconds, engine, read_workers(workers))
@@ -145,26 +146,26 @@ class _Run:
         self.kept.open()
         known = set(self.kept.done())
         number = 0
-        with closing_engine(engine, self._judge, workers) as ready:
-            while sum(len(each.done) for each in self._found) < count:
-                combination, shares = self._search.generation(number, self._found)
+        with closing_engine(engine, Judging(self._judge), workers) as ready:
+            while sum(int(each.tried.sum()) for each in self._found) < count:
+                drawn = self._search.generation(number, self._found)
                 if number not in known:
                     if number and clock.perf_counter() >= end:
                         break
-                    self.kept.write(number, self._judged(ready, combination, shares, workers))
+                    self.kept.write(number, self._judged(ready, drawn, workers))
                 rows = self.kept.read(number)
-                names = "done", "share", "objectives", "failed"
-                self._found.append(Candidates(combination, shares, *(rows[name] for name in names)))
-                self._advance(len(combination))
+                own = {name: rows[name] for name in Candidates._fields if name not in ("combination", "source")}
+                self._found.append(Candidates(combination=drawn.combination, source=drawn.source, **own))
+                self._advance(int(rows["tried"].sum()))
                 number += 1
         return Candidates.joined(self._found)
 
-    def _judged(self, engine: Any, combination: Any, shares: Floats, workers: int) -> Block:
+    def _judged(self, engine: Any, drawn: Drawn, workers: int) -> Block:
         """Have a generation judged, in chunks for all workers."""
-        told = self._known()
-        parts = np.array_split(np.arange(len(combination)), min(len(combination), 4 * workers))
+        told, count = self._known(), len(drawn.combination)
+        parts = np.array_split(np.arange(count), min(count, 4 * workers))
         chunks = [
-            Chunk(i, int(part[0]), {**told, "combination": combination[part], "shares": shares[part]})
+            Chunk(i, int(part[0]), {**told, **{name: each[part] for name, each in drawn._asdict().items()}})
             for i, part in enumerate(parts)
         ]
         blocks: dict[int, Block] = {}
@@ -246,7 +247,7 @@ def _told(judge: Judge, found: Candidates, cut: tuple[Cut, ...], seconds: float)
         tried = found.failed[found.failed >= 0]
         failed = Counter(names[i] for i in tried.tolist())
     deciding = failed.most_common(1)[0][0] if failed else None
-    judged = int((found.failed != -2).sum())
+    judged = int(found.tried[found.failed != -2].sum())
     most = int(found.done.max(initial=0))
     return Design(judge.minimise, robots, deciding, changes, cut, judged, most, len(names), seconds)
 
@@ -258,7 +259,10 @@ def _found(judge: Judge, found: Candidates, i: int) -> Found:
     assert robot is not None
     objectives = _signed(judge.minimise, found.objectives[i])
     values = space.values(combination, shares)
-    return Found(robot, values, objectives, int(found.done[i]), len(judge.tasks), float(found.share[i]))
+    answers = {
+        name: q[: len(robot)] for name, q in zip(judge.tasks, found.answers[i], strict=True) if not np.isnan(q[0, 0])
+    }
+    return Found(robot, values, objectives, int(found.done[i]), len(judge.tasks), float(found.share[i]), answers)
 
 
 def _signed(minimise: tuple[Objective, ...], values: Iterable[float]) -> dict[str, float]:
@@ -276,7 +280,7 @@ def _changes(judge: Judge, found: Candidates, i: int) -> Iterator[Change]:
         for other in (value - step, value + step):
             shares = found.shares[i].copy()
             shares[place] = (other - each.low) / (each.high - each.low)
-            judged = judge.judge(space.robot(combination, shares))
+            judged = judge.judge(space.robot(combination, shares), begin=found.answers[i])
             counts = np.isfinite(judged.objectives).all()
             objectives = _signed(judge.minimise, judged.objectives) if counts else None
             yield Change(each.field, other, objectives, None if judged.failed == -1 else names[judged.failed])

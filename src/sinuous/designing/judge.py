@@ -8,8 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sinuous.assessing.tasks import Done, Meet, Task
-from sinuous.batch.tables.layout import Block
-from sinuous.batch.work import Task as Chunk
 from sinuous.checks import Floats
 from sinuous.designing.fields import Space
 from sinuous.designing.objectives import Objective, of_answers, of_robot
@@ -33,16 +31,19 @@ class Judged(NamedTuple):
     objectives : tuple of float
     failed : int
         Number of the first task that is not done, -1 where all are.
+    answers : ndarray (t, N, 3)
+        Configurations for targets that are met, of N segments at most; NaN elsewhere.
     """
 
     done: int
     share: float
     objectives: tuple[float, ...]
     failed: int
+    answers: Floats
 
 
 class Judge:
-    """Judges robots; may be pickled and sent to workers, as `sinuous.batch.work.Work` is.
+    """Judges robots; may be pickled.
 
     Parameters
     ----------
@@ -65,30 +66,11 @@ class Judge:
         self.space, self.tasks, self.scene = space, dict(tasks), scene
         self.minimise, self.options = minimise, dict(options)
 
-    def prepare(self) -> "Judge":
-        """Compile, or load, what judging needs."""
-        self.solver(self.space.template)
-        return self
-
     def solver(self, robot: Robot) -> Solver:
         """Return a solver for a robot; what is suspicious has been said of the template."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SuspiciousInput)
             return Solver(robot, self.scene, **self.options)
-
-    def __call__(self, chunk: Chunk) -> Block:
-        """Judge the robots of a chunk: combinations (k,), shares (k, d), and what `judge` is told."""
-        told = chunk.raw["bounds"], chunk.raw["order"].tolist(), bool(chunk.raw["stops"])
-        rows = [
-            self.judge(self.space.robot(self.space.combinations[int(i)], shares), *told)
-            for i, shares in zip(chunk.raw["combination"], chunk.raw["shares"], strict=True)
-        ]
-        return {
-            "done": np.array([row.done for row in rows]),
-            "share": np.array([row.share for row in rows]),
-            "objectives": np.array([row.objectives for row in rows]).reshape(len(rows), len(self.minimise)),
-            "failed": np.array([row.failed for row in rows]),
-        }
 
     def judge(
         self,
@@ -96,6 +78,7 @@ class Judge:
         bounds: Floats | None = None,
         order: Sequence[int] | None = None,
         stops: bool = False,
+        begin: Floats | None = None,
     ) -> Judged:
         """Judge one robot.
 
@@ -109,6 +92,8 @@ class Judge:
             In which the tasks are tried: those first that fail most often.
         stops : bool
             Whether the first task that is not done ends it: where robots are known that do all.
+        begin : ndarray (t, N, 3), optional
+            Answers of a robot nearby, which solves begin from; NaN where none is known.
         """
         if robot is None:
             return self._failing(0, 0.0, 0)
@@ -123,7 +108,8 @@ class Judge:
         whole, listed = "uncovered" in self.minimise, list(self.tasks.values())
         done: dict[int, Done] = {}
         for number in range(len(listed)) if order is None else order:
-            done[number] = _do(listed[number], solver)
+            start = None if begin is None or np.isnan(begin[number, 0, 0]) else begin[number, : len(robot)]
+            done[number] = _do(listed[number], solver, start)
             if stops and not whole and done[number].status != SOLVED:
                 return self._failing(len(done) - 1, 0.0, number)
         return self._judged(robot, [done[number] for number in range(len(listed))], whole)
@@ -138,10 +124,17 @@ class Judge:
         clear = [each.clearance for each in done if each.clearance is not None]
         shapes = [each.shapes for each in done if each.shapes is not None]
         own = (of_answers(name, robot, shapes, min(clear, default=None), share) for name in self.minimise)
-        return Judged(sum(solved), share, tuple(own), failed)
+        answers = self._no_answers()
+        for row, task, each in zip(answers, self.tasks.values(), done, strict=True):
+            if isinstance(task, Meet) and each.shapes is not None:
+                row[: len(robot)] = each.shapes[0]
+        return Judged(sum(solved), share, tuple(own), failed, answers)
+
+    def _no_answers(self) -> Floats:
+        return np.full((len(self.tasks), self.space.segments, 3), np.nan)
 
     def _failing(self, done: int, share: float, failed: int) -> Judged:
-        return Judged(done, share, (math.inf,) * len(self.minimise), failed)
+        return Judged(done, share, (math.inf,) * len(self.minimise), failed, self._no_answers())
 
     def _is_beyond(self, robot: Robot, bounds: Floats) -> bool:
         """Whether what is known of a robot without trying is no better than a robot that is known."""
@@ -149,11 +142,11 @@ class Judge:
         return all(value is not None and value >= bound for value, bound in zip(known, bounds, strict=True))
 
 
-def _do(task: Task, solver: Solver) -> Done:
+def _do(task: Task, solver: Solver, start: Floats | None) -> Done:
     """Try a task; of targets that are met at once nobody asks what holds them back, which takes longest."""
     if not isinstance(task, Meet):
         return task.do(solver)
-    found = solver.solve(task.targets)
+    found = solver.solve(task.targets, start)
     shapes = found.q[None] if found.solved else None
     proved = found.clearance, found.self_clearance
     return Done(str(found.status), float(found.solved), *proved, found.seconds, None, None, shapes)

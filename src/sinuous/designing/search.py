@@ -26,10 +26,35 @@ ANYWHERE, ELSEWHERE = 0.06, 0.15
 NEAREST, FARTHEST = 1e-3, 0.5
 """Sizes of steps, as shares of the ranges: any order of magnitude between the two is as likely."""
 
+DESCENTS, EVERY = 4, 6
+"""Candidates that are led down by derivatives, and how many generations there are from one time to the next."""
+
 PARENTS = 6
 """Most candidates that others are drawn near, beside those that nothing is better than."""
 
 Whole = NDArray[np.int64]
+
+
+class Drawn(NamedTuple):
+    """Robots that are to be judged.
+
+    Attributes
+    ----------
+    combination : ndarray of int (k,)
+    shares : ndarray (k, d)
+    begin : ndarray (k, t, N, 3)
+        Where answers to the tasks are looked for; NaN: anywhere.
+    source : ndarray of int (k,)
+        The candidate that a descent goes on from; -1: none does.
+    which : ndarray of int (k,)
+        The objective that it lowers.
+    """
+
+    combination: Whole
+    shares: Floats
+    begin: Floats
+    source: Whole
+    which: Whole
 
 
 class Candidates(NamedTuple):
@@ -45,6 +70,11 @@ class Candidates(NamedTuple):
         Infinite where they do not count.
     failed : ndarray of int (k,)
         The first task that is not done; -1: none; -2: it was not tried.
+    answers : ndarray (k, t, N, 3)
+    source : ndarray of int (k,)
+        As it was drawn.
+    tried : ndarray of int (k,)
+        How many were judged for it.
     """
 
     combination: Whole
@@ -53,6 +83,9 @@ class Candidates(NamedTuple):
     share: Floats
     objectives: Floats
     failed: Whole
+    answers: Floats
+    source: Whole
+    tried: Whole
 
     @classmethod
     def joined(cls, parts: Sequence["Candidates"]) -> "Candidates":
@@ -81,25 +114,62 @@ class Search:
     ranges : int
         How many.
     seed : int
+    answers : (int, int)
+        How many tasks there are, and most segments.
     known : (int, ndarray (d,)), optional
         The template, where it is one of these robots.
+    descends : bool
+        Whether candidates can be led down by derivatives.
     """
 
     def __init__(
-        self, open_combinations: Sequence[int], ranges: int, seed: int, known: tuple[int, Floats] | None
+        self,
+        open_combinations: Sequence[int],
+        ranges: int,
+        seed: int,
+        answers: tuple[int, int] = (0, 1),
+        known: tuple[int, Floats] | None = None,
+        descends: bool = False,
     ) -> None:
         self._open, self._ranges, self._seed, self._known = np.array(open_combinations), ranges, seed, known
+        self._nothing, self._descends = np.full((GENERATION, *answers, 3), np.nan), descends
 
-    def generation(self, number: int, found: Sequence[Candidates]) -> tuple[Whole, Floats]:
-        """Combinations (k,) and shares (k, d) of a generation, after those that were `found` before it."""
+    def generation(self, number: int, found: Sequence[Candidates]) -> Drawn:
+        """Draw a generation, after those that were `found` before it."""
         rng = np.random.default_rng([self._seed, number])
         if number < SCATTERED or not found:
             combination, shares = self._scattered(rng, GENERATION)
-        else:
-            combination, shares = self._near(rng, Candidates.joined(found))
-        if number == 0 and self._known is not None:
-            combination[0], shares[0] = self._known
-        return combination, shares
+            if number == 0 and self._known is not None:
+                combination[0], shares[0] = self._known
+            nowhere = np.full(GENERATION, -1)
+            return Drawn(combination, shares, self._nothing, nowhere, nowhere)
+        joined = Candidates.joined(found)
+        if self._descends and (number - SCATTERED) % EVERY == 0:
+            source, which = self._sources(joined)
+            if len(source):
+                return Drawn(joined.combination[source], joined.shares[source], joined.answers[source], source, which)
+        return self._near(rng, joined)
+
+    @staticmethod
+    def _sources(found: Candidates) -> tuple[Whole, Whole]:
+        """Candidates to go down from, and by which objective: the best, and the best of those that were anywhere."""
+        source: list[int] = []
+        which: list[int] = []
+        counts = np.isfinite(found.objectives).all(axis=1) & (found.source < 0)
+        counts[found.source[found.source >= 0]] = False
+        for i in range(DESCENTS):
+            objective = i % found.objectives.shape[1]
+            left = np.flatnonzero(counts)
+            early = left[left < SCATTERED * GENERATION]
+            left = early if i and len(early) else left
+            if len(left):
+                fresh = left[~np.isin(found.combination[left], found.combination[source])]
+                own = fresh if len(fresh) else left
+                best = int(own[np.argmin(found.objectives[own, objective])])
+                source.append(best)
+                which.append(objective)
+                counts[best] = False
+        return np.array(source, np.int64), np.array(which, np.int64)
 
     def _scattered(self, rng: Generator, count: int) -> tuple[Whole, Floats]:
         """Candidates anywhere: in each range one in each of as many equal parts (Latin hypercube)."""
@@ -108,16 +178,17 @@ class Search:
         turns = np.resize(rng.permutation(self._open), count)
         return turns, shares
 
-    def _near(self, rng: Generator, found: Candidates) -> tuple[Whole, Floats]:
+    def _near(self, rng: Generator, found: Candidates) -> Drawn:
         """Candidates near parents: along some of the ranges, by steps of any size, and up to the ends of them."""
         parents = self._parents(found)
         chosen = rng.choice(parents, GENERATION)
         combination, shares = found.combination[chosen].copy(), found.shares[chosen].copy()
+        begin = found.answers[chosen].copy()
         away, other = self._scattered(rng, GENERATION)
         for i in range(GENERATION):
             kind = rng.random()
             if kind < ANYWHERE:
-                combination[i], shares[i] = away[i], other[i]
+                combination[i], shares[i], begin[i] = away[i], other[i], np.nan
                 continue
             if kind < ANYWHERE + ELSEWHERE:
                 combination[i] = away[i]
@@ -126,7 +197,9 @@ class Search:
             if self._ranges and not moves.any():
                 moves[rng.integers(self._ranges)] = True
             shares[i] = np.clip(shares[i] + size * moves * rng.normal(size=self._ranges), 0.0, 1.0)
-        return combination, shares
+        begin[combination != found.combination[chosen]] = np.nan
+        nowhere = np.full(GENERATION, -1)
+        return Drawn(combination, shares, begin, nowhere, nowhere)
 
     @staticmethod
     def _parents(found: Candidates) -> Whole:

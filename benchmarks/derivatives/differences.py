@@ -202,21 +202,22 @@ def minimum_again(found: Solution, way: Tangent, h: float) -> Floats | None:
     return moved.configuration if moved.regular else None
 
 
-def least_gap(problem: Problem, q: Floats) -> float:
-    """Least distance between the surface of the body and the obstacles, densely sampled and then refined."""
+def least_gaps(problem: Problem, q: Floats) -> Floats:
+    """Least distances (m,) of bodies (m, n, 3) from the obstacles, densely sampled and then refined."""
     robot, scene = problem.robot, problem.scene
-    shares = np.linspace(0.0, 1.0, 401)
+    m, n = q.shape[:2]
+    shares = np.tile(np.linspace(0.0, 1.0, 401), (m, 1))
     for _ in range(4):
-        clearances = []
-        for k in range(len(robot)):
-            parts = np.repeat(q[None], len(shares), axis=0)
-            parts[:, k] *= shares[:, None]
-            clearances.append(scene.distance(robot.forward(parts)[:, k, :3, 3]) - robot.radii[k])
-        table = np.array(clearances)
-        i = int(np.unravel_index(table.argmin(), table.shape)[1])
-        width = shares[1] - shares[0]
-        shares = np.clip(np.linspace(shares[i] - width, shares[i] + width, 41), 0.0, 1.0)
-    return float(table.min())
+        parts = np.repeat(np.repeat(q[:, None, None], n, axis=1), shares.shape[1], axis=2)
+        for k in range(n):
+            parts[:, k, :, k] *= shares[..., None]
+        poses = robot.forward(parts.reshape(-1, n, 3)).reshape(*parts.shape[:3], n, 4, 4)
+        places = np.stack([poses[:, k, :, k, :3, 3] for k in range(n)], axis=1)
+        table = scene.distance(places.reshape(-1, 3)).reshape(places.shape[:3]) - np.array(robot.radii)[:, None]
+        least, width = table.min(axis=1).argmin(axis=1), shares[:, 1] - shares[:, 0]
+        middle = shares[np.arange(m), least]
+        shares = np.clip(middle[:, None] + width[:, None] * np.linspace(-1.0, 1.0, 41), 0.0, 1.0)
+    return np.asarray(table.min(axis=(1, 2)))
 
 
 Solved = Callable[[Solution, Tangent, float], Floats | None]

@@ -7,6 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sinuous.arguments import MethodName
+from sinuous.methods.learned.search import Learned
+from sinuous.methods.learned.training import FEWEST, train
 from sinuous.methods.registry import METHODS, name_of
 from sinuous.motion.motion import Motion
 from sinuous.motion.planning.rrt_connect import load_trees
@@ -62,9 +65,7 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
         Step("preferences", lambda: Solver.once(ROBOT, prefer=Preferences(bends=1.0))),
         Step("preferences among obstacles", lambda: Solver.once(ROBOT, FAR, prefer=Preferences(bends=1.0))),
     ]
-    others = [
-        Step(f"the method {name}", partial(Solver, ROBOT, FAR, method=name)) for name in chosen if name != "newton"
-    ]
+    others = [Step(f"the method {name}", partial(_method, name)) for name in chosen if name != "newton"]
     geometry = [
         Step("kinematics", _kinematics),
         Step("distances", _distances),
@@ -77,6 +78,13 @@ def steps(methods: Iterable[str] = METHODS) -> list[Step]:
         Step("shapes under load", _shapes_under_load),
     ]
     return [*(own if "newton" in chosen else []), *geometry, *others]
+
+
+def _method(name: MethodName) -> None:
+    """Use a method; `learned` with a network that learns as little as can be: training takes seconds."""
+    learned = name == "learned"
+    method = Learned(train(ROBOT, FAR, samples=2 * FEWEST, width=1, rounds=1)) if learned else name
+    Solver(ROBOT, FAR, method=method)
 
 
 def _motions() -> None:

@@ -134,6 +134,16 @@ def _each(key: str, value: OneEach | None) -> OneEach | None:
     return None if value is None else checks.one_each(key, value, None, "segment")
 
 
+MEANT = {
+    "obstacles": "scene, the obstacles as a list or a Scene",
+    "world": "scene, the obstacles as a list or a Scene",
+    "guess": "initial, the configuration to begin from",
+    "q0": "initial, the configuration to begin from",
+    "timeout": "time, the budget in seconds",
+}
+"""What is meant by options that are often guessed, and whose names are unlike."""
+
+
 def refuse_unknown(given: Mapping[str, Any], known: type, *more: str) -> None:
     """Refuse options that a call does not have; `known` declares those that it has, and all of them are listed.
 
@@ -144,4 +154,4 @@ def refuse_unknown(given: Mapping[str, Any], known: type, *more: str) -> None:
     names = (*more, *known.__annotations__)
     for key, value in given.items():
         if key not in names:
-            raise InputError(key, "is not known", value, suggested(key, names))
+            raise InputError(key, "is not known", value, MEANT.get(key) or suggested(key, names))

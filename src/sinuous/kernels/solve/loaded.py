@@ -33,7 +33,8 @@ from sinuous.kernels.statics.drive import answer_drive, fill
 from sinuous.kernels.statics.newton import Body, Space, carve, room_for
 from sinuous.kernels.statics.sweeps import move
 from sinuous.kernels.step import limits
-from sinuous.kernels.step.coupling import LEAST, solve_symmetric
+from sinuous.kernels.step.coupling import LEAST
+from sinuous.kernels.step.dense import solve_symmetric
 from sinuous.kernels.step.targets import add_rows, end_segment
 from sinuous.kernels.tables import BEND_SCALE, LENGTH_SCALE
 

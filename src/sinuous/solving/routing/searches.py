@@ -35,11 +35,8 @@ from sinuous.solving.starts import Deadline
 COARSE = 64
 """Finest cells in the length of the longest robot, at most, at first."""
 
-CELLS = (1 << 14, 1 << 17)
-"""Most cells of a search, by blocks of eight of which some nobody looks at: at first, and where that is too few."""
-
-LARGEST = 1 << 19
-"""Most cells of the last search, which proves that large rooms are closed."""
+CELLS = (1 << 14, 1 << 17, 1 << 19)
+"""Most cells of a search, by blocks of eight of which some nobody looks at."""
 
 POINTS = 1024
 """Most points of a route."""
@@ -54,9 +51,9 @@ there is a door."""
 ROUNDING = 1e-9
 """By what share of its mount a body must be longer at least to end beyond it for certain."""
 
-MEMORY = BufferPool(most=2, largest=memory_size(CELLS[-1]))
-"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most, but 62 MB
-for the largest one, which is not kept after the search; of the others two are."""
+MEMORY = BufferPool(most=2, largest=memory_size(CELLS[1]))
+"""What all searches of this process work in. A search takes 118 bytes a cell and 0.2 MB: 16 MB at most in the last but
+one size, 62 MB in the largest. The largest is not kept after the search; of the others two are."""
 
 
 class Plan(NamedTuple):
@@ -134,7 +131,7 @@ class Searches:
     @property
     def single_plans(self) -> tuple[Plan, ...]:
         """Searches for one route, which prove nothing, from the quickest to the most thorough."""
-        few, many = CELLS
+        few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
         edge = 2.0 * coarse.cell
         first = coarse._replace(cell=edge, clearance=_wide_enough(self._radius, edge))
@@ -144,7 +141,7 @@ class Searches:
 
     def leg_plans(self, finest: bool) -> tuple[Plan, ...]:
         """Searches for the route from one target to the next, the first of which that finds one."""
-        few, many = CELLS
+        few, many, _ = CELLS
         coarse, fine = self.coarse, self.fine
         among = ((fine, few), (fine, many), (coarse, few)) if finest else ((coarse, few), (fine, few), (fine, many))
         plans = [plan._replace(cells=cells) for plan, cells in among]

@@ -52,6 +52,14 @@ def test_the_tendon_that_binds_is_named_and_its_opposite_too() -> None:
         assert "limits stop the best found: displacement of s1.t1 and s1.t3" in text
 
 
+def test_where_no_limit_is_found_to_bind_the_status_alone_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sn.Solution, "_find_binding", lambda _: ())
+    robot = sn.Robot.uniform(1, (0.9, 1.1), 3.0, tendons=sn.Tendons(4, 0.1, displacement=(-0.1, 0.1)))
+    solution = sn.solve(robot, sn.Target(direction=(np.sin(1.3), 0, np.cos(1.3))))
+    assert solution.status is sn.Status.LIMIT_BOUND
+    assert solution.sentence == sn.Status.LIMIT_BOUND.sentence
+
+
 def test_the_chamber_that_binds_is_named() -> None:
     robot = sn.Robot.uniform(1, 1.0, 3.0, chambers=sn.Chambers(3, 0.1, length=(0.9, 1.2)))
     solution = sn.solve(robot, sn.Target(direction=(1, 0, -0.5)))

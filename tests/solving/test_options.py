@@ -78,4 +78,5 @@ def test_an_unknown_option_is_answered_with_all_that_there_are() -> None:
     ("guess", "meant"), [("obstacles", "scene"), ("guess", "initial"), ("timeout", "time"), ("tolerances", "tolerance")]
 )
 def test_an_option_that_is_guessed_is_answered_with_what_is_meant(guess: str, meant: str) -> None:
-    refused(guess, lambda: sn.solve(ROBOT, (0.0, 0.0, 1.0), **{guess: 1}), meant)
+    given: Any = {guess: 1}
+    refused(guess, lambda: sn.solve(ROBOT, (0.0, 0.0, 1.0), **given), meant)

@@ -335,9 +335,10 @@ class Solution(NotebookMixin):
             return f"{self.status.sentence}: no stable equilibrium under its loads was found"
         if self.status in _OF_CLEARANCE and self.problem.robot.demands:
             return f"{self.status.sentence}, {_OF_CLEARANCE[self.status]}"
-        if self.status is not Status.LIMIT_BOUND:
+        held = self.binding if self.status is Status.LIMIT_BOUND else ()
+        limits = [each for each in held if each.key is not None]
+        if not limits:
             return self.status.sentence
-        limits = [each for each in self.binding if each.key is not None]
         return f"{self.status.sentence}: {listed(in_words(limits, len(self.problem.robot)))}"
 
     def explain(self, time: Number = 2.0) -> Explanation:

@@ -267,12 +267,13 @@ def test_the_nearest_is_no_farther_than_the_best_that_was_found(seed: int) -> No
     """A tip whose place no search finds anew is offered with the start from which it is met."""
     place = 100.0, 30.0, -130.0
     target = sn.Target(place, direction=(0, 0, 1))
-    solution = sn.solve(BELLOWS, target, seed=seed, max_starts=1000)
+    solution = sn.solve(BELLOWS, target, seed=seed, max_starts=1000, time=ENOUGH)
     assert solution.position_error is not None
     remedies = helped(solution)
     for key in ("position", "direction"):
         remedy = remedies[f"target {key}"]
-        then = sn.solve(BELLOWS, target.changed(**{key: remedy.after}), initial=remedy.start, seed=seed)
+        asked = target.changed(**{key: remedy.after})
+        then = sn.solve(BELLOWS, asked, initial=remedy.start, seed=seed, time=ENOUGH)
         assert then.solved
         assert then.verify().ok
         assert ("start" in remedy.to_dict()) == (remedy.start is not None) == ("start" in str(remedy))

@@ -38,8 +38,8 @@ from sinuous.scene.scene import Scene, SceneLike, as_scene
 WIDEST = 0.5 * math.pi
 """Most bend of a segment of drawn shapes, in rad, where its limits allow as much."""
 
-STARTS, SECONDS = 4, 1e-3
-"""Most starts of a target, and most time: what takes longer is left out."""
+STARTS, SECONDS = 4, 10.0
+"""Most starts of a target, which end it, and a time that no machine needs for them: a seed gives one network."""
 
 FEWEST = 100
 """Solved targets from which a network can learn; where obstacles leave fewer, the robot alone is learned."""

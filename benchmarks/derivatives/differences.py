@@ -204,23 +204,17 @@ def minimum_again(found: Solution, way: Tangent, h: float) -> Floats | None:
 
 def least_gap(problem: Problem, q: Floats) -> float:
     """Least distance between the surface of the body and the obstacles, densely sampled and then refined."""
-    robot, scene = problem.robot, problem.scene
-    shares = np.linspace(0.0, 1.0, 401)
-    for _ in range(4):
-        clearances = []
-        for k in range(len(robot)):
+    robot, least = problem.robot, np.inf
+    for k in range(len(robot)):  # each by itself: the nearest place may be just before the end of one
+        shares = np.linspace(0.0, 1.0, 401)
+        for _ in range(4):
             parts = np.repeat(q[None], len(shares), axis=0)
             parts[:, k] *= shares[:, None]
-            clearances.append(scene.distance(robot.forward(parts)[:, k, :3, 3]) - robot.radii[k])
-        table = np.array(clearances)
-        i = int(np.unravel_index(table.argmin(), table.shape)[1])
-        width = shares[1] - shares[0]
-        shares = np.clip(np.linspace(shares[i] - width, shares[i] + width, 41), 0.0, 1.0)
-    return float(table.min())
-
-
-Solved = Callable[[Solution, Tangent, float], Floats | None]
-"""What finds the answer after the parameters have moved."""
+            gaps = problem.scene.distance(robot.forward(parts)[:, k, :3, 3]) - robot.radii[k]
+            least = min(least, float(gaps.min()))
+            width, place = np.ptp(shares) / (len(shares) - 1), shares[int(gaps.argmin())]
+            shares = np.linspace(max(place - width, 0.0), min(place + width, 1.0), 41)
+    return least
 
 
 class Agreement(NamedTuple):
@@ -238,18 +232,38 @@ class Agreement(NamedTuple):
     step: float
 
 
-def agreement(
-    found: Solution, motion: Floats, way: Tangent, one_sided: bool = False, solved: Solved = again
-) -> Agreement:
+def agreement(found: Solution, motion: Floats, way: Tangent, one_sided: bool = False) -> Agreement:
     """Compare a derivative (n, 3) along a tangent with central differences, or with those to one side."""
+
+    def difference(h: float) -> Floats | None:
+        before = found.q if one_sided else again(found, way, -h)
+        after = None if before is None else again(found, way, h)
+        return None if after is None or before is None else (after - before) / (h if one_sided else 2.0 * h)
+
+    return _best(found, motion, difference)
+
+
+def agreement_of_minima(found: Solution, motion: Floats, way: Tangent) -> Agreement:
+    """Compare it with differences of minima of what is preferred: near straight shapes they curve, so two steps."""
+
+    def difference(h: float) -> Floats | None:
+        ends = [minimum_again(found, way, size) for size in (h, -h, 0.5 * h, -0.5 * h)]
+        far, near, less, more = ends
+        if far is None or near is None or less is None or more is None:
+            return None
+        return (8.0 * (less - more) - (far - near)) / (6.0 * h)
+
+    return _best(found, motion, difference)
+
+
+def _best(found: Solution, motion: Floats, difference: Callable[[float], Floats | None]) -> Agreement:
+    """How well a derivative agrees at the step at which it does so best."""
     scale = np.array([1.0, 1.0, found.problem.robot.mean_length])
     best = Agreement(np.inf, np.nan)
     for h in SHARES:
-        after = solved(found, way, h)
-        before = found.q if one_sided else solved(found, way, -h)
-        if after is None or before is None:
+        change = difference(h)
+        if change is None:
             continue
-        change = (after - before) / (h if one_sided else 2.0 * h)
         size = max(float(np.linalg.norm(change / scale)), float(np.linalg.norm(motion / scale)), 1e-3)
         best = min(best, Agreement(float(np.linalg.norm((change - motion) / scale)) / size, h))
         if best.error < 1e-8:
